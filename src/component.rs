@@ -532,7 +532,8 @@ impl Component {
     /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.
     ///
     /// # Errors
-    /// If a known is not an input or an unknown not an output, or the component has no model yet.
+    /// If a known is not an input or an unknown not an output, an input is one that a step refuses, or the component has no model
+    /// yet.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[ValueReference],
@@ -551,6 +552,9 @@ impl Component {
             unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
         {
             return Err(format!("value reference {unknown} is not an output"));
+        }
+        if self.suspect {
+            self.check_inputs(0.0)?;
         }
         // Builds the model if initialisation has not ended yet.
         self.get(FIRST_OUTPUT as ValueReference);

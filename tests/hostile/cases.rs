@@ -1,5 +1,6 @@
 //! The table of hostile cases.
 
+use std::panic::{self, AssertUnwindSafe};
 use std::ptr;
 
 use scene::fnv::Fnv;
@@ -7,9 +8,9 @@ use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status::{self, Discard, Error, Ok};
 
 use crate::importer::{Importer, reference};
-use crate::run::Call::{Initialise, Other, Set, Slope, Step, StepFrom};
+use crate::run::Call::{Initialise, Other, Set, Slope, Step, StepFrom, Steps};
 use crate::run::From::{Instantiated, Stepping};
-use crate::run::{Call, Case, Level};
+use crate::run::{Call, Case, Level, Runner};
 
 const NAN: f64 = f64::NAN;
 const INFINITE: f64 = f64::INFINITY;
@@ -31,7 +32,6 @@ const LINE: f64 = 3.0;
 const FIELD: f64 = 4.0;
 
 const LUMPED: &[Level] = &[Level::Lumped];
-const COLD: &[Level] = &[Level::Cold];
 const HOT: &[Level] = &[Level::Hot];
 const CELLS: &[Level] = &[Level::Cold, Level::Hot];
 const EACH: &[Level] = &[Level::Lumped, Level::Cold, Level::Hot];
@@ -63,27 +63,18 @@ const V: &str = "sliding_velocity";
 const F: &str = "normal_load";
 const BRISTLE: &[(&str, f64)] = &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)];
 
-/// Groups of rows, in the order of the page on robustness.
-pub const GROUPS: &[(&str, &[Case])] = &[
-    ("inputs that are no numbers", NO_NUMBERS),
-    ("inputs beyond their limits", BEYOND),
-    ("inputs that are extreme and allowed", EXTREME),
-    ("lengths of steps and times", STEPS),
-    ("parameters one by one", PARAMETERS),
-    ("geometry", GEOMETRY),
-    ("options that contradict each other", OPTIONS),
-    ("limits of the model", LIMITS),
-    ("states", STATES),
-    ("order of calls", ORDER),
-    ("arrays, references and types", ARRAYS),
-];
-
 const NO_NUMBERS: &[Case] = &[
     stepping("velocity NaN", ALL, &[Set(V, NAN), Step(0.01)], Error, &["sliding_velocity = NaN is not a finite"]),
     stepping("velocity infinite", EACH, &[Set(V, INFINITE), Step(0.01)], Error, &["sliding_velocity = inf"]),
     stepping("load NaN", ALL, &[Set(F, NAN), Step(0.01)], Error, &["normal_load = NaN is not a finite"]),
     stepping("load minus infinite", EACH, &[Set(F, -INFINITE), Step(0.01)], Error, &["normal_load = -inf"]),
-    stepping("angular velocity NaN", EACH, &[Set("angular_velocity", NAN), Step(0.01)], Error, &["angular_velocity = NaN"]),
+    stepping(
+        "angular velocity NaN",
+        EACH,
+        &[Set("angular_velocity", NAN), Step(0.01)],
+        Error,
+        &["angular_velocity = NaN"],
+    ),
     stepping(
         "ambient offset NaN",
         EACH,
@@ -91,7 +82,13 @@ const NO_NUMBERS: &[Case] = &[
         Error,
         &["ambient_temperature_offset = NaN"],
     ),
-    stepping("air speed infinite", EACH, &[Set("cooling_velocity", INFINITE), Step(0.01)], Error, &["cooling_velocity = inf"]),
+    stepping(
+        "air speed infinite",
+        EACH,
+        &[Set("cooling_velocity", INFINITE), Step(0.01)],
+        Error,
+        &["cooling_velocity = inf"],
+    ),
     stepping(
         "external temperature NaN, where it acts",
         EACH,
@@ -99,7 +96,11 @@ const NO_NUMBERS: &[Case] = &[
         Error,
         &["punch.external_temperature = NaN"],
     )
-    .of(&[("punch.external_conductance", 1.0), ("punch.top_thermal", CONVECTING)]),
+    .of(&[
+        ("punch.external_conductance", 1.0),
+        ("punch.top_thermal", CONVECTING),
+        ("punch.external_temperature", 300.0),
+    ]),
     stepping(
         "external temperature NaN, where it does not act",
         EACH,
@@ -107,14 +108,38 @@ const NO_NUMBERS: &[Case] = &[
         Error,
         &["strip.external_temperature = NaN"],
     ),
-    stepping("derivative NaN", EACH, &[Slope(V, NAN), Step(0.01)], Error, &["the derivative of sliding_velocity = NaN"]),
-    stepping("derivative infinite", EACH, &[Slope(F, INFINITE), Step(0.01)], Error, &["the derivative of normal_load = inf"]),
+    stepping(
+        "derivative NaN",
+        EACH,
+        &[Slope(V, NAN), Step(0.01)],
+        Error,
+        &["the derivative of sliding_velocity = NaN"],
+    ),
+    stepping(
+        "derivative infinite",
+        EACH,
+        &[Slope(F, INFINITE), Step(0.01)],
+        Error,
+        &["the derivative of normal_load = inf"],
+    ),
     before("input NaN at initialisation", EACH, &[Set(F, NAN), Initialise], Error, &["normal_load = NaN"]),
 ];
 
 const BEYOND: &[Case] = &[
-    stepping("velocity of 2e12 m/s", EACH, &[Set(V, 2e12), Step(0.01)], Error, &["sliding_velocity = 2e12 m/s", "1e12 m/s"]),
-    stepping("velocity of -1e300 m/s", EACH, &[Set(V, -1e300), Step(0.01)], Error, &["sliding_velocity = -1e300 m/s", "-1e12"]),
+    stepping(
+        "velocity of 2e12 m/s",
+        EACH,
+        &[Set(V, 2e12), Step(0.01)],
+        Error,
+        &["sliding_velocity = 2e12 m/s", "1e12 m/s"],
+    ),
+    stepping(
+        "velocity of -1e300 m/s",
+        EACH,
+        &[Set(V, -1e300), Step(0.01)],
+        Error,
+        &["sliding_velocity = -1e300 m/s", "-1e12"],
+    ),
     stepping("load of 2e12 N", EACH, &[Set(F, 2e12), Step(0.01)], Error, &["normal_load = 2e12 N", "1e12 N"]),
     stepping("load of -1e300 N", EACH, &[Set(F, -1e300), Step(0.01)], Error, &["normal_load = -1e300 N", "-1e12 N"]),
     stepping(
@@ -190,14 +215,26 @@ const BEYOND: &[Case] = &[
 
 const EXTREME: &[Case] = &[
     stepping("velocity 5e-324 m/s", EACH, &[Set(V, 5e-324), Step(0.01)], Ok, &[]),
-    stepping("velocity 1e-300 m/s", ALL, &[Set(V, 1e-300), Step(0.01)], Ok, &[]),
+    stepping("velocity 1e-300 m/s", EACH, &[Set(V, 1e-300), Step(0.01)], Ok, &[]),
     stepping("velocity -0", EACH, &[Set(V, -0.0), Step(0.01)], Ok, &[]),
     stepping("load 5e-324 N", EACH, &[Set(F, 5e-324), Step(0.01)], Ok, &[]),
-    stepping("load 1e-300 N", ALL, &[Set(F, 1e-300), Step(0.01)], Ok, &[]),
+    stepping("load 1e-300 N", EACH, &[Set(F, 1e-300), Step(0.01)], Ok, &[]),
     stepping("load 0", ALL, &[Set(F, 0.0), Step(0.01), Step(1.0)], Ok, &[]),
-    stepping("velocity and load 0", ALL, &[Set(V, 0.0), Set(F, 0.0), Step(0.01), Step(10.0)], Ok, &[]),
-    stepping("load below 0", ALL, &[Set(F, -5.0), Step(0.01)], Ok, &["normal_load = -5 N is below 0 N and counts as 0"]),
-    stepping("a load that falls through 0", EACH, &[Slope(F, -4e5), Step(0.01)], Ok, &["normal_load = -2000 N", "counts as 0"]),
+    stepping("velocity and load 0", EACH, &[Set(V, 0.0), Set(F, 0.0), Step(0.01), Step(10.0)], Ok, &[]),
+    stepping(
+        "load below 0",
+        EACH,
+        &[Set(F, -5.0), Step(0.01)],
+        Ok,
+        &["normal_load = -5 N is below 0 N and counts as 0"],
+    ),
+    stepping(
+        "a load that falls through 0",
+        EACH,
+        &[Slope(F, -4e5), Step(0.01)],
+        Ok,
+        &["normal_load = -2000 N", "counts as 0"],
+    ),
     stepping(
         "a load that rises through 0",
         EACH,
@@ -205,9 +242,21 @@ const EXTREME: &[Case] = &[
         Ok,
         &["normal_load = -2000 N", "counts as 0"],
     ),
-    stepping("a slope that reverses the velocity", ALL, &[Slope(V, -400.0), Step(0.01)], Ok, &[]),
-    stepping("velocity and load through 0 at once", EACH, &[Slope(V, -400.0), Slope(F, -4e5), Step(0.01)], Ok, &["counts as 0"]),
-    stepping("velocity and load through 0 at different times", EACH, &[Slope(V, -800.0), Slope(F, -3e5), Step(0.01)], Ok, &[]),
+    stepping("a slope that reverses the velocity", EACH, &[Slope(V, -400.0), Step(0.01)], Ok, &[]),
+    stepping(
+        "velocity and load through 0 at once",
+        EACH,
+        &[Slope(V, -400.0), Slope(F, -4e5), Step(0.01)],
+        Ok,
+        &["counts as 0"],
+    ),
+    stepping(
+        "velocity and load through 0 at different times",
+        EACH,
+        &[Slope(V, -800.0), Slope(F, -3e5), Step(0.01)],
+        Ok,
+        &[],
+    ),
     stepping("reversal at rest", ALL, &[Set(V, 0.0), Step(0.01), Set(V, -2.0), Step(0.01)], Ok, &[]),
     stepping(
         "reversal at rest with a bristle",
@@ -231,32 +280,38 @@ const EXTREME: &[Case] = &[
     ),
     stepping("ambient of 1 mK", EACH, &[Set("ambient_temperature_offset", -293.149), Step(0.01)], Ok, &[]),
     stepping(
-        "surroundings of 1e5 K on a radiating punch",
+        "surroundings of 1e4 K on a radiating punch",
         EACH,
-        &[Set("ambient_temperature_offset", 1e5), Step(0.01)],
+        &[Set("ambient_temperature_offset", 9700.0), Step(0.01)],
         Ok,
-        &["outside the model's validity"],
+        &[],
     )
     .of(&[("punch.emissivity", 0.6)]),
-    stepping("velocity and load at their limits", EACH, &[Set(V, 1e12), Set(F, 1e12), Step(0.01)], Error, &["sliding_velocity"]),
+    stepping("velocity and load at their limits", EACH, &[Set(V, 1e12), Set(F, 1e12), Step(0.01)], Error, &[]),
     stepping("velocity at its limit without load", EACH, &[Set(V, 1e12), Set(F, 0.0), Step(0.01)], Ok, &[]),
-    stepping("load at its limit at rest", EACH, &[Set(V, 0.0), Set(F, 1e12), Step(0.01)], Ok, &["outside the model's validity"]),
+    stepping(
+        "load at its limit at rest",
+        EACH,
+        &[Set(V, 0.0), Set(F, 1e12), Step(0.01)],
+        Ok,
+        &["outside the model's validity"],
+    ),
 ];
 
 const STEPS: &[Case] = &[
     stepping("a step of 0", ALL, &[Step(0.0)], Ok, &[]),
     stepping("a step of -0", EACH, &[Step(-0.0)], Ok, &[]),
     stepping("a step of 0 with a derivative", EACH, &[Slope(V, 1e3), Step(0.0)], Ok, &[]),
-    stepping("a step of -0.01 s", ALL, &[Step(-0.01)], Error, &["communication step -0.01 s"]),
-    stepping("a step of NaN", ALL, &[Step(NAN)], Error, &["communication step NaN s"]),
-    stepping("an infinite step", ALL, &[Step(INFINITE)], Error, &["communication step inf s"]),
-    stepping("a step of 1e-310 s", ALL, &[Step(1e-310)], Error, &["1e-310 s", "shorter than 1e-24 s"]),
+    stepping("a step of -0.01 s", EACH, &[Step(-0.01)], Error, &["the step -0.01 s must be a finite number >= 0"]),
+    stepping("a step of NaN", EACH, &[Step(NAN)], Error, &["the step NaN s must be a finite number >= 0"]),
+    stepping("an infinite step", EACH, &[Step(INFINITE)], Error, &["the step inf s must be a finite number >= 0"]),
+    stepping("a step of 1e-310 s", EACH, &[Step(1e-310)], Error, &["1e-310 s", "shorter than 1e-24 s"]),
     stepping("the shortest step", EACH, &[Step(1e-24)], Ok, &[]),
     stepping("a step of a picosecond", EACH, &[Step(1e-12)], Ok, &[]),
-    stepping("a step of 1e300 s", ALL, &[Step(1e300)], Error, &["1e300 s", "longer than 1e9 s"]),
+    stepping("a step of 1e300 s", EACH, &[Step(1e300)], Error, &["1e300 s", "longer than 1e9 s"]),
     stepping("a step a little too long", EACH, &[Step(1.1e9)], Error, &["1.1e9 s", "longer than 1e9 s"]),
     stepping("the longest step, at rest", EACH, &[Set(V, 0.0), Step(1e9)], Ok, &[]),
-    stepping("a step from a point ahead", ALL, &[StepFrom(1.0, 0.01)], Error, &["communication point 1 s", "0.03"]),
+    stepping("a step from a point ahead", EACH, &[StepFrom(1.0, 0.01)], Error, &["communication point 1 s", "0.03"]),
     stepping("a step from NaN", EACH, &[StepFrom(NAN, 0.01)], Error, &["communication point NaN s"]),
     before(
         "a step past the stop time",
@@ -275,22 +330,95 @@ const STEPS: &[Case] = &[
 ];
 
 const PARAMETERS: &[Case] = &[
-    before("a length below its minimum", LUMPED, &[Set("punch.height", -1.0)], Discard, &["punch.height: -1 m", "minimum 1e-6 m"]),
-    before("a length above its maximum", LUMPED, &[Set("punch.width", 11.0)], Discard, &["punch.width: 11 m", "maximum 10 m"]),
+    before(
+        "a length below its minimum",
+        LUMPED,
+        &[Set("punch.height", -1.0)],
+        Discard,
+        &["punch.height: -1 m", "minimum 1e-6 m"],
+    ),
+    before(
+        "a length above its maximum",
+        LUMPED,
+        &[Set("punch.width", 11.0)],
+        Discard,
+        &["punch.width: 11 m", "maximum 10 m"],
+    ),
     before("a parameter NaN", LUMPED, &[Set("depth", NAN)], Discard, &["depth: NaN is not a finite number"]),
-    before("Poisson's ratio of a half", LUMPED, &[Set("punch.poissons_ratio", 0.5)], Discard, &["punch.poissons_ratio: 0.5", "0.4999"]),
-    before("an item that does not exist", LUMPED, &[Set("strip.path", 3.0)], Discard, &["strip.path: 3", "1 = straight"]),
+    before(
+        "Poisson's ratio of a half",
+        LUMPED,
+        &[Set("punch.poissons_ratio", 0.5)],
+        Discard,
+        &["punch.poissons_ratio: 0.5", "0.4999"],
+    ),
+    before(
+        "an item that does not exist",
+        LUMPED,
+        &[Set("strip.path", 3.0)],
+        Discard,
+        &["strip.path: 3", "1 = straight"],
+    ),
     before("a Boolean of 2", LUMPED, &[Set("contact.shear_coupling", 2.0)], Discard, &["contact.shear_coupling: 2"]),
     before("too many cells", LUMPED, &[Set("solver.cells", 1026.0)], Discard, &["solver.cells: 1026", "maximum 1025"]),
-    before("a tolerance of 1e-11", LUMPED, &[Set("solver.tolerance", 1e-11)], Discard, &["solver.tolerance: 1e-11", "1e-10"]),
-    before("0 K for the ambient", LUMPED, &[Set("ambient_temperature", 0.0)], Discard, &["ambient_temperature: 0 K", "minimum 1 K"]),
-    stepping("negative friction", EACH, &[Set("contact.friction_coefficient", -0.1)], Discard, &["contact.friction_coefficient: -0.1", "minimum 0"]),
-    stepping("friction NaN", EACH, &[Set("contact.friction_coefficient", NAN)], Discard, &["contact.friction_coefficient: NaN"]),
+    before(
+        "a tolerance of 1e-11",
+        LUMPED,
+        &[Set("solver.tolerance", 1e-11)],
+        Discard,
+        &["solver.tolerance: 1e-11", "1e-10"],
+    ),
+    before(
+        "0 K for the ambient",
+        LUMPED,
+        &[Set("ambient_temperature", 0.0)],
+        Discard,
+        &["ambient_temperature: 0 K", "minimum 1 K"],
+    ),
+    stepping(
+        "negative friction",
+        EACH,
+        &[Set("contact.friction_coefficient", -0.1)],
+        Discard,
+        &["contact.friction_coefficient: -0.1", "minimum 0"],
+    ),
+    stepping(
+        "friction NaN",
+        EACH,
+        &[Set("contact.friction_coefficient", NAN)],
+        Discard,
+        &["contact.friction_coefficient: NaN"],
+    ),
     stepping("friction of 10", EACH, &[Set("contact.friction_coefficient", 10.0), Step(0.01)], Ok, &[]),
     stepping("no friction any more", EACH, &[Set("contact.friction_coefficient", 0.0), Step(0.01)], Ok, &[]),
-    stepping("wear slowed down", EACH, &[Set("wear_acceleration", 0.5)], Discard, &["wear_acceleration: 0.5", "minimum 1"]),
-    stepping("wear a billion times as fast", EACH, &[Set("wear_acceleration", 1e9), Step(1.0)], Error, &["worn through"]),
-    stepping("a fixed parameter while stepping", EACH, &[Set("punch.height", 0.02)], Error, &["punch.height is a fixed parameter"]),
+    stepping(
+        "wear slowed down",
+        EACH,
+        &[Set("wear_acceleration", 0.5)],
+        Discard,
+        &["wear_acceleration: 0.5", "minimum 1"],
+    ),
+    stepping(
+        "wear a billion times as fast",
+        &[Level::Lumped, Level::Cold],
+        &[Set("wear_acceleration", 1e9), Step(1.0)],
+        Error,
+        &["worn through", "punch.height = 0.012 m"],
+    ),
+    stepping(
+        "wear so fast that it hides instability",
+        HOT,
+        &[Set("wear_acceleration", 1e6), Step(1.0)],
+        Error,
+        &["wear_acceleration = 1e6 hides thermoelastic instability", "11948.1", "the limit is 0.5"],
+    ),
+    stepping(
+        "a fixed parameter while stepping",
+        EACH,
+        &[Set("punch.height", 0.02)],
+        Error,
+        &["punch.height is a fixed parameter"],
+    ),
 ];
 
 const GEOMETRY: &[Case] = &[
@@ -308,8 +436,20 @@ const GEOMETRY: &[Case] = &[
         Error,
         &["punch.width = 0.095 m", "strip.length = 0.05 m"],
     ),
-    before("more punches than there is room for", EACH, &[Set("punch.count", 8.0), Initialise], Error, &["punch.count", "0.76 m", "strip.length = 0.738"]),
-    before("two punches on a straight track", EACH, &[Set("strip.path", STRAIGHT), Set("punch.count", 2.0), Initialise], Error, &["punch.count = 2 needs strip.path = closed"]),
+    before(
+        "more punches than there is room for",
+        EACH,
+        &[Set("punch.count", 8.0), Initialise],
+        Error,
+        &["punch.count", "0.76 m", "strip.length = 0.738"],
+    ),
+    before(
+        "two punches on a straight track",
+        EACH,
+        &[Set("strip.path", STRAIGHT), Set("punch.count", 2.0), Initialise],
+        Error,
+        &["punch.count = 2 needs strip.path = closed"],
+    ),
     before(
         "a straight track shorter than punch and stroke",
         EACH,
@@ -317,7 +457,13 @@ const GEOMETRY: &[Case] = &[
         Error,
         &["strip.length = 0.1 m", "nominal.stroke = 0.105 m"],
     ),
-    before("an annulus on a straight track", EACH, &[Set("contact.geometry", ANNULAR), Set("strip.path", STRAIGHT), Initialise], Error, &["annular needs strip.path = closed"]),
+    before(
+        "an annulus on a straight track",
+        EACH,
+        &[Set("contact.geometry", ANNULAR), Set("strip.path", STRAIGHT), Initialise],
+        Error,
+        &["annular needs strip.path = closed"],
+    ),
     before(
         "an annulus whose inner radius is negative",
         EACH,
@@ -356,14 +502,29 @@ const GEOMETRY: &[Case] = &[
     before(
         "a periodic contact",
         EACH,
-        &[Set("contact.geometry", PERIODIC), Set("strip.length", 0.095), Initialise, Set(F, 2e3), Set(V, 0.5), Step(0.01), Slope(V, -100.0), Step(0.01)],
+        &[
+            Set("contact.geometry", PERIODIC),
+            Set("strip.length", 0.095),
+            Initialise,
+            Set(F, 2e3),
+            Set(V, 0.5),
+            Step(0.01),
+            Slope(V, -100.0),
+            Step(0.01),
+        ],
         Ok,
         &[],
     ),
     before(
         "a run-in periodic contact above its critical speed",
         CELLS,
-        &[Set("contact.geometry", PERIODIC), Set("strip.length", 0.095), Set("contact.mean_radius", 0.01512), Set("contact.initial_shape", RUN_IN), Initialise],
+        &[
+            Set("contact.geometry", PERIODIC),
+            Set("strip.length", 0.095),
+            Set("contact.mean_radius", 0.01512),
+            Set("contact.initial_shape", RUN_IN),
+            Initialise,
+        ],
         Error,
         &["no steady state"],
     )
@@ -385,25 +546,77 @@ const GEOMETRY: &[Case] = &[
     before(
         "a gap of 1 m at one station",
         CELLS,
-        &[Set("contact.initial_shape", TABULATED), Set("contact.initial_gap[17]", 1.0), Initialise, Set(F, 2e3), Set(V, 1.0), Step(0.01)],
+        &[
+            Set("contact.initial_shape", TABULATED),
+            Set("contact.initial_gap[17]", 1.0),
+            Initialise,
+            Set(F, 2e3),
+            Set(V, 1.0),
+            Step(0.01),
+        ],
         Ok,
         &[],
     ),
     before(
         "a radius of a micrometre",
         CELLS,
-        &[Set("contact.initial_shape", PARABOLIC), Set("contact.initial_radius", 1e-6), Initialise, Set(F, 2e3), Set(V, 1.0), Step(0.01)],
+        &[
+            Set("contact.initial_shape", PARABOLIC),
+            Set("contact.initial_radius", 1e-6),
+            Initialise,
+            Set(F, 2e3),
+            Set(V, 1.0),
+            Step(0.01),
+        ],
         Ok,
         &[],
     ),
-    before("a punch of a micrometre", EACH, &[Set("punch.width", 1e-6), Initialise, Set(F, 1e-3), Set(V, 1.0), Step(0.01)], Ok, &[]),
-    before("a strip of a micrometre", EACH, &[Set("strip.height", 1e-6), Initialise, Set(F, 1.0), Set(V, 1.0), Step(0.01)], Ok, &[]),
+    before(
+        "a punch of a micrometre",
+        LUMPED,
+        &[Set("punch.width", 1e-6), Initialise, Set(F, 1e-3), Set(V, 1.0), Step(0.01)],
+        Ok,
+        &[],
+    ),
+    before(
+        "a slender punch on cells",
+        CELLS,
+        &[Set("punch.width", 1e-6), Initialise],
+        Error,
+        &["punch.height = 0.012 m and punch.width = 1e-6 m", "12000", "at most 20"],
+    ),
+    before(
+        "a strip of a micrometre",
+        LUMPED,
+        &[Set("strip.height", 1e-6), Initialise, Set(F, 1.0), Set(V, 1.0), Step(0.01)],
+        Ok,
+        &[],
+    ),
+    before(
+        "a strip of a micrometre on cells",
+        CELLS,
+        &[Set("strip.height", 1e-6), Initialise],
+        Error,
+        &["strip.height = 1e-6 m and punch.width = 0.095 m", "must be at least 0.00005"],
+    ),
     before("a depth of 100 m", EACH, &[Set("depth", 100.0), Initialise, Set(F, 2e3), Set(V, 1.0), Step(0.01)], Ok, &[]),
 ];
 
 const OPTIONS: &[Case] = &[
-    before("rigid bodies on cells", CELLS, &[Set("punch.body", RIGID), Set("strip.body", RIGID), Initialise], Error, &["punch.body = rigid on strip.body = rigid", "solver.fidelity"]),
-    before("rigid bodies, lumped", LUMPED, &[Set("punch.body", RIGID), Set("strip.body", RIGID), Initialise, Set(F, 2e3), Set(V, 1.0), Step(0.01)], Ok, &[]),
+    before(
+        "rigid bodies on cells",
+        CELLS,
+        &[Set("punch.body", RIGID), Set("strip.body", RIGID), Initialise],
+        Error,
+        &["punch.body = rigid on strip.body = rigid", "solver.fidelity"],
+    ),
+    before(
+        "rigid bodies, lumped",
+        LUMPED,
+        &[Set("punch.body", RIGID), Set("strip.body", RIGID), Initialise, Set(F, 2e3), Set(V, 1.0), Step(0.01)],
+        Ok,
+        &[],
+    ),
     before(
         "the field level of an annulus",
         LUMPED,
@@ -411,61 +624,258 @@ const OPTIONS: &[Case] = &[
         Error,
         &["solver.fidelity = field", "contact.geometry = line"],
     ),
-    before("an operator split without cells", LUMPED, &[Set("solver.scheme", STAGGERED), Initialise], Error, &["solver.scheme = staggered", "solver.fidelity = line"]),
-    before("two cells", LUMPED, &[Set("solver.fidelity", LINE), Set("solver.cells", 2.0), Initialise], Error, &["solver.cells = 2", "at least 3"]),
-    before("two insulators", EACH, &[Set("punch.conductivity", 0.0), Set("strip.conductivity", 0.0), Initialise], Error, &["punch.conductivity = 0 and strip.conductivity = 0", "at least one must be > 0 W/(m.K)"]),
-    before("an insulator behind an insulating contact", EACH, &[Set("punch.conductivity", 0.0), Set("contact.conductance", 0.0), Initialise], Error, &["contact.conductance = 0", "must be > 0 W/(m2.K)"]),
-    before("a neighbour at a held face", EACH, &[Set("punch.top_thermal", HELD), Set("punch.external_conductance", 5.0), Initialise], Error, &["punch.external_conductance = 5 W/K", "insulated or convecting"]),
-    before("a neighbour behind an insulator", EACH, &[Set("punch.conductivity", 0.0), Set("punch.external_conductance", 5.0), Initialise], Error, &["punch.external_conductance = 5 W/K", "punch.conductivity > 0 W/(m.K); it is 0"]),
-    before("a neighbour of a straight track", EACH, &[Set("strip.path", STRAIGHT), Set("strip.external_conductance", 5.0), Initialise], Error, &["strip.external_conductance = 5 W/K", "strip.path = closed"]),
-    before("an initial temperature without effect", EACH, &[Set("punch.initial_temperature", 400.0), Initialise], Error, &["punch.initial_temperature = 400 K", "punch.initial_at_ambient = false"]),
-    before("a temperature limit without effect", EACH, &[Set("contact.temperature_limit", 400.0), Initialise], Error, &["contact.temperature_limit = 400 K", "contact.temperature_limited = true"]),
-    before("friction fading at temperatures that fall", EACH, &[Set("contact.friction_fade.temperature[2]", 250.0), Initialise], Error, &["contact.friction_fade.temperature[2] = 250 K must be above", "300 K"]),
-    before("wear fading at equal temperatures", EACH, &[Set("strip.wear_fade.temperature[8]", 900.0), Initialise], Error, &["strip.wear_fade.temperature[8] = 900 K must be above strip.wear_fade.temperature[7] = 900 K"]),
-    before("a friction table of one point", EACH, &[Set("contact.friction_table.points", 1.0), Initialise], Error, &["contact.friction_table.points = 1", "at least 2"]),
-    before("a friction table that does not start at 0", EACH, &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.speed[1]", 0.5), Initialise], Error, &["contact.friction_table.speed[1] = 0.5 m/s must be 0 m/s"]),
-    before("a friction table that does not increase", EACH, &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.speed[3]", 1.0), Initialise], Error, &["contact.friction_table.speed[3] = 1 m/s must be above contact.friction_table.speed[2] = 1 m/s"]),
-    before("a friction table and a static ratio", EACH, &[Set("contact.friction_table.points", 3.0), Set("contact.static_friction_ratio", 1.3), Initialise], Error, &["contact.static_friction_ratio = 1.3 and contact.friction_table.points = 3"]),
-    before("a friction table of no friction", EACH, &[Set("contact.friction_table.points", 3.0), Set("contact.friction_coefficient", 0.0), Initialise], Error, &["contact.friction_coefficient = 0 with contact.friction_table.points = 3"]),
-    before("a point behind the friction table", EACH, &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.coefficient[7]", 0.1), Initialise], Error, &["contact.friction_table.coefficient[7] = 0.1 has no effect", "points = 3"]),
-    before("a body worn off before it starts", EACH, &[Set("punch.initial_wear", 0.012), Initialise], Error, &["punch.initial_wear = 0.012 m must be below punch.height = 0.012 m"]),
-    before("a run-in shape without wear", EACH, &[Set("contact.initial_shape", RUN_IN), Set("punch.wear_coefficient", 0.0), Set("strip.wear_coefficient", 0.0), Initialise], Error, &["contact.initial_shape = run_in", "punch.wear_coefficient and strip.wear_coefficient are 0"]),
-    before("a tolerance of 0 by the importer", EACH, &[Other(|x| x.setup(Some(0.0), 0.0, None))], Error, &["tolerance 0"]),
-    before("a tolerance of 1e-30 by the importer", EACH, &[Other(|x| x.setup(Some(1e-30), 0.0, None)), Initialise, Step(1e-6)], Ok, &["tolerance 1e-30", "1e-10"]),
+    before(
+        "an operator split without cells",
+        LUMPED,
+        &[Set("solver.scheme", STAGGERED), Initialise],
+        Error,
+        &["solver.scheme = staggered", "solver.fidelity = line"],
+    ),
+    before(
+        "two cells",
+        LUMPED,
+        &[Set("solver.fidelity", LINE), Set("solver.cells", 2.0), Initialise],
+        Error,
+        &["solver.cells = 2", "at least 3"],
+    ),
+    before(
+        "two insulators",
+        EACH,
+        &[Set("punch.conductivity", 0.0), Set("strip.conductivity", 0.0), Initialise],
+        Error,
+        &["punch.conductivity = 0 and strip.conductivity = 0", "at least one must be > 0 W/(m.K)"],
+    ),
+    before(
+        "an insulator behind an insulating contact",
+        EACH,
+        &[Set("punch.conductivity", 0.0), Set("contact.conductance", 0.0), Initialise],
+        Error,
+        &["contact.conductance = 0", "must be > 0 W/(m2.K)"],
+    ),
+    before(
+        "a neighbour at a held face",
+        EACH,
+        &[
+            Set("punch.top_thermal", HELD),
+            Set("punch.external_conductance", 5.0),
+            Set("punch.external_temperature", 300.0),
+            Initialise,
+        ],
+        Error,
+        &["punch.external_conductance = 5 W/K", "insulated or convecting"],
+    ),
+    before(
+        "a neighbour behind an insulator",
+        EACH,
+        &[
+            Set("punch.conductivity", 0.0),
+            Set("punch.external_conductance", 5.0),
+            Set("punch.external_temperature", 300.0),
+            Initialise,
+        ],
+        Error,
+        &["punch.external_conductance = 5 W/K", "punch.conductivity > 0 W/(m.K); it is 0"],
+    ),
+    before(
+        "a neighbour of a straight track",
+        EACH,
+        &[
+            Set("strip.path", STRAIGHT),
+            Set("strip.external_conductance", 5.0),
+            Set("strip.external_temperature", 300.0),
+            Initialise,
+        ],
+        Error,
+        &["strip.external_conductance = 5 W/K", "strip.path = closed"],
+    ),
+    before(
+        "an initial temperature without effect",
+        EACH,
+        &[Set("punch.initial_temperature", 400.0), Initialise],
+        Error,
+        &["punch.initial_temperature = 400 K", "punch.initial_at_ambient = false"],
+    ),
+    before(
+        "a temperature limit without effect",
+        EACH,
+        &[Set("contact.temperature_limit", 400.0), Initialise],
+        Error,
+        &["contact.temperature_limit = 400 K", "contact.temperature_limited = true"],
+    ),
+    before(
+        "friction fading at temperatures that fall",
+        EACH,
+        &[Set("contact.friction_fade.temperature[2]", 250.0), Initialise],
+        Error,
+        &["contact.friction_fade.temperature[2] = 250 K must be above", "300 K"],
+    ),
+    before(
+        "wear fading at equal temperatures",
+        EACH,
+        &[Set("strip.wear_fade.temperature[8]", 900.0), Initialise],
+        Error,
+        &["strip.wear_fade.temperature[8] = 900 K must be above strip.wear_fade.temperature[7] = 900 K"],
+    ),
+    before(
+        "a friction table of one point",
+        EACH,
+        &[Set("contact.friction_table.points", 1.0), Initialise],
+        Error,
+        &["contact.friction_table.points = 1", "at least 2"],
+    ),
+    before(
+        "a friction table that does not start at 0",
+        EACH,
+        &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.speed[1]", 0.5), Initialise],
+        Error,
+        &["contact.friction_table.speed[1] = 0.5 m/s must be 0 m/s"],
+    ),
+    before(
+        "a friction table that does not increase",
+        EACH,
+        &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.speed[3]", 1.0), Initialise],
+        Error,
+        &["contact.friction_table.speed[3] = 1 m/s must be above contact.friction_table.speed[2] = 1 m/s"],
+    ),
+    before(
+        "a friction table and a static ratio",
+        EACH,
+        &[Set("contact.friction_table.points", 3.0), Set("contact.static_friction_ratio", 1.3), Initialise],
+        Error,
+        &["contact.static_friction_ratio = 1.3 and contact.friction_table.points = 3"],
+    ),
+    before(
+        "a friction table of no friction",
+        EACH,
+        &[Set("contact.friction_table.points", 3.0), Set("contact.friction_coefficient", 0.0), Initialise],
+        Error,
+        &["contact.friction_coefficient = 0 with contact.friction_table.points = 3"],
+    ),
+    before(
+        "a point behind the friction table",
+        EACH,
+        &[Set("contact.friction_table.points", 3.0), Set("contact.friction_table.coefficient[7]", 0.1), Initialise],
+        Error,
+        &["contact.friction_table.coefficient[7] = 0.1 has no effect", "points = 3"],
+    ),
+    before(
+        "a body worn off before it starts",
+        EACH,
+        &[Set("punch.initial_wear", 0.012), Initialise],
+        Error,
+        &["punch.initial_wear = 0.012 m must be below punch.height = 0.012 m"],
+    ),
+    before(
+        "a run-in shape without wear",
+        EACH,
+        &[
+            Set("contact.initial_shape", RUN_IN),
+            Set("punch.wear_coefficient", 0.0),
+            Set("strip.wear_coefficient", 0.0),
+            Initialise,
+        ],
+        Error,
+        &["contact.initial_shape = run_in", "punch.wear_coefficient and strip.wear_coefficient are 0"],
+    ),
+    before(
+        "a tolerance of 0 by the importer",
+        EACH,
+        &[Other(|x| x.setup(Some(0.0), 0.0, None))],
+        Error,
+        &["tolerance 0"],
+    ),
+    before(
+        "a tolerance of 1e-30 by the importer",
+        EACH,
+        &[Other(|x| x.setup(Some(1e-30), 0.0, None)), Initialise, Step(1e-6)],
+        Ok,
+        &["tolerance 1e-30", "1e-10"],
+    ),
 ];
 
 const LIMITS: &[Case] = &[
-    before("a wear limit that is reached", EACH, &[Set("punch.wear_limit", 1e-12), Initialise, Set(F, 2e3), Set(V, 2.0), Step(1.0)], Ok, &["a wear limit is reached (limit_reached bit 1)"]),
-    before("a wear limit that is reached at start", EACH, &[Set("punch.wear_limit", 1e-6), Set("punch.initial_wear", 1e-5), Initialise, Step(0.01)], Ok, &["a wear limit is reached"]),
+    before(
+        "a wear limit that is reached",
+        EACH,
+        &[Set("punch.wear_limit", 1e-12), Initialise, Set(F, 2e3), Set(V, 2.0), Step(1.0)],
+        Ok,
+        &["a wear limit is reached (limit_reached bit 1)"],
+    ),
+    before(
+        "a wear limit that is reached at start",
+        EACH,
+        &[Set("punch.wear_limit", 1e-6), Set("punch.initial_wear", 1e-5), Initialise, Step(0.01)],
+        Ok,
+        &["a wear limit is reached"],
+    ),
     before(
         "a punch that is worn through",
         EACH,
-        &[Set("punch.height", 1e-6), Set("punch.wear_coefficient", 1e-9), Initialise, Set(F, 2e3), Set(V, 2.0), Step(1.0)],
+        &[
+            Set("punch.height", 1e-3),
+            Set("punch.wear_coefficient", 1e-8),
+            Initialise,
+            Set(F, 2e3),
+            Set(V, 2.0),
+            Step(10.0),
+        ],
         Error,
-        &["worn through"],
+        &["the punch is worn through", "punch.height = 0.001 m"],
     ),
     before(
         "a temperature limit that is exceeded",
         EACH,
-        &[Set("contact.temperature_limited", 1.0), Set("contact.temperature_limit", 293.2), Initialise, Set(F, 2e3), Set(V, 2.0), Step(1.0)],
+        &[
+            Set("contact.temperature_limited", 1.0),
+            Set("contact.temperature_limit", 293.2),
+            Initialise,
+            Set(F, 2e3),
+            Set(V, 2.0),
+            Step(1.0),
+        ],
         Ok,
         &["contact.temperature_limit = 293.2 K is exceeded (limit_reached bit 2)"],
     ),
-    stepping("far above the nominal load", EACH, &[Set(F, 1e8), Step(1e-3)], Ok, &["outside the model's validity (limit_reached bit 4)"]),
-    stepping("above the critical speed, on cells", HOT, &[Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)], Ok, &["thermoelastically unstable"]),
-    stepping("above the critical speed, without resolved heat", &[Level::Lumped, Level::Cold], &[Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)], Ok, &[]),
-    stepping("above the critical speed, as planned", &[Level::Auto], &[Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)], Ok, &[]),
     stepping(
-        "wear that hides instability",
-        HOT,
-        &[Set("wear_acceleration", 1e6), Set(V, 20.0), Step(1e-4)],
+        "far above the nominal load",
+        EACH,
+        &[Set(F, 1e8), Step(1e-3)],
         Ok,
-        &["wear_acceleration = ", "thermoelastic instability"],
+        &["outside the model's validity (limit_reached bit 4)"],
+    ),
+    before(
+        "above the critical speed, with resolved heat",
+        HOT,
+        &[Initialise, Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)],
+        Ok,
+        &["thermoelastically unstable"],
+    ),
+    stepping(
+        "above the critical speed, without resolved heat",
+        &[Level::Lumped, Level::Cold],
+        &[Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)],
+        Ok,
+        &[],
+    ),
+    stepping(
+        "above the critical speed, as planned",
+        &[Level::Auto],
+        &[Set(V, 20.0), Set(F, 2e3), Step(0.01), Step(0.1)],
+        Ok,
+        &[],
     ),
     before(
         "a thin punch with a cooled area of 1000 m2",
         EACH,
-        &[Set("punch.width", 0.00187), Set("punch.top_thermal", HELD), Set("punch.cooled_area", 1000.0), Initialise, Set(F, 100.0), Set(V, 2.0), Step(0.01)],
+        &[
+            Set("punch.width", 0.00187),
+            Set("punch.top_thermal", HELD),
+            Set("punch.cooled_area", 1000.0),
+            Initialise,
+            Set(F, 100.0),
+            Set(V, 2.0),
+            Step(0.01),
+        ],
         Ok,
         &[],
     ),
@@ -483,39 +893,172 @@ const LIMITS: &[Case] = &[
             Initialise,
             Set(V, 10.0),
             Set(F, 5e3),
-            Step(0.01),
+            Steps(0.01, 11),
             Step(0.01),
         ],
         Error,
-        &["no solution of heat"],
+        &["no solution of heat", "contact temperature", "sliding velocity 10 m/s, normal load 5000 N"],
     ),
-    before("an air speed of 1e12 m/s at initialisation", EACH, &[Set("cooling_velocity", 1e12), Set("ambient_temperature_offset", 12.0), Initialise, Step(0.01)], Ok, &[]),
-    before("a velocity of 1e12 m/s at initialisation", EACH, &[Set(V, 1e12), Set("ambient_temperature_offset", -0.2), Initialise, Step(0.01)], Ok, &[]).example("disc_brake"),
     before(
-        "a stiff caliper in a step of a minute",
+        "an air speed of 1e12 m/s at initialisation",
         EACH,
-        &[Set("punch.youngs_modulus", 2.08e11), Set("holder.stiffness", 1e10), Initialise, Set(V, 100.0), Set(F, 10.0), Step(60.6)],
+        &[Set("cooling_velocity", 1e12), Set("ambient_temperature_offset", 12.0), Initialise, Step(0.01)],
         Ok,
         &[],
+    ),
+    before(
+        "a velocity of 1e12 m/s at initialisation",
+        EACH,
+        &[Set(V, 1e12), Set("ambient_temperature_offset", -0.2), Initialise, Step(0.01)],
+        Ok,
+        &[],
+    )
+    .example("disc_brake"),
+    before(
+        "a stiff caliper in a step of a minute",
+        &[Level::Lumped, Level::Hot],
+        &[
+            Set("punch.youngs_modulus", 2.08e11),
+            Set("holder.stiffness", 1e10),
+            Initialise,
+            Set(V, 100.0),
+            Set(F, 10.0),
+            Step(60.6),
+        ],
+        Error,
+        &["no solution", "sliding velocity 100 m/s"],
     ),
 ];
 
 const STATES: &[Case] = &[
-    stepping("a state cut short by a byte", EACH, &[Other(|x| restored(x, |bytes| { bytes.pop(); }))], Error, &["bytes", "were given"]),
-    stepping("half of a state", EACH, &[Other(|x| restored(x, |bytes| bytes.truncate(bytes.len() / 2)))], Error, &["were given"]),
+    stepping(
+        "a state cut short by a byte",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                bytes.pop();
+            })
+        })],
+        Error,
+        &["bytes", "were given"],
+    ),
+    stepping(
+        "half of a state",
+        EACH,
+        &[Other(|x| restored(x, |bytes| bytes.truncate(bytes.len() / 2)))],
+        Error,
+        &["were given"],
+    ),
     stepping("no bytes", EACH, &[Other(|x| restored(x, Vec::clear))], Error, &["0 were given"]),
-    stepping("a state with a flipped bit", EACH, &[Other(|x| restored(x, |bytes| bytes[200] ^= 1))], Error, &["checksum"]),
-    stepping("a state of another FMU", EACH, &[Other(|x| restored(x, |bytes| { bytes[22] ^= 1; forge(bytes) }))], Error, &["of the FMU", "this is"]),
-    stepping("a state of an older layout", EACH, &[Other(|x| restored(x, |bytes| { bytes[4] = 1; forge(bytes) }))], Error, &["layout 1", "layout 2"]),
-    stepping("noise as a state", EACH, &[Other(|x| restored(x, |bytes| bytes.fill(0x5a)))], Error, &["no serialised FMU state"]),
-    stepping("a state with a load of NaN among its numbers", EACH, &[Other(|x| restored(x, |bytes| { last_number(bytes, NAN); forge(bytes) }))], Error, &["state"]),
-    stepping("a state with an infinite number", EACH, &[Other(|x| restored(x, |bytes| { last_number(bytes, INFINITE); forge(bytes) }))], Error, &["damaged"]),
-    stepping("a state with a number too many", EACH, &[Other(|x| restored(x, |bytes| { bytes.extend([0; 8]); forge(bytes) }))], Error, &["state"]),
-    stepping("a state of no phase", EACH, &[Other(|x| restored(x, |bytes| { let at = phase(bytes); bytes[at] = 3; forge(bytes) }))], Error, &["3 is no phase"]),
-    stepping("a state saved before initialisation", EACH, &[Other(|x| restored_from(x, &Importer::new().bytes())), Initialise, Step(0.01)], Ok, &[]),
-    stepping("a lumped state on cells", CELLS, &[Other(|x| restored_from(x, &Importer::at(crate::importer::Stage::Stepping).bytes())), Step(0.01)], Ok, &[]),
+    stepping(
+        "a state with a flipped bit",
+        EACH,
+        &[Other(|x| restored(x, |bytes| bytes[200] ^= 1))],
+        Error,
+        &["checksum"],
+    ),
+    stepping(
+        "a state of another FMU",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                bytes[22] ^= 1;
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["of the FMU", "this is"],
+    ),
+    stepping(
+        "a state of an older layout",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                bytes[4] = 1;
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["layout 1", "layout 2"],
+    ),
+    stepping(
+        "noise as a state",
+        EACH,
+        &[Other(|x| restored(x, |bytes| bytes.fill(0x5a)))],
+        Error,
+        &["no serialised FMU state"],
+    ),
+    stepping(
+        "a state with a load of NaN among its numbers",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                last_number(bytes, NAN);
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["state"],
+    ),
+    stepping(
+        "a state with an infinite number",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                last_number(bytes, INFINITE);
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["damaged"],
+    ),
+    stepping(
+        "a state with a number too many",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                bytes.extend([0; 8]);
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["state"],
+    ),
+    stepping(
+        "a state of no phase",
+        EACH,
+        &[Other(|x| {
+            restored(x, |bytes| {
+                let at = phase(bytes);
+                bytes[at] = 3;
+                forge(bytes)
+            })
+        })],
+        Error,
+        &["3 is no phase"],
+    ),
+    stepping(
+        "a state saved before initialisation",
+        EACH,
+        &[Other(|x| restored_from(x, &Importer::new().bytes())), Initialise, Step(0.01)],
+        Ok,
+        &[],
+    ),
+    stepping(
+        "a lumped state on cells",
+        CELLS,
+        &[Other(|x| restored_from(x, &Importer::at(crate::importer::Stage::Stepping).bytes())), Step(0.01)],
+        Ok,
+        &[],
+    ),
     stepping("no state", EACH, &[Other(|x| x.restore(ptr::null_mut()))], Error, &["NULL"]),
-    stepping("an instance as a state", EACH, &[Other(|x| x.restore(x.component))], Error, &["never came from this FMU"]),
+    stepping(
+        "an instance as a state",
+        EACH,
+        &[Other(|x| x.restore(x.component))],
+        Error,
+        &["never came from this FMU"],
+    ),
     stepping("a state that was freed", EACH, &[Other(|x| x.restore(freed(x)))], Error, &["freed"]),
     stepping("a state that is freed twice", EACH, &[Other(|x| x.free(&mut freed(x)))], Error, &["freed"]),
     stepping("serialised into too few bytes", EACH, &[Other(serialised_short)], Error, &["bytes"]),
@@ -523,19 +1066,73 @@ const STATES: &[Case] = &[
 
 const ORDER: &[Case] = &[
     before("a step before initialisation", EACH, &[Step(0.01)], Error, &["fmi2DoStep", "not allowed in the phase"]),
-    before("the end of an initialisation that has not begun", LUMPED, &[Other(Importer::exit)], Error, &["fmi2ExitInitializationMode"]),
-    before("initialisation entered twice", LUMPED, &[Other(Importer::enter), Other(Importer::enter)], Error, &["fmi2EnterInitializationMode"]),
-    stepping("initialisation entered while stepping", EACH, &[Other(Importer::enter)], Error, &["fmi2EnterInitializationMode"]),
-    stepping("the experiment set up while stepping", EACH, &[Other(|x| x.setup(None, 0.0, None))], Error, &["fmi2SetupExperiment"]),
+    before(
+        "the end of an initialisation that has not begun",
+        LUMPED,
+        &[Other(Importer::exit)],
+        Error,
+        &["fmi2ExitInitializationMode"],
+    ),
+    before(
+        "initialisation entered twice",
+        LUMPED,
+        &[Other(Importer::enter), Other(Importer::enter)],
+        Error,
+        &["fmi2EnterInitializationMode"],
+    ),
+    stepping(
+        "initialisation entered while stepping",
+        EACH,
+        &[Other(Importer::enter)],
+        Error,
+        &["fmi2EnterInitializationMode"],
+    ),
+    stepping(
+        "the experiment set up while stepping",
+        EACH,
+        &[Other(|x| x.setup(None, 0.0, None))],
+        Error,
+        &["fmi2SetupExperiment"],
+    ),
     stepping("a step after the end", EACH, &[Other(Importer::terminate), Step(0.01)], Error, &["fmi2DoStep"]),
     stepping("an input after the end", EACH, &[Other(Importer::terminate), Set(V, 1.0)], Error, &["fmi2SetReal"]),
-    stepping("the end twice", EACH, &[Other(Importer::terminate), Other(Importer::terminate)], Error, &["fmi2Terminate"]),
-    stepping("a step cancelled that is not running", EACH, &[Other(|x| unsafe { fmi2CancelStep(x.component) })], Error, &["fmi2CancelStep"]),
-    stepping("a function of model exchange", EACH, &[Other(|x| unsafe { fmi2EnterEventMode(x.component) })], Error, &["model exchange"]),
+    stepping(
+        "the end twice",
+        EACH,
+        &[Other(Importer::terminate), Other(Importer::terminate)],
+        Error,
+        &["fmi2Terminate"],
+    ),
+    stepping(
+        "a step cancelled that is not running",
+        EACH,
+        &[Other(|x| unsafe { fmi2CancelStep(x.component) })],
+        Error,
+        &["fmi2CancelStep"],
+    ),
+    stepping(
+        "a function of model exchange",
+        EACH,
+        &[Other(|x| unsafe { fmi2EnterEventMode(x.component) })],
+        Error,
+        &["model exchange"],
+    ),
     stepping("a reset in between", EACH, &[Other(Importer::reset), Initialise, Step(0.01)], Ok, &[]),
     stepping("a second derivative of an input", EACH, &[Other(|x| x.set_derivative(V, 2, 1.0))], Error, &["2"]),
-    stepping("a derivative of a parameter", EACH, &[Other(|x| x.set_derivative("depth", 1, 1.0))], Error, &["depth", "not an input"]),
-    stepping("a second derivative of an output", EACH, &[Other(|x| x.output_derivative("wear_depth", 2))], Error, &["2"]),
+    stepping(
+        "a derivative of a parameter",
+        EACH,
+        &[Other(|x| x.set_derivative("depth", 1, 1.0))],
+        Error,
+        &["depth", "not an input"],
+    ),
+    stepping(
+        "a second derivative of an output",
+        EACH,
+        &[Other(|x| x.output_derivative("wear_depth", 2))],
+        Error,
+        &["2"],
+    ),
     stepping(
         "a directional derivative by an output",
         EACH,
@@ -543,24 +1140,96 @@ const ORDER: &[Case] = &[
         Error,
         &["wear_depth"],
     ),
-    stepping("a directional derivative at NaN", EACH, &[Set(V, NAN), Other(|x| status(x.directional_derivative("friction_force", F, 1.0)))], Error, &["sliding_velocity"]),
+    stepping(
+        "a directional derivative at NaN",
+        EACH,
+        &[Set(V, NAN), Other(|x| status(x.directional_derivative("friction_force", F, 1.0)))],
+        Error,
+        &["sliding_velocity"],
+    ),
 ];
 
 const ARRAYS: &[Case] = &[
-    stepping("NULL references", EACH, &[Other(|x| unsafe { fmi2SetReal(x.component, ptr::null(), 1, &1.0) })], Error, &["vr is NULL"]),
-    stepping("NULL values", EACH, &[Other(|x| unsafe { fmi2SetReal(x.component, &0, 1, ptr::null()) })], Error, &["value is NULL"]),
-    stepping("NULL results", EACH, &[Other(|x| unsafe { fmi2GetReal(x.component, &0, 1, ptr::null_mut()) })], Error, &["value is NULL"]),
-    stepping("2^61 references", EACH, &[Other(|x| unsafe { fmi2GetReal(x.component, &0, 1 << 61, ptr::null_mut()) })], Error, &["2305843009213693952"]),
-    stepping("no place for a state", EACH, &[Other(|x| unsafe { fmi2GetFMUstate(x.component, ptr::null_mut()) })], Error, &["NULL"]),
-    stepping("the highest reference", EACH, &[Other(|x| x.set_reals(&[u32::MAX], &[1.0]))], Error, &["4294967295", "unknown"]),
-    stepping("an unknown reference behind an input", EACH, &[Other(|x| x.set_reals(&[reference(V), u32::MAX], &[9.0, 1.0]))], Error, &["4294967295"]),
+    stepping(
+        "NULL references",
+        EACH,
+        &[Other(|x| unsafe { fmi2SetReal(x.component, ptr::null(), 1, &1.0) })],
+        Error,
+        &["vr is NULL"],
+    ),
+    stepping(
+        "NULL values",
+        EACH,
+        &[Other(|x| unsafe { fmi2SetReal(x.component, &0, 1, ptr::null()) })],
+        Error,
+        &["value is NULL"],
+    ),
+    stepping(
+        "NULL results",
+        EACH,
+        &[Other(|x| unsafe { fmi2GetReal(x.component, &0, 1, ptr::null_mut()) })],
+        Error,
+        &["value is NULL"],
+    ),
+    stepping(
+        "2^61 references",
+        EACH,
+        &[Other(|x| unsafe { fmi2GetReal(x.component, &0, 1 << 61, ptr::null_mut()) })],
+        Error,
+        &["2305843009213693952"],
+    ),
+    stepping(
+        "no place for a state",
+        EACH,
+        &[Other(|x| unsafe { fmi2GetFMUstate(x.component, ptr::null_mut()) })],
+        Error,
+        &["NULL"],
+    ),
+    stepping(
+        "the highest reference",
+        EACH,
+        &[Other(|x| x.set_reals(&[u32::MAX], &[1.0]))],
+        Error,
+        &["4294967295", "unknown"],
+    ),
+    stepping(
+        "an unknown reference behind an input",
+        EACH,
+        &[Other(|x| x.set_reals(&[reference(V), u32::MAX], &[9.0, 1.0]))],
+        Error,
+        &["4294967295"],
+    ),
     stepping("an output that is set", EACH, &[Set("wear_depth", 0.0)], Error, &["wear_depth is calculated"]),
-    stepping("an output behind an input", EACH, &[Other(|x| x.set_real(&[V, "wear_depth"], &[9.0, 0.0]))], Error, &["wear_depth"]),
-    before("a refused value behind good ones", LUMPED, &[Other(|x| x.set_real(&["strip.height", V, "punch.height"], &[0.02, 9.0, -1.0]))], Discard, &["punch.height: -1 m"]),
+    stepping(
+        "an output behind an input",
+        EACH,
+        &[Other(|x| x.set_real(&[V, "wear_depth"], &[9.0, 0.0]))],
+        Error,
+        &["wear_depth"],
+    ),
+    before(
+        "a refused value behind good ones",
+        LUMPED,
+        &[Other(|x| x.set_real(&["strip.height", V, "punch.height"], &[0.02, 9.0, -1.0]))],
+        Discard,
+        &["punch.height: -1 m"],
+    ),
     before("Real as Integer", LUMPED, &[Other(|x| x.set_integer("depth", 1))], Error, &["depth"]),
     before("Integer as Real", LUMPED, &[Other(|x| x.set_real(&["contact.faces"], &[1.0]))], Error, &["contact.faces"]),
-    stepping("an Integer read as Real", EACH, &[Other(|x| status(x.get_reals(&[reference("limit_reached")])))], Error, &["limit_reached"]),
-    stepping("NULL categories of messages", EACH, &[Other(|x| unsafe { fmi2SetDebugLogging(x.component, 1, 2, ptr::null()) })], Error, &["NULL"]),
+    stepping(
+        "an Integer read as Real",
+        EACH,
+        &[Other(|x| status(x.get_reals(&[reference("limit_reached")])))],
+        Error,
+        &["limit_reached"],
+    ),
+    stepping(
+        "NULL categories of messages",
+        EACH,
+        &[Other(|x| unsafe { fmi2SetDebugLogging(x.component, 1, 2, ptr::null()) })],
+        Error,
+        &["NULL"],
+    ),
 ];
 
 fn status<T>(result: Result<T, Status>) -> Status {
@@ -623,24 +1292,52 @@ fn serialised_short(importer: &Importer) -> Status {
     status
 }
 
-#[test]
-fn every_hostile_case_comes_out_as_the_table_says() {
-    let mut failures = Vec::new();
-    for (group, cases) in GROUPS {
-        for case in *cases {
-            for &level in case.levels {
-                let begun = std::time::Instant::now();
-                let run = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| case.run(level)));
-                if let Err(text) = run.unwrap_or_else(|_| Err("panicked".into())) {
-                    failures.push(format!("{group}: {}, {level:?}: {text}", case.what));
-                }
-                if begun.elapsed().as_secs_f64() > 0.2 {
-                    println!("{group}: {}, {level:?}: {:?}", case.what, begun.elapsed());
-                }
+/// Runs a group of the table.
+fn check(cases: &[Case]) {
+    let (mut runner, mut failures) = (Runner::default(), Vec::new());
+    for case in cases {
+        for &level in case.levels {
+            let run = panic::catch_unwind(AssertUnwindSafe(|| runner.run(case, level)));
+            if let Err(text) = run.unwrap_or_else(|_| Err("panicked".into())) {
+                failures.push(format!("{}, {level:?}: {text}", case.what));
             }
         }
     }
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
-    let rows: usize = GROUPS.iter().map(|(_, cases)| cases.len()).sum();
-    assert!(rows >= 60, "{rows}");
+}
+
+macro_rules! groups {
+    ($($test:ident: $cases:ident;)*) => {
+        const GROUPS: &[&[Case]] = &[$($cases),*];
+
+        $(
+            #[test]
+            fn $test() {
+                check($cases);
+            }
+        )*
+    };
+}
+
+groups! {
+    inputs_that_are_no_numbers: NO_NUMBERS;
+    inputs_beyond_their_limits: BEYOND;
+    extreme_inputs_that_are_allowed: EXTREME;
+    lengths_of_steps_and_times: STEPS;
+    parameters_one_by_one: PARAMETERS;
+    geometry: GEOMETRY;
+    options_that_contradict_each_other: OPTIONS;
+    limits_of_the_model: LIMITS;
+    states: STATES;
+    order_of_calls: ORDER;
+    arrays_references_and_types: ARRAYS;
+}
+
+#[test]
+fn the_table_has_rows_enough_and_none_twice() {
+    let mut names: Vec<&str> = GROUPS.iter().flat_map(|cases| cases.iter().map(|case| case.what)).collect();
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert!(count >= 60 && names.len() == count, "{count} rows, {} names", names.len());
 }

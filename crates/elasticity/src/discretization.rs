@@ -2,10 +2,12 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
-use super::block::{Block, BlockError, BlockProperties, Discretization};
+use super::block::{Block, BlockError, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use super::half_plane::scale_columns;
+use super::strip::FLATTEST;
 use super::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, Winkler};
 use nalgebra::DMatrix;
+use scene::message::Number;
 use scene::{Body, Geometry, MechanicalBody, Path, Scene};
 use std::f64::consts::PI;
 use std::fmt;
@@ -26,6 +28,8 @@ pub enum BodyReason {
     OutOfRange(OutOfRange),
     /// Refused by the finite elements of the block.
     Block(BlockError),
+    /// Height, in m, over the width of the contact outside the limits of the method.
+    Proportions { height: f64, width: f64, least: f64, largest: f64 },
 }
 
 impl From<OutOfRange> for BodyReason {
@@ -42,10 +46,21 @@ impl From<BlockError> for BodyReason {
 
 impl fmt::Display for BodyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.body)?;
+        let body = self.body;
         match &self.reason {
-            BodyReason::OutOfRange(error) => error.fmt(f),
-            BodyReason::Block(error) => error.fmt(f),
+            BodyReason::OutOfRange(error) => write!(f, "{body}: {error}"),
+            BodyReason::Block(error) => write!(f, "{body}: {error}"),
+            BodyReason::Proportions { height, width, least, largest } => {
+                write!(
+                    f,
+                    "{body}.height = {} m and punch.width = {} m: {body}.height / punch.width = {} must be at least {}",
+                    Number(*height),
+                    Number(*width),
+                    Number(height / width),
+                    Number(*least)
+                )?;
+                if largest.is_finite() { write!(f, " and at most {}", Number(*largest)) } else { Ok(()) }
+            }
         }
     }
 }
@@ -112,6 +127,9 @@ fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compli
     if body.mechanical == MechanicalBody::Winkler && body.foundation_stiffness > 0.0 {
         return Ok(Winkler::new(body.foundation_stiffness)?.compliance(cells));
     }
+    if body.mechanical == MechanicalBody::Elastic {
+        check_proportions(scene, body, punch)?;
+    }
     let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
     let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
     let compliance = match (body.mechanical, scene.geometry) {
@@ -141,6 +159,19 @@ fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compli
         }
     };
     Ok(compliance)
+}
+
+/// Checks the height of an elastic body over the width of the contact: by the variables of the scene, before a method that knows
+/// only the body refuses it.
+fn check_proportions(scene: &Scene, body: &Body, punch: bool) -> Result<(), BodyReason> {
+    let is_block = punch && scene.geometry != Geometry::Periodic;
+    let (least, largest) =
+        if is_block { (1.0 / LARGEST_FLATNESS, LARGEST_SLENDERNESS) } else { (1.0 / FLATTEST, f64::INFINITY) };
+    let (height, width) = (body.height, scene.width);
+    if (least * width..=largest * width).contains(&height) {
+        return Ok(());
+    }
+    Err(BodyReason::Proportions { height, width, least, largest })
 }
 
 /// Half-plane under tractions of the given period: a layer so high that its base has no effect, less the layer's own uniform
@@ -287,5 +318,37 @@ mod tests {
         (scene.punch.height, scene.strip.poissons_ratio) = (0.1, 0.5);
         let message = compliances(&scene, &cells).unwrap_err().to_string();
         assert_eq!(message, "strip: Poisson's ratio = 0.5 is out of range: must be from 0 to below 0.5");
+    }
+
+    #[test]
+    fn a_body_too_flat_or_too_slender_is_refused_by_the_variables_of_the_scene() {
+        for (name, height, said) in [
+            (
+                "punch.height",
+                1.21,
+                "punch.height = 1.21 m and punch.width = 0.06 m: punch.height / punch.width = 20.1667 must be at least 0.002 \
+                 and at most 20",
+            ),
+            (
+                "punch.height",
+                1e-4,
+                "punch.height = 0.0001 m and punch.width = 0.06 m: punch.height / punch.width = 0.00166667 must be at least \
+                 0.002 and at most 20",
+            ),
+            (
+                "strip.height",
+                2e-6,
+                "strip.height = 2e-6 m and punch.width = 0.06 m: strip.height / punch.width = 3.33333e-5 must be at least 5e-5",
+            ),
+        ] {
+            let mut scene = line(4.0);
+            let body = if name == "punch.height" { &mut scene.punch } else { &mut scene.strip };
+            body.height = height;
+            let cells = cells_for(&scene, 9).unwrap();
+            assert_eq!(compliances(&scene, &cells).unwrap_err().to_string(), said);
+            let body = if name == "punch.height" { &mut scene.punch } else { &mut scene.strip };
+            body.mechanical = MechanicalBody::Winkler;
+            assert!(compliances(&scene, &cells).is_ok(), "{name}: only an elastic body has these limits");
+        }
     }
 }
