@@ -18,6 +18,7 @@ pub mod realtime;
 pub mod release;
 pub mod run;
 pub mod scenes;
+pub mod soak;
 pub mod test;
 
 pub use scene_file::columns;

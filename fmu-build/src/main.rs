@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use fmu_build::native::Forwarded;
-use fmu_build::{batch, bench, native, output, package, realtime, release, run, test};
+use fmu_build::{batch, bench, native, output, package, realtime, release, run, soak, test};
 
 /// Wear and heat in a sliding contact: makes, runs and tests the FMU.
 #[derive(Parser, Debug)]
@@ -26,6 +26,7 @@ enum Command {
     Test(test::Arguments),
     Bench(bench::Arguments),
     Realtime(realtime::Arguments),
+    Soak(soak::Arguments),
     #[command(about = native::SIMULATE)]
     Simulate(Forwarded),
     #[command(about = native::STEADY)]
@@ -65,6 +66,7 @@ fn main() -> ExitCode {
             Command::Test(arguments) => test::execute(&arguments),
             Command::Bench(arguments) => bench::execute(&arguments),
             Command::Realtime(arguments) => realtime::execute(&arguments),
+            Command::Soak(arguments) => soak::execute(&arguments),
             Command::Batch(arguments) => batch::execute(&arguments),
             Command::BatchWorker => batch::worker::execute(),
             Command::Simulate(_)

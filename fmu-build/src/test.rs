@@ -96,9 +96,16 @@ fn fast(tally: &mut Tally) {
         let targets = ["fmi_policy", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in
-        ["integration tests", "fuzzing", "packaging", "fmpy tests", "Python package", "cost of a step", "real time"]
-    {
+    for name in [
+        "integration tests",
+        "fuzzing",
+        "packaging",
+        "fmpy tests",
+        "soak",
+        "Python package",
+        "cost of a step",
+        "real time",
+    ] {
         tally.skip(name, "not requested: --fast");
     }
 }
@@ -149,6 +156,13 @@ fn usual(tally: &mut Tally) {
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
+    });
+    tally.step("soak", |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(["soak", "--short"]);
+        step.check(command)?;
+        step.pass();
+        Ok(())
     });
     tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {

@@ -12,7 +12,7 @@ mod steps;
 mod variables;
 
 use core::ffi::CStr;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::gate::catch;
 use super::log::{Category, Log};
@@ -25,32 +25,29 @@ pub use problem::{Outcome, Problem};
 use scene::slot;
 use variables::Scratch;
 
-/// The scene of this library with derived data shared by all instances, computed once.
+/// The scene of this library with what an instance derives from it. It is not shared by the instances: memory that a static holds
+/// is lost when an importer unloads the library.
 struct Scene {
-    name: String,
+    name: &'static str,
     guid: String,
     starts: Arc<Values>,
     tolerance: f64,
 }
 
 impl Scene {
-    fn component(&self) -> Component {
-        Component::new(self.starts.clone()).declaring(self.tolerance)
-    }
-}
-
-fn scene() -> Result<&'static Scene, &'static str> {
-    static SCENE: OnceLock<Result<Scene, &'static str>> = OnceLock::new();
-    let scene = SCENE.get_or_init(|| {
+    fn new() -> Result<Scene, &'static str> {
         let packaged = slot::current()?;
         Ok(Scene {
-            name: packaged.name.clone(),
+            name: &packaged.name,
             guid: packaged.guid(),
             starts: Arc::new(packaged.starts),
             tolerance: packaged.experiment.tolerance,
         })
-    });
-    scene.as_ref().map_err(|reason| *reason)
+    }
+
+    fn component(&self) -> Component {
+        Component::new(self.starts.clone()).declaring(self.tolerance)
+    }
 }
 
 /// One instance of the FMU.
@@ -60,7 +57,7 @@ pub struct Instance {
     component: Component,
     /// Set after a panic, which may have left the component inconsistent: it is replaced before any further use.
     broken: bool,
-    scene: &'static Scene,
+    scene: Scene,
     log: Log,
     scratch: Scratch,
 }
@@ -85,7 +82,7 @@ impl Instance {
         if kind != CO_SIMULATION {
             return refuse(&format!("this FMU is for co-simulation (fmuType 1); fmuType {kind} was requested"));
         }
-        let scene = match scene() {
+        let scene = match Scene::new() {
             Ok(scene) => scene,
             Err(reason) => return refuse(reason),
         };

@@ -15,7 +15,9 @@
 //! exchange from `2 generation` to `2 generation + 1` therefore both validates the handle and acquires
 //! exclusive access.
 //!
-//! Slots live in chunks of doubling size that are never moved or freed, so lookup takes no lock.
+//! Slots live in chunks of doubling size that are never moved or freed, so lookup takes no lock. The first chunk is part of the
+//! registry, which is static: as long as no more values live at a time than it has slots, a library that is loaded and unloaded
+//! leaves no memory behind.
 //! A lock guards only the list of free slots, for insertion and removal. A slot whose generations are
 //! exhausted is retired.
 
@@ -49,6 +51,12 @@ struct Slot<T> {
     value: UnsafeCell<Option<Box<T>>>,
 }
 
+impl<T> Slot<T> {
+    const fn vacant() -> Slot<T> {
+        Slot { word: AtomicU32::new(VACANT), value: UnsafeCell::new(None) }
+    }
+}
+
 /// The free slots.
 struct Vacancies {
     /// Slots whose value was removed, with the generation that comes next.
@@ -60,7 +68,9 @@ struct Vacancies {
 /// Values that C code holds by handle.
 pub struct Registry<T> {
     tag: usize,
-    chunks: [AtomicPtr<Slot<T>>; CHUNKS],
+    first: [Slot<T>; FIRST],
+    /// Chunks behind the first one.
+    chunks: [AtomicPtr<Slot<T>>; CHUNKS - 1],
     vacancies: Mutex<Vacancies>,
 }
 
@@ -121,7 +131,8 @@ impl<T> Registry<T> {
         assert!(tag % 2 == 1 && tag < 1 << TAG_BITS, "the tag is an odd number below 8");
         Registry {
             tag,
-            chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS],
+            first: [const { Slot::vacant() }; FIRST],
+            chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS - 1],
             vacancies: Mutex::new(Vacancies { again: Vec::new(), used: 0 }),
         }
     }
@@ -201,11 +212,12 @@ impl<T> Registry<T> {
     #[inline(always)]
     fn slot(&self, index: usize) -> Option<&Slot<T>> {
         let (chunk, offset) = place(index);
+        let Some(chunk) = chunk.checked_sub(1) else { return self.first.get(offset) };
         let start = self.chunks.get(chunk)?.load(Ordering::Acquire);
         if start.is_null() {
             return None;
         }
-        // SAFETY: a chunk that is not null has `FIRST << chunk` initialised slots and is never freed;
+        // SAFETY: a chunk that is not null has as many initialised slots as `provide` made and is never freed;
         // `place` returns an offset below that.
         Some(unsafe { &*start.add(offset) })
     }
@@ -221,12 +233,12 @@ impl<T> Registry<T> {
 
     /// Allocates the chunk of slot `index` if necessary. Called under the lock.
     fn provide(&self, index: usize) {
-        let (chunk, _) = place(index);
+        let (number, _) = place(index);
+        let Some(chunk) = number.checked_sub(1) else { return };
         if !self.chunks[chunk].load(Ordering::Relaxed).is_null() {
             return;
         }
-        let slots: Box<[Slot<T>]> =
-            (0..FIRST << chunk).map(|_| Slot { word: AtomicU32::new(VACANT), value: UnsafeCell::new(None) }).collect();
+        let slots: Box<[Slot<T>]> = (0..FIRST << number).map(|_| Slot::vacant()).collect();
         self.chunks[chunk].store(Box::into_raw(slots).cast(), Ordering::Release);
     }
 }
