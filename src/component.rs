@@ -13,6 +13,7 @@ pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
+use crate::panics::on_own_thread;
 use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
@@ -21,7 +22,7 @@ use model::lumped::limit;
 use model::plan::prepared::Prepared;
 use scene::message::Number;
 use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
-use scene::{Scene, value};
+use scene::{Fidelity, Scene, value};
 use std::sync::Arc;
 
 /// Subject of a log message, from which the FMI categories are derived.
@@ -275,7 +276,7 @@ impl Component {
         let known = self.prepared.take().filter(|prepared| prepared.requested == *scene);
         let prepared = match known {
             Some(prepared) => prepared,
-            None => Arc::new(Prepared::new(scene, steady::run_in)?),
+            None => prepare(scene)?,
         };
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
@@ -580,6 +581,12 @@ impl Component {
     pub fn has_messages(&self) -> bool {
         !self.messages.is_empty()
     }
+}
+
+/// Prepares a scene: on a thread of its own where operators of cells may be built, see [`on_own_thread`].
+fn prepare(scene: &Scene) -> Result<Arc<Prepared>, String> {
+    let prepare = || Prepared::new(scene, steady::run_in).map(Arc::new);
+    if scene.fidelity == Fidelity::Lumped { prepare() } else { on_own_thread(prepare) }
 }
 
 /// Whether a derivative differs from 0.
