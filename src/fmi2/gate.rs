@@ -54,8 +54,6 @@ mod tests {
     use crate::panics::tests::turn;
     use core::ffi::{CStr, c_char};
     use std::ptr;
-    use std::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
     /// Notes category, status and text in the vector that is the environment. Not variadic, as Rust
     /// cannot define such functions; the importers' own loggers are exercised from C and Python.
