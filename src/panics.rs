@@ -7,7 +7,7 @@
 use core::cell::Cell;
 use std::io::Write;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
-use std::sync::Once;
+use std::sync::OnceLock;
 
 /// Source location of the last panic: bytes of text and their number. Not a `String`, because a thread-local
 /// value with a destructor would keep the library from being unloaded before the thread ends.
@@ -23,8 +23,8 @@ thread_local! {
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
 
 /// A panic hook that keeps this library's own panics quiet and leaves all others to `previous`.
-fn quiet(previous: Hook) -> Hook {
-    Box::new(move |info| {
+fn quiet(previous: impl Fn(&PanicHookInfo<'_>)) -> impl Fn(&PanicHookInfo<'_>) {
+    move |info| {
         if !INSIDE.get() {
             return previous(info);
         }
@@ -36,13 +36,21 @@ fn quiet(previous: Hook) -> Hook {
         }
         let free = rest.len();
         PLACE.set((text, text.len() - free));
-    })
+    }
 }
 
-/// Installs the hook, once.
+/// Installs the hook, once. It captures nothing: memory that a hook holds is lost when an importer unloads the library.
 pub fn install_hook() {
-    static INSTALLED: Once = Once::new();
-    INSTALLED.call_once(|| panic::set_hook(quiet(panic::take_hook())));
+    static PREVIOUS: OnceLock<Hook> = OnceLock::new();
+    PREVIOUS.get_or_init(|| {
+        let previous = panic::take_hook();
+        panic::set_hook(Box::new(quiet(|info| {
+            if let Some(previous) = PREVIOUS.get() {
+                previous(info);
+            }
+        })));
+        previous
+    });
 }
 
 /// Runs `body`; a panic in it becomes an `Err` with its message and place.
@@ -161,7 +169,7 @@ pub mod tests {
         let heard = Arc::new(AtomicUsize::new(0));
         let (counter, here) = (heard.clone(), std::thread::current().id());
         let before = panic::take_hook();
-        panic::set_hook(quiet(Box::new(move |_| {
+        panic::set_hook(Box::new(quiet(move |_| {
             if std::thread::current().id() == here {
                 counter.fetch_add(1, Ordering::Relaxed);
             }

@@ -28,20 +28,20 @@ use variables::Scratch;
 /// The scene of this library with what an instance derives from it. It is not shared by the instances: memory that a static holds
 /// is lost when an importer unloads the library.
 struct Scene {
-    name: &'static str,
+    name: String,
     guid: String,
     starts: Arc<Values>,
     tolerance: f64,
 }
 
 impl Scene {
-    fn new() -> Result<Scene, &'static str> {
+    fn new() -> Result<Scene, String> {
         let packaged = slot::current()?;
         Ok(Scene {
-            name: &packaged.name,
             guid: packaged.guid(),
             starts: Arc::new(packaged.starts),
             tolerance: packaged.experiment.tolerance,
+            name: packaged.name,
         })
     }
 
@@ -84,7 +84,7 @@ impl Instance {
         }
         let scene = match Scene::new() {
             Ok(scene) => scene,
-            Err(reason) => return refuse(reason),
+            Err(reason) => return refuse(&reason),
         };
         if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_bytes()) {
             let given = guid.map_or("none".into(), CStr::to_string_lossy);

@@ -48,19 +48,21 @@ const VACANT: u32 = TAKEN;
 #[repr(align(64))]
 struct Slot<T> {
     word: AtomicU32,
+    /// Generation of the next value of a vacant slot, and the vacant slot behind it. Used under the lock of the vacancies alone.
+    vacancy: UnsafeCell<(u32, Option<u32>)>,
     value: UnsafeCell<Option<Box<T>>>,
 }
 
 impl<T> Slot<T> {
     const fn vacant() -> Slot<T> {
-        Slot { word: AtomicU32::new(VACANT), value: UnsafeCell::new(None) }
+        Slot { word: AtomicU32::new(VACANT), vacancy: UnsafeCell::new((0, None)), value: UnsafeCell::new(None) }
     }
 }
 
-/// The free slots.
+/// The free slots: those whose value was removed are a list through the slots, those that never had one follow `used`.
 struct Vacancies {
-    /// Slots whose value was removed, with the generation that comes next.
-    again: Vec<(u32, u32)>,
+    /// Slot whose value was removed last.
+    again: Option<u32>,
     /// Slots handed out so far, from the start of the first chunk.
     used: u32,
 }
@@ -133,15 +135,20 @@ impl<T> Registry<T> {
             tag,
             first: [const { Slot::vacant() }; FIRST],
             chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS - 1],
-            vacancies: Mutex::new(Vacancies { again: Vec::new(), used: 0 }),
+            vacancies: Mutex::new(Vacancies { again: None, used: 0 }),
         }
     }
 
     /// Inserts a value and returns its handle; `None` when there is no slot left.
     pub fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
         let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
-        let (index, generation) = match vacancies.again.pop() {
-            Some(vacancy) => vacancy,
+        let (index, generation) = match vacancies.again {
+            Some(index) => {
+                // SAFETY: the lock is held.
+                let (generation, next) = unsafe { *self.slot(index as usize)?.vacancy.get() };
+                vacancies.again = next;
+                (index, generation)
+            }
             None if vacancies.used < ((1 << INDEX_BITS) - FIRST) as u32 => {
                 self.provide(vacancies.used as usize);
                 vacancies.used += 1;
@@ -187,7 +194,9 @@ impl<T> Registry<T> {
         if generation < LAST_GENERATION {
             let index = (handle.addr() >> TAG_BITS) & ((1 << INDEX_BITS) - 1);
             let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
-            vacancies.again.push((index as u32, generation + 1));
+            // SAFETY: the lock is held.
+            unsafe { *slot.vacancy.get() = (generation + 1, vacancies.again) };
+            vacancies.again = Some(index as u32);
         }
         value.ok_or(Refused::Unknown)
     }
@@ -317,7 +326,9 @@ mod tests {
         let registry = Registry::new(1);
         let handle = counted(&registry, 1);
         registry.remove(handle).unwrap();
-        registry.vacancies.lock().unwrap().again[0].1 = LAST_GENERATION;
+        let vacant = registry.vacancies.lock().unwrap().again.unwrap();
+        // SAFETY: no other thread uses the registry.
+        unsafe { (*registry.slot(vacant as usize).unwrap().vacancy.get()).0 = LAST_GENERATION };
         let last = counted(&registry, 2);
         assert_eq!(*registry.remove(last).unwrap(), 2);
         assert_eq!(registry.remove(last), Err(Refused::Unknown));
