@@ -314,7 +314,7 @@ mod tests {
         scene.punch.height = 10.0;
         let cells = cells_for(&scene, 5).unwrap();
         let message = compliances(&scene, &cells).unwrap_err().to_string();
-        assert!(message.starts_with("punch: height / width = 166."), "{message}");
+        assert!(message.starts_with("punch.height = 10 m and punch.width = 0.06 m: "), "{message}");
         (scene.punch.height, scene.strip.poissons_ratio) = (0.1, 0.5);
         let message = compliances(&scene, &cells).unwrap_err().to_string();
         assert_eq!(message, "strip: Poisson's ratio = 0.5 is out of range: must be from 0 to below 0.5");
@@ -338,7 +338,8 @@ mod tests {
             (
                 "strip.height",
                 2e-6,
-                "strip.height = 2e-6 m and punch.width = 0.06 m: strip.height / punch.width = 3.33333e-5 must be at least 5e-5",
+                "strip.height = 2e-6 m and punch.width = 0.06 m: strip.height / punch.width = 0.0000333333 must be at least \
+                 0.00005",
             ),
         ] {
             let mut scene = line(4.0);
