@@ -12,7 +12,7 @@ mod steps;
 mod variables;
 
 use core::ffi::CStr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::gate::catch;
 use super::log::{Category, Log};
@@ -25,29 +25,53 @@ pub use problem::{Outcome, Problem};
 use scene::slot;
 use variables::Scratch;
 
-/// The scene of this library with what an instance derives from it. It is not shared by the instances: memory that a static holds
-/// is lost when an importer unloads the library.
+/// The scene of this library with derived data shared by all instances, computed once. All of it is in place: memory that a static
+/// holds on the heap is lost when an importer unloads the library.
 struct Scene {
-    name: String,
-    guid: String,
-    starts: Arc<Values>,
+    name: Text,
+    guid: Text,
+    starts: Values,
     tolerance: f64,
 }
 
-impl Scene {
-    fn new() -> Result<Scene, String> {
-        let packaged = slot::current()?;
-        Ok(Scene {
-            guid: packaged.guid(),
-            starts: Arc::new(packaged.starts),
-            tolerance: packaged.experiment.tolerance,
-            name: packaged.name,
-        })
+/// A short text in place.
+struct Text {
+    bytes: [u8; slot::NAME_CAPACITY],
+    length: usize,
+}
+
+impl Text {
+    /// The text, cut off where it is too long.
+    fn new(text: &str) -> Text {
+        let length = text.floor_char_boundary(slot::NAME_CAPACITY);
+        let mut bytes = [0; slot::NAME_CAPACITY];
+        bytes[..length].copy_from_slice(&text.as_bytes()[..length]);
+        Text { bytes, length }
     }
 
-    fn component(&self) -> Component {
-        Component::new(self.starts.clone()).declaring(self.tolerance)
+    fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.bytes[..self.length]).unwrap_or_default()
     }
+}
+
+impl Scene {
+    fn component(&self) -> Component {
+        Component::new(Arc::new(self.starts)).declaring(self.tolerance)
+    }
+}
+
+fn scene() -> Result<&'static Scene, &'static str> {
+    static SCENE: OnceLock<Result<Scene, String>> = OnceLock::new();
+    let scene = SCENE.get_or_init(|| {
+        let packaged = slot::current()?;
+        Ok(Scene {
+            name: Text::new(&packaged.name),
+            guid: Text::new(&packaged.guid()),
+            starts: packaged.starts,
+            tolerance: packaged.experiment.tolerance,
+        })
+    });
+    scene.as_ref().map_err(String::as_str)
 }
 
 /// One instance of the FMU.
@@ -57,7 +81,7 @@ pub struct Instance {
     component: Component,
     /// Set after a panic, which may have left the component inconsistent: it is replaced before any further use.
     broken: bool,
-    scene: Scene,
+    scene: &'static Scene,
     log: Log,
     scratch: Scratch,
 }
@@ -82,16 +106,16 @@ impl Instance {
         if kind != CO_SIMULATION {
             return refuse(&format!("this FMU is for co-simulation (fmuType 1); fmuType {kind} was requested"));
         }
-        let scene = match Scene::new() {
+        let scene = match scene() {
             Ok(scene) => scene,
-            Err(reason) => return refuse(&reason),
+            Err(reason) => return refuse(reason),
         };
-        if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_bytes()) {
+        if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_str().as_bytes()) {
             let given = guid.map_or("none".into(), CStr::to_string_lossy);
-            return refuse(&format!("the GUID of this FMU is {}, {given} was given", scene.guid));
+            return refuse(&format!("the GUID of this FMU is {}, {given} was given", scene.guid.as_str()));
         }
         if log.wants(Category::Events) {
-            log.send(Status::Ok, Category::Events, &format!("fmi2Instantiate: scene {}", scene.name));
+            log.send(Status::Ok, Category::Events, &format!("fmi2Instantiate: scene {}", scene.name.as_str()));
         }
         Some(Box::new(Instance {
             phase: Phase::Instantiated,

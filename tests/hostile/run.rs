@@ -180,7 +180,7 @@ pub fn set_up(importer: &Importer, level: Level, example: &str, scene: &[(&str, 
     });
     let parameters = level.parameters().iter().chain(scene).map(|(name, value)| ((*name).to_owned(), *value));
     for (name, value) in starts.chain(parameters) {
-        let status = set(&importer, &name, value);
+        let status = set(importer, &name, value);
         if status != Status::Ok {
             return Err(format!("{name} = {value} is refused with {status:?}: {:?}", importer.take_log()));
         }

@@ -391,7 +391,7 @@ mod tests {
 
     #[test]
     fn an_unfilled_slot_is_the_stock_scene() {
-        assert_eq!(current(), Ok(&Packaged::stock()));
+        assert_eq!(current(), Ok(Packaged::stock()));
     }
 
     #[test]
