@@ -13,6 +13,7 @@ pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
+use crate::panics::on_own_thread;
 use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
@@ -21,7 +22,7 @@ use model::lumped::limit;
 use model::plan::prepared::Prepared;
 use scene::message::Number;
 use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
-use scene::{Scene, value};
+use scene::{Fidelity, Scene, value};
 use std::sync::Arc;
 
 /// Subject of a log message, from which the FMI categories are derived.
@@ -275,7 +276,7 @@ impl Component {
         let known = self.prepared.take().filter(|prepared| prepared.requested == *scene);
         let prepared = match known {
             Some(prepared) => prepared,
-            None => Arc::new(Prepared::new(scene, steady::run_in)?),
+            None => prepare(scene)?,
         };
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
@@ -532,7 +533,8 @@ impl Component {
     /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.
     ///
     /// # Errors
-    /// If a known is not an input or an unknown not an output, or the component has no model yet.
+    /// If a known is not an input or an unknown not an output, an input is one that a step refuses, or the component has no model
+    /// yet.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[ValueReference],
@@ -551,6 +553,12 @@ impl Component {
             unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
         {
             return Err(format!("value reference {unknown} is not an output"));
+        }
+        if unknowns.is_empty() {
+            return Ok(());
+        }
+        if self.suspect {
+            self.check_inputs(0.0)?;
         }
         // Builds the model if initialisation has not ended yet.
         self.get(FIRST_OUTPUT as ValueReference);
@@ -576,6 +584,12 @@ impl Component {
     pub fn has_messages(&self) -> bool {
         !self.messages.is_empty()
     }
+}
+
+/// Prepares a scene: on a thread of its own where operators of cells may be built, see [`on_own_thread`].
+fn prepare(scene: &Scene) -> Result<Arc<Prepared>, String> {
+    let prepare = || Prepared::new(scene, steady::run_in).map(Arc::new);
+    if scene.fidelity == Fidelity::Lumped { prepare() } else { on_own_thread(prepare) }
 }
 
 /// Whether a derivative differs from 0.

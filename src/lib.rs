@@ -4,3 +4,4 @@
 
 pub mod component;
 pub mod fmi2;
+mod panics;

@@ -19,6 +19,7 @@ pub mod release;
 pub mod run;
 pub mod scenes;
 pub mod site;
+pub mod soak;
 pub mod test;
 
 pub use scene_file::columns;

@@ -102,6 +102,7 @@ fn fast(tally: &mut Tally) {
         "site",
         "packaging",
         "fmpy tests",
+        "soak",
         "Python package",
         "cost of a step",
         "real time",
@@ -161,6 +162,13 @@ fn usual(tally: &mut Tally) {
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
+    });
+    tally.step("soak", |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(["soak", "--short"]);
+        step.check(command)?;
+        step.pass();
+        Ok(())
     });
     tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {

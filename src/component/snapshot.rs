@@ -4,10 +4,8 @@ use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
-use model::plan::prepared::Prepared;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 use scene::{Scene, value};
-use std::sync::Arc;
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -100,7 +98,7 @@ impl Component {
                         .map_err(|broken| broken.to_string())?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
-                        None => Arc::new(Prepared::new(&scene, steady::run_in)?),
+                        None => super::prepare(&scene)?,
                     }
                 }
             };

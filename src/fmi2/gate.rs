@@ -1,23 +1,16 @@
 //! Entry and exit of every call on an instance: handle lookup, busy flag, phase check, panic barrier, log, status.
 //!
-//! This is the only place where panics are caught. A panic is a defect of this library and must not end the
-//! importer's process: the message goes to the instance's log, the instance to the
-//! error phase, and the call returns `fmi2Error`. Panics are kept off stderr by a hook that reads a
-//! thread-local flag, set only here, and passes every other panic on to the previous hook.
-//! (Inside an importer the library has a standard library, and so a hook, of its own; in a
-//! Rust program that links the crate the hook is shared.)
+//! A panic is a defect of this library and must not end the importer's process: the message goes to the instance's log, the
+//! instance to the error phase, and the call returns `fmi2Error`.
 
-use core::cell::Cell;
 use core::ffi::c_void;
-use std::io::Write;
-use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
-use std::sync::Once;
 
 use super::instance::{Instance, Outcome, Problem};
 use super::policy::{Fault, Function};
 use super::registry::Registry;
 use super::state::Saved;
 use super::types::Status;
+pub use crate::panics::{catch, install_hook, outside};
 
 /// Every living instance.
 pub static INSTANCES: Registry<Instance> = Registry::new(1);
@@ -25,67 +18,6 @@ pub static INSTANCES: Registry<Instance> = Registry::new(1);
 /// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
 /// instance, and may be restored into any instance of this library.
 pub static STATES: Registry<Saved> = Registry::new(3);
-
-/// Source location of the last panic: bytes of text and their number. Not a `String`, because a thread-local
-/// value with a destructor would keep the library from being unloaded before the thread ends.
-type PanicLocation = ([u8; 120], usize);
-
-thread_local! {
-    static INSIDE: Cell<bool> = const { Cell::new(false) };
-    static PLACE: Cell<PanicLocation> = const { Cell::new(([0; 120], 0)) };
-}
-
-type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
-
-/// A panic hook that keeps this library's own panics quiet and leaves all others to `previous`.
-fn quiet(previous: Hook) -> Hook {
-    Box::new(move |info| {
-        if !INSIDE.get() {
-            return previous(info);
-        }
-        let mut text = [0; 120];
-        let mut rest = &mut text[..];
-        if let Some(location) = info.location() {
-            // Cut off where the buffer ends.
-            let _ = write!(rest, " ({location})");
-        }
-        let free = rest.len();
-        PLACE.set((text, text.len() - free));
-    })
-}
-
-/// Installs the hook, once.
-pub fn install_hook() {
-    static INSTALLED: Once = Once::new();
-    INSTALLED.call_once(|| panic::set_hook(quiet(panic::take_hook())));
-}
-
-/// Runs `body`; a panic in it becomes an `Err` with its message and place.
-#[inline(always)]
-pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
-    let result = INSIDE.with(|inside| {
-        let before = inside.replace(true);
-        let result = panic::catch_unwind(AssertUnwindSafe(body));
-        inside.set(before);
-        result
-    });
-    result.map_err(|payload| {
-        let message = match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
-            (Some(text), _) => text,
-            (_, Some(text)) => text.as_str(),
-            _ => "no message",
-        };
-        let (place, length) = PLACE.replace(([0; 120], 0));
-        format!("defect of this FMU, please report: {message}{}", String::from_utf8_lossy(&place[..length]))
-    })
-}
-
-/// Runs code of the importer. Panics in it, if it is written in Rust, are not silenced.
-pub fn outside(body: impl FnOnce()) {
-    let before = INSIDE.replace(false);
-    body();
-    INSIDE.set(before);
-}
 
 /// One call of `function` on the instance of a handle.
 ///
@@ -119,10 +51,9 @@ mod tests {
     use super::super::policy::Phase;
     use super::super::types::{CO_SIMULATION, CallbackFunctions, ComponentEnvironment, Logger, String as Text};
     use super::*;
+    use crate::panics::tests::turn;
     use core::ffi::{CStr, c_char};
     use std::ptr;
-    use std::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
     /// Notes category, status and text in the vector that is the environment. Not variadic, as Rust
     /// cannot define such functions; the importers' own loggers are exercised from C and Python.
@@ -140,13 +71,6 @@ mod tests {
             let owned = |text| CStr::from_ptr(text).to_str().unwrap().to_owned();
             notes.push((status, owned(category), owned(text)));
         }
-    }
-
-    /// The hook belongs to the whole process: tests that panic take turns.
-    fn turn() -> MutexGuard<'static, ()> {
-        static TURN: Mutex<()> = Mutex::new(());
-        install_hook();
-        TURN.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn with_instance(body: impl FnOnce(*mut c_void)) -> Vec<(Status, String, String)> {
@@ -210,27 +134,5 @@ mod tests {
             assert_eq!(save(&mut good), Status::Ok);
             assert_eq!(call(handle, Function::FreeFmuState, |instance| instance.free_fmu_state(good)), Status::Ok);
         });
-    }
-
-    #[test]
-    fn the_hook_is_quiet_inside_and_passes_on_what_happens_outside() {
-        let _turn = turn();
-        let heard = Arc::new(AtomicUsize::new(0));
-        let (counter, here) = (heard.clone(), std::thread::current().id());
-        let before = panic::take_hook();
-        panic::set_hook(quiet(Box::new(move |_| {
-            if std::thread::current().id() == here {
-                counter.fetch_add(1, Ordering::Relaxed);
-            }
-        })));
-        assert!(catch(|| panic!("inside")).unwrap_err().contains("inside"));
-        assert_eq!(heard.load(Ordering::Relaxed), 0);
-        // An importer's callback that panics is not ours.
-        assert!(catch(|| outside(|| panic!("callback"))).is_err());
-        assert_eq!(heard.load(Ordering::Relaxed), 1);
-        assert!(!INSIDE.get());
-        assert!(panic::catch_unwind(|| panic!("outside")).is_err());
-        assert_eq!(heard.load(Ordering::Relaxed), 2);
-        panic::set_hook(before);
     }
 }

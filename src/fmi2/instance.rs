@@ -25,32 +25,53 @@ pub use problem::{Outcome, Problem};
 use scene::slot;
 use variables::Scratch;
 
-/// The scene of this library with derived data shared by all instances, computed once.
+/// The scene of this library with derived data shared by all instances, computed once. All of it is in place: memory that a static
+/// holds on the heap is lost when an importer unloads the library.
 struct Scene {
-    name: String,
-    guid: String,
-    starts: Arc<Values>,
+    name: Text,
+    guid: Text,
+    starts: Values,
     tolerance: f64,
+}
+
+/// A short text in place.
+struct Text {
+    bytes: [u8; slot::NAME_CAPACITY],
+    length: usize,
+}
+
+impl Text {
+    /// The text, cut off where it is too long.
+    fn new(text: &str) -> Text {
+        let length = text.floor_char_boundary(slot::NAME_CAPACITY);
+        let mut bytes = [0; slot::NAME_CAPACITY];
+        bytes[..length].copy_from_slice(&text.as_bytes()[..length]);
+        Text { bytes, length }
+    }
+
+    fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.bytes[..self.length]).unwrap_or_default()
+    }
 }
 
 impl Scene {
     fn component(&self) -> Component {
-        Component::new(self.starts.clone()).declaring(self.tolerance)
+        Component::new(Arc::new(self.starts)).declaring(self.tolerance)
     }
 }
 
 fn scene() -> Result<&'static Scene, &'static str> {
-    static SCENE: OnceLock<Result<Scene, &'static str>> = OnceLock::new();
+    static SCENE: OnceLock<Result<Scene, String>> = OnceLock::new();
     let scene = SCENE.get_or_init(|| {
         let packaged = slot::current()?;
         Ok(Scene {
-            name: packaged.name.clone(),
-            guid: packaged.guid(),
-            starts: Arc::new(packaged.starts),
+            name: Text::new(&packaged.name),
+            guid: Text::new(&packaged.guid()),
+            starts: packaged.starts,
             tolerance: packaged.experiment.tolerance,
         })
     });
-    scene.as_ref().map_err(|reason| *reason)
+    scene.as_ref().map_err(String::as_str)
 }
 
 /// One instance of the FMU.
@@ -89,12 +110,12 @@ impl Instance {
             Ok(scene) => scene,
             Err(reason) => return refuse(reason),
         };
-        if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_bytes()) {
+        if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_str().as_bytes()) {
             let given = guid.map_or("none".into(), CStr::to_string_lossy);
-            return refuse(&format!("the GUID of this FMU is {}, {given} was given", scene.guid));
+            return refuse(&format!("the GUID of this FMU is {}, {given} was given", scene.guid.as_str()));
         }
         if log.wants(Category::Events) {
-            log.send(Status::Ok, Category::Events, &format!("fmi2Instantiate: scene {}", scene.name));
+            log.send(Status::Ok, Category::Events, &format!("fmi2Instantiate: scene {}", scene.name.as_str()));
         }
         Some(Box::new(Instance {
             phase: Phase::Instantiated,

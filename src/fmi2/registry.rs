@@ -15,7 +15,9 @@
 //! exchange from `2 generation` to `2 generation + 1` therefore both validates the handle and acquires
 //! exclusive access.
 //!
-//! Slots live in chunks of doubling size that are never moved or freed, so lookup takes no lock.
+//! Slots live in chunks of doubling size that are never moved or freed, so lookup takes no lock. The first chunk is part of the
+//! registry, which is static: as long as no more values live at a time than it has slots, a library that is loaded and unloaded
+//! leaves no memory behind.
 //! A lock guards only the list of free slots, for insertion and removal. A slot whose generations are
 //! exhausted is retired.
 
@@ -46,13 +48,21 @@ const VACANT: u32 = TAKEN;
 #[repr(align(64))]
 struct Slot<T> {
     word: AtomicU32,
+    /// Generation of the next value of a vacant slot, and the vacant slot behind it. Used under the lock of the vacancies alone.
+    vacancy: UnsafeCell<(u32, Option<u32>)>,
     value: UnsafeCell<Option<Box<T>>>,
 }
 
-/// The free slots.
+impl<T> Slot<T> {
+    const fn vacant() -> Slot<T> {
+        Slot { word: AtomicU32::new(VACANT), vacancy: UnsafeCell::new((0, None)), value: UnsafeCell::new(None) }
+    }
+}
+
+/// The free slots: those whose value was removed are a list through the slots, those that never had one follow `used`.
 struct Vacancies {
-    /// Slots whose value was removed, with the generation that comes next.
-    again: Vec<(u32, u32)>,
+    /// Slot whose value was removed last.
+    again: Option<u32>,
     /// Slots handed out so far, from the start of the first chunk.
     used: u32,
 }
@@ -60,7 +70,9 @@ struct Vacancies {
 /// Values that C code holds by handle.
 pub struct Registry<T> {
     tag: usize,
-    chunks: [AtomicPtr<Slot<T>>; CHUNKS],
+    first: [Slot<T>; FIRST],
+    /// Chunks behind the first one.
+    chunks: [AtomicPtr<Slot<T>>; CHUNKS - 1],
     vacancies: Mutex<Vacancies>,
 }
 
@@ -121,16 +133,22 @@ impl<T> Registry<T> {
         assert!(tag % 2 == 1 && tag < 1 << TAG_BITS, "the tag is an odd number below 8");
         Registry {
             tag,
-            chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS],
-            vacancies: Mutex::new(Vacancies { again: Vec::new(), used: 0 }),
+            first: [const { Slot::vacant() }; FIRST],
+            chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS - 1],
+            vacancies: Mutex::new(Vacancies { again: None, used: 0 }),
         }
     }
 
     /// Inserts a value and returns its handle; `None` when there is no slot left.
     pub fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
         let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
-        let (index, generation) = match vacancies.again.pop() {
-            Some(vacancy) => vacancy,
+        let (index, generation) = match vacancies.again {
+            Some(index) => {
+                // SAFETY: the lock is held.
+                let (generation, next) = unsafe { *self.slot(index as usize)?.vacancy.get() };
+                vacancies.again = next;
+                (index, generation)
+            }
             None if vacancies.used < ((1 << INDEX_BITS) - FIRST) as u32 => {
                 self.provide(vacancies.used as usize);
                 vacancies.used += 1;
@@ -176,7 +194,9 @@ impl<T> Registry<T> {
         if generation < LAST_GENERATION {
             let index = (handle.addr() >> TAG_BITS) & ((1 << INDEX_BITS) - 1);
             let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
-            vacancies.again.push((index as u32, generation + 1));
+            // SAFETY: the lock is held.
+            unsafe { *slot.vacancy.get() = (generation + 1, vacancies.again) };
+            vacancies.again = Some(index as u32);
         }
         value.ok_or(Refused::Unknown)
     }
@@ -201,11 +221,12 @@ impl<T> Registry<T> {
     #[inline(always)]
     fn slot(&self, index: usize) -> Option<&Slot<T>> {
         let (chunk, offset) = place(index);
+        let Some(chunk) = chunk.checked_sub(1) else { return self.first.get(offset) };
         let start = self.chunks.get(chunk)?.load(Ordering::Acquire);
         if start.is_null() {
             return None;
         }
-        // SAFETY: a chunk that is not null has `FIRST << chunk` initialised slots and is never freed;
+        // SAFETY: a chunk that is not null has as many initialised slots as `provide` made and is never freed;
         // `place` returns an offset below that.
         Some(unsafe { &*start.add(offset) })
     }
@@ -221,12 +242,12 @@ impl<T> Registry<T> {
 
     /// Allocates the chunk of slot `index` if necessary. Called under the lock.
     fn provide(&self, index: usize) {
-        let (chunk, _) = place(index);
+        let (number, _) = place(index);
+        let Some(chunk) = number.checked_sub(1) else { return };
         if !self.chunks[chunk].load(Ordering::Relaxed).is_null() {
             return;
         }
-        let slots: Box<[Slot<T>]> =
-            (0..FIRST << chunk).map(|_| Slot { word: AtomicU32::new(VACANT), value: UnsafeCell::new(None) }).collect();
+        let slots: Box<[Slot<T>]> = (0..FIRST << number).map(|_| Slot::vacant()).collect();
         self.chunks[chunk].store(Box::into_raw(slots).cast(), Ordering::Release);
     }
 }
@@ -305,7 +326,9 @@ mod tests {
         let registry = Registry::new(1);
         let handle = counted(&registry, 1);
         registry.remove(handle).unwrap();
-        registry.vacancies.lock().unwrap().again[0].1 = LAST_GENERATION;
+        let vacant = registry.vacancies.lock().unwrap().again.unwrap();
+        // SAFETY: no other thread uses the registry.
+        unsafe { (*registry.slot(vacant as usize).unwrap().vacancy.get()).0 = LAST_GENERATION };
         let last = counted(&registry, 2);
         assert_eq!(*registry.remove(last).unwrap(), 2);
         assert_eq!(registry.remove(last), Err(Refused::Unknown));

@@ -3,6 +3,7 @@
 //! A pressure wave of the number m grows at the rate b with `z (1 + z) = 2 R`, `z^2 = 1 + b/(kd m^2)`, R the speed over
 //! `2 K m (1 - nu)/(mu E alpha)`.
 
+use scene::message::Number;
 use std::f64::consts::PI;
 use test_support::{Drive, reference};
 
@@ -134,7 +135,8 @@ fn above_the_critical_speed_the_contact_parts_into_patches() {
     let critical = drive.get("critical_speed");
     let speed = drive.get("nominal.velocity");
     assert!((speed / critical - 2.0).abs() < 1e-12);
-    let said = format!("thermoelastically unstable: nominal.velocity = {speed} m/s is above {critical} m/s");
+    let numbers = [speed, critical].map(Number);
+    let said = format!("thermoelastically unstable: nominal.velocity = {} m/s is above {} m/s", numbers[0], numbers[1]);
     assert!(texts.iter().any(|text| text.starts_with(&said)), "{texts:?} {said}");
     let area = drive.area();
     let mut parted = None;

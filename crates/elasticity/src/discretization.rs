@@ -4,6 +4,7 @@
 
 use super::block::BlockError;
 use super::{Cells, Compliance, OutOfRange, kinds};
+use scene::message::Number;
 use scene::{Geometry, Scene};
 use std::fmt;
 
@@ -23,6 +24,8 @@ pub enum BodyReason {
     OutOfRange(OutOfRange),
     /// Refused by the finite elements of the block.
     Block(BlockError),
+    /// Height, in m, over the width of the contact outside the limits of the method.
+    Proportions { height: f64, width: f64, least: f64, largest: f64 },
 }
 
 impl From<OutOfRange> for BodyReason {
@@ -39,10 +42,21 @@ impl From<BlockError> for BodyReason {
 
 impl fmt::Display for BodyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.body)?;
+        let body = self.body;
         match &self.reason {
-            BodyReason::OutOfRange(error) => error.fmt(f),
-            BodyReason::Block(error) => error.fmt(f),
+            BodyReason::OutOfRange(error) => write!(f, "{body}: {error}"),
+            BodyReason::Block(error) => write!(f, "{body}: {error}"),
+            BodyReason::Proportions { height, width, least, largest } => {
+                write!(
+                    f,
+                    "{body}.height = {} m and punch.width = {} m: {body}.height / punch.width = {} must be at least {}",
+                    Number(*height),
+                    Number(*width),
+                    Number(height / width),
+                    Number(*least)
+                )?;
+                if largest.is_finite() { write!(f, " and at most {}", Number(*largest)) } else { Ok(()) }
+            }
         }
     }
 }
@@ -230,9 +244,42 @@ mod tests {
         scene.punch.height = 10.0;
         let cells = cells_for(&scene, 5).unwrap();
         let message = compliances(&scene, &cells).unwrap_err().to_string();
-        assert!(message.starts_with("punch: height / width = 166."), "{message}");
+        assert!(message.starts_with("punch.height = 10 m and punch.width = 0.06 m: "), "{message}");
         (scene.punch.height, scene.strip.poissons_ratio) = (0.1, 0.5);
         let message = compliances(&scene, &cells).unwrap_err().to_string();
         assert_eq!(message, "strip: Poisson's ratio = 0.5 is out of range: must be from 0 to below 0.5");
+    }
+
+    #[test]
+    fn a_body_too_flat_or_too_slender_is_refused_by_the_variables_of_the_scene() {
+        for (name, height, said) in [
+            (
+                "punch.height",
+                1.21,
+                "punch.height = 1.21 m and punch.width = 0.06 m: punch.height / punch.width = 20.1667 must be at least 0.002 \
+                 and at most 20",
+            ),
+            (
+                "punch.height",
+                1e-4,
+                "punch.height = 0.0001 m and punch.width = 0.06 m: punch.height / punch.width = 0.00166667 must be at least \
+                 0.002 and at most 20",
+            ),
+            (
+                "strip.height",
+                2e-6,
+                "strip.height = 2e-6 m and punch.width = 0.06 m: strip.height / punch.width = 0.0000333333 must be at least \
+                 0.00005",
+            ),
+        ] {
+            let mut scene = line(4.0);
+            let body = if name == "punch.height" { &mut scene.punch } else { &mut scene.strip };
+            body.height = height;
+            let cells = cells_for(&scene, 9).unwrap();
+            assert_eq!(compliances(&scene, &cells).unwrap_err().to_string(), said);
+            let body = if name == "punch.height" { &mut scene.punch } else { &mut scene.strip };
+            body.mechanical = MechanicalBody::Winkler;
+            assert!(compliances(&scene, &cells).is_ok(), "{name}: only an elastic body has these limits");
+        }
     }
 }

@@ -4,9 +4,10 @@
 //!
 //! Theory: docs/theory.md, sections 3.1 to 3.8.
 
-use crate::block::{Block, BlockProperties, Discretization};
+use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use crate::discretization::BodyReason;
 use crate::half_plane::scale_columns;
+use crate::strip::FLATTEST;
 use crate::tangential::layer_difference;
 use crate::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, StripKernel, Winkler,
@@ -27,6 +28,9 @@ pub(crate) fn compliance(scene: &Scene, cells: &Cells, body: &Body, punch: bool)
     }
     if body.mechanical == MechanicalBody::Winkler && body.foundation_stiffness > 0.0 {
         return Ok(Winkler::new(body.foundation_stiffness)?.compliance(cells));
+    }
+    if body.mechanical == MechanicalBody::Elastic {
+        check_proportions(scene, body, punch)?;
     }
     let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
     let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
@@ -49,6 +53,19 @@ pub(crate) fn compliance(scene: &Scene, cells: &Cells, body: &Body, punch: bool)
         }
     };
     Ok(compliance)
+}
+
+/// Checks the height of an elastic body over the width of the contact: by the variables of the scene, before a method that knows
+/// only the body refuses it.
+fn check_proportions(scene: &Scene, body: &Body, punch: bool) -> Result<(), BodyReason> {
+    let is_block = punch && scene.geometry != Geometry::Periodic;
+    let (least, largest) =
+        if is_block { (1.0 / LARGEST_FLATNESS, LARGEST_SLENDERNESS) } else { (1.0 / FLATTEST, f64::INFINITY) };
+    let (height, width) = (body.height, scene.width);
+    if (least * width..=largest * width).contains(&height) {
+        return Ok(());
+    }
+    Err(BodyReason::Proportions { height, width, least, largest })
 }
 
 /// The finite-element block of the punch.

@@ -47,7 +47,7 @@ pub struct Strip {
 /// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
 const DECAY_LENGTH: f64 = 40.0;
 /// Largest contact width over the height; below it the strip needs a hundred thousand Fourier modes.
-const FLATTEST: f64 = 2e4;
+pub(super) const FLATTEST: f64 = 2e4;
 /// Value of `q h` beyond which `Phi - 1` is below 1e-16.
 const SHORTEST_WAVE: f64 = 23.0;
 /// Fourier modes taken together in one matrix product.

@@ -21,7 +21,6 @@
 //! | 136.. | the start values in the order of the value references |
 
 use crate::fnv::Fnv;
-use std::sync::OnceLock;
 
 use crate::variables::{COUNT, Causality, Initial, Kind, STARTS, Start, TABLE, Variability};
 
@@ -242,13 +241,13 @@ fn decode(bytes: &[u8; LENGTH]) -> Result<Packaged, String> {
     }
 }
 
-/// The scene of this library; read and verified once.
+/// The scene of this library, read and verified. It is not kept: memory that a static holds is lost when an importer unloads the
+/// library.
 ///
 /// # Errors
 /// A sentence that describes the damage of the slot.
-pub fn current() -> Result<&'static Packaged, &'static str> {
-    static CURRENT: OnceLock<Result<Packaged, String>> = OnceLock::new();
-    CURRENT.get_or_init(|| decode(&loaded())).as_ref().map_err(String::as_str)
+pub fn current() -> Result<Packaged, String> {
+    decode(&loaded())
 }
 
 /// Writes a scene into the bytes of a built library.
@@ -392,7 +391,7 @@ mod tests {
 
     #[test]
     fn an_unfilled_slot_is_the_stock_scene() {
-        assert_eq!(current(), Ok(&Packaged::stock()));
+        assert_eq!(current(), Ok(Packaged::stock()));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use libloading::Library;
+use std::cell::Cell;
 use std::ffi::{CString, c_char, c_double, c_int, c_uint, c_void};
 use std::path::Path;
 use std::ptr::{self, NonNull};
@@ -132,7 +133,7 @@ impl Component {
             )
         };
         match NonNull::new(handle) {
-            Some(handle) => Ok(Instance { component: self, handle, time: 0.0 }),
+            Some(handle) => Ok(Instance { component: self, handle, time: Cell::new(0.0) }),
             None => bail!("fmi2Instantiate returned NULL for the GUID {:?}", self.guid),
         }
     }
@@ -142,7 +143,8 @@ impl Component {
 pub struct Instance<'a> {
     component: &'a Component,
     handle: NonNull<c_void>,
-    time: f64,
+    /// Communication point, s.
+    time: Cell<f64>,
 }
 
 impl Drop for Instance<'_> {
@@ -162,7 +164,7 @@ impl Instance<'_> {
     /// # Errors
     /// Where a call does not return fmi2OK; so below.
     pub fn initialise(&mut self) -> Result<()> {
-        self.time = 0.0;
+        self.time.set(0.0);
         let (functions, handle) = (&self.component.functions, self.handle.as_ptr());
         // SAFETY: the handle is alive; so below.
         unsafe {
@@ -187,7 +189,7 @@ impl Instance<'_> {
     /// See [`Self::initialise`]; also where the library takes no derivatives.
     #[inline]
     pub fn exchange(
-        &mut self,
+        &self,
         variables: &Variables,
         inputs: &[f64; 2],
         slopes: Option<&[f64; 2]>,
@@ -204,10 +206,10 @@ impl Instance<'_> {
                 let status = set(handle, variables.inputs.as_ptr(), 2, FIRST.as_ptr(), slopes.as_ptr());
                 ok(status, "fmi2SetRealInputDerivatives")?;
             }
-            ok((functions.step)(handle, self.time, step, 1), "fmi2DoStep")?;
+            ok((functions.step)(handle, self.time.get(), step, 1), "fmi2DoStep")?;
             ok((functions.get)(handle, variables.outputs.as_ptr(), 3, outputs.as_mut_ptr()), "fmi2GetReal")?;
         }
-        self.time += step;
+        self.time.set(self.time.get() + step);
         Ok(outputs)
     }
 
@@ -220,7 +222,7 @@ impl Instance<'_> {
         let mut handle = ptr::null_mut();
         // SAFETY: NULL asks for a new state.
         ok(unsafe { (functions.get)(self.handle.as_ptr(), &raw mut handle) }, "fmi2GetFMUstate")?;
-        Ok(State { instance: self, functions, handle })
+        Ok(State { instance: self, functions, handle, time: self.time.get() })
     }
 }
 
@@ -229,6 +231,7 @@ pub struct State<'a> {
     instance: &'a Instance<'a>,
     functions: &'a StateFunctions,
     handle: Handle,
+    time: f64,
 }
 
 impl State<'_> {
@@ -237,6 +240,7 @@ impl State<'_> {
     /// # Errors
     /// See [`Instance::initialise`].
     pub fn update(&mut self) -> Result<()> {
+        self.time = self.instance.time.get();
         // SAFETY: both handles are alive; so below.
         ok(unsafe { (self.functions.get)(self.instance.handle.as_ptr(), &raw mut self.handle) }, "fmi2GetFMUstate")
     }
@@ -246,6 +250,7 @@ impl State<'_> {
     /// # Errors
     /// See [`Instance::initialise`].
     pub fn restore(&self) -> Result<()> {
+        self.instance.time.set(self.time);
         // SAFETY: both handles are alive.
         ok(unsafe { (self.functions.set)(self.instance.handle.as_ptr(), self.handle) }, "fmi2SetFMUstate")
     }

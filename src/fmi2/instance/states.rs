@@ -57,13 +57,13 @@ impl Instance {
 
     /// `fmi2SerializedFMUstateSize`
     pub fn serialized_size(&mut self, state: *mut c_void) -> Result<usize, Problem> {
-        Ok(STATES.acquire(state).map_err(problem::unknown_state)?.encoded_size(&self.scene.guid))
+        Ok(STATES.acquire(state).map_err(problem::unknown_state)?.encoded_size(self.scene.guid.as_str()))
     }
 
     /// `fmi2SerializeFMUstate`: into exactly as many bytes as `fmi2SerializedFMUstateSize` returned.
     pub fn serialize(&mut self, state: *mut c_void, bytes: Sink<'_, u8>) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
-        let written = saved.encode(&self.scene.guid).map_err(|text| Problem { fault: Fault::State, text })?;
+        let written = saved.encode(self.scene.guid.as_str()).map_err(|text| Problem { fault: Fault::State, text })?;
         if written.len() != bytes.count() {
             return argument(format!("the FMU state takes {} bytes, {} were given", written.len(), bytes.count()));
         }
@@ -86,7 +86,7 @@ impl Instance {
         }
         let mut copy = Vec::new();
         bytes.copy_into(&mut copy);
-        keep(Box::new(Saved::decode(&copy, &self.scene.guid).map_err(problem)?))
+        keep(Box::new(Saved::decode(&copy, self.scene.guid.as_str()).map_err(problem)?))
     }
 }
 

@@ -27,6 +27,7 @@ use nalgebra::DMatrix;
 use numerics::maximum::maximum;
 use scene::Scheme;
 use scene::message::Number;
+use std::fmt;
 
 /// Error below which the step is doubled: it goes as the square of the step.
 const DOUBLING: f64 = 0.175;
@@ -168,13 +169,11 @@ impl Line {
             };
             self.state.rejected += 1;
             if !control.halve(halvings) {
-                return Err(StepFailure(format!(
-                    "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST}); \
-                     sliding velocity {} m/s",
-                    Number(path.velocity(start)),
-                    step = Number(step),
-                    length = Number(length)
-                )));
+                let (step, length) = (Number(step), Number(length));
+                let what = format_args!(
+                    "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST})"
+                );
+                return Err(self.failure(path, start, &what));
             }
         }
         self.state.refinement = control.level();
@@ -197,13 +196,13 @@ impl Line {
         self.contact.newton_iterations() + heat.sum::<u64>()
     }
 
-    pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &StageError) -> StepFailure {
+    pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &dyn fmt::Display) -> StepFailure {
         let moment = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
             Number(path.velocity(time)),
             Number(moment.load),
-            moment.signed_friction.abs()
+            Number(moment.signed_friction.abs())
         ))
     }
 

@@ -270,7 +270,7 @@ impl Lumped {
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
                      contact temperature {} K, sliding velocity {} m/s, normal load {} N",
-                    Number(attempt.hottest + self.state.reference),
+                    Number(self.state.end_temperature + self.state.reference),
                     Number(last.velocity),
                     Number(last.load),
                     step = Number(step)

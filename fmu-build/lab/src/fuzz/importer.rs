@@ -52,7 +52,7 @@ fn logger() -> Logger {
 
 /// The GUID of this library's scene.
 pub fn guid() -> CString {
-    let guid = slot::current().map(slot::Packaged::guid).unwrap_or_default();
+    let guid = slot::current().map(|scene| scene.guid()).unwrap_or_default();
     CString::new(guid).unwrap_or_default()
 }
 

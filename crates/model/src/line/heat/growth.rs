@@ -35,6 +35,7 @@ use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
 use scene::Fidelity;
+use scene::message::Number;
 use std::fmt::{self, Write};
 
 /// Largest b h.
@@ -79,8 +80,10 @@ impl LineOperators {
         let w = self.wear_against_growth(friction, acceleration);
         if acceleration > 1.0 && w > LARGEST_WEAR {
             return Err(format!(
-                "wear_acceleration = {acceleration} hides thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {w} with it, \
-                 the limit is {LARGEST_WEAR}"
+                "wear_acceleration = {} hides thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {} with it, the limit is \
+                 {LARGEST_WEAR}",
+                Number(acceleration),
+                Number(w)
             ));
         }
         Ok(())
@@ -99,13 +102,16 @@ impl Line {
                 let w = self.operators.wear_against_growth(friction, acceleration);
                 write!(
                     text,
-                    "wear_acceleration = {acceleration} suppresses thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {w} \
-                     with it is above {UNNOTICED_WEAR}"
+                    "wear_acceleration = {} suppresses thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {} with it is above \
+                     {UNNOTICED_WEAR}",
+                    Number(acceleration),
+                    Number(w)
                 )
             }
             limit::UNSTABLE => {
                 let (speed, critical) = self.speeds(inputs);
                 let grows = self.operators.mean.critical_speed.what_grows(self.friction_at(inputs), speed);
+                let (speed, critical) = (Number(speed), Number(critical));
                 write!(text, "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, {grows}")
             }
             _ => Ok(()),
