@@ -20,7 +20,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// File of the checksums, as `sha256sum -c` reads them.
 const CHECKSUMS: &str = "SHA256SUMS";
 
-/// Writes the FMUs of all shipped scenes, the bill of materials, release notes and checksums to one folder.
+/// Writes the FMUs of all shipped scenes, the wheel, bills of materials, release notes and checksums to one folder.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Folder to write to, new or empty [default: target/dist/sliding-contact-VERSION, which is replaced]
@@ -86,7 +86,12 @@ pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     let changelog = project::root().join("CHANGELOG.md");
     let text = fs::read_to_string(&changelog).with_context(|| format!("reading {}", changelog.display()))?;
     fs::write(folder.join("RELEASE_NOTES.md"), notes::cut(&text, VERSION)?).with_context(context)?;
-    fs::write(folder.join("sbom.cdx.json"), bill::write()?).with_context(context)?;
+    for (name, package, platforms) in [
+        ("sbom.cdx.json", "sliding-contact", platforms),
+        ("sbom.python.cdx.json", "sliding-contact-python", &[package::wheel::of_this_machine()?]),
+    ] {
+        fs::write(folder.join(name), bill::write(package, platforms)?).with_context(context)?;
+    }
     let mut names = files(folder)?;
     fs::write(folder.join(CHECKSUMS), checksums(folder, &names)?).with_context(context)?;
     names.push(CHECKSUMS.into());

@@ -10,13 +10,14 @@ pub use tables::{Inputs, Table};
 pub use worker::points;
 
 use crate::output::{self, print_line};
-use crate::{project, python};
+use crate::{package, project, python, scenes};
 use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Description, Interpolation, Schedule, Span, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Results, Row};
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::io::Cursor;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Reasons of failures that are printed.
@@ -26,7 +27,7 @@ const FACTOR: &str = ".factor";
 /// Ending of a column with the largest value of an output.
 const PEAK: &str = ".peak";
 
-/// Run many scenes with one FMU: a row of parameters each, a row of results each.
+/// Run many variants of a scene: a row of parameters each, a row of results each.
 ///
 /// A column of the design is a parameter of the FMU, with a unit in its header or its cells where it is not the SI one
 /// (`punch.width [mm]`, `40 mm`), or NAME.factor: the factor on the column of the input NAME.
@@ -36,8 +37,11 @@ pub struct Arguments {
     /// CSV file: a header with the names of parameters, a row per scene.
     #[arg(required_unless_present = "example")]
     design: Option<PathBuf>,
-    /// The .fmu.
-    #[arg(long, value_name = "FILE", required_unless_present = "example")]
+    /// The scene that the rows vary: the name of a shipped one, or a scene file.
+    #[arg(long, conflicts_with = "fmu")]
+    scene: Option<String>,
+    /// An .fmu instead of a scene.
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "scene"])]
     fmu: Option<PathBuf>,
     /// CSV file with the inputs over time: the column time, and one per input, in the FMU's unit or in the one that the
     /// header says, as in "sliding_velocity [km/h]".
@@ -74,7 +78,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_enum,
-        conflicts_with_all = ["design", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
+        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
     )]
     example: Option<example::Script>,
     /// Arguments of the script.
@@ -155,10 +159,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(script) = arguments.example {
         return example::run(script, &arguments.script_arguments, arguments.json);
     }
-    let (Some(design), Some(fmu), Some(inputs), Some(output)) =
-        (&arguments.design, &arguments.fmu, &arguments.inputs, &arguments.output)
-    else {
-        bail!("DESIGN, --fmu, --inputs and --output are needed");
+    let (Some(design), Some(inputs), Some(output)) = (&arguments.design, &arguments.inputs, &arguments.output) else {
+        bail!("DESIGN, --inputs and --output are needed");
     };
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
@@ -174,7 +176,15 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
     let table = Table::read(design)?;
-    let folder = unpack(fmu)?;
+    let fmu = match (&arguments.fmu, &arguments.scene) {
+        (Some(path), _) => fs::read(path).with_context(|| format!("reading {}", path.display()))?,
+        (None, Some(scene)) => packaged(scene)?,
+        (None, None) => bail!("--scene or --fmu is needed"),
+    };
+    let folder = unpack(&fmu).with_context(|| match &arguments.fmu {
+        Some(path) => format!("unpacking {}", path.display()),
+        None => "unpacking the scene's FMU".into(),
+    })?;
     let worker = Worker::open(&folder)?;
     let converted = table.in_units_of(worker.description()).with_context(|| format!("reading {}", design.display()))?;
     let job = Job {
@@ -193,7 +203,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     // Not of the rows, which are compared one by one: a longer design continues a shorter one.
     let columns = table.columns.join(",");
     let fingerprint =
-        results::fingerprint(&[&fs::read(fmu)?, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
+        results::fingerprint(&[&fmu, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
     let header: Vec<String> = std::iter::once("scene".to_owned())
         .chain(table.columns.iter().chain(&job.record).cloned())
         .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
@@ -243,6 +253,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("every one of the {failed} scenes failed; the column reason of {} says why", summary.output.display());
     }
     Ok(())
+}
+
+/// The FMU of a scene.
+fn packaged(scene: &str) -> Result<Vec<u8>> {
+    let file = scenes::load(Some(scene))?;
+    let path = project::target().join("batch").join(format!("{}.{}.fmu", file.packaged.name, std::process::id()));
+    let options = package::Options { output: Some(path.clone()), ..package::Options::default() };
+    let bytes = fs::read(package::build_scene(&file, &options)?).with_context(|| format!("reading {}", path.display()));
+    let _ = fs::remove_file(&path);
+    bytes
 }
 
 /// Checks the settings that would fail for every scene, once and before any is run.
@@ -302,20 +322,22 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
 }
 
 /// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
-fn unpack(fmu: &Path) -> Result<PathBuf> {
-    let context = || format!("unpacking {}", fmu.display());
-    let name = format!("fmu-{}", results::fingerprint(&[&fs::read(fmu).with_context(context)?]));
+fn unpack(fmu: &[u8]) -> Result<PathBuf> {
+    let name = format!("fmu-{}", results::fingerprint(&[fmu]));
     let folder = project::target().join("batch").join(&name);
     if folder.is_dir() {
         return Ok(folder);
     }
     // Another process may be doing the same: the first one succeeds.
     let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
-    fs::create_dir_all(&partial).with_context(context)?;
-    archive.extract(&partial).with_context(context)?;
+    let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).context("it is no .fmu, which is a zip archive")?;
+    fs::create_dir_all(&partial)?;
+    if let Err(broken) = archive.extract(&partial) {
+        let _ = fs::remove_dir_all(&partial);
+        return Err(broken.into());
+    }
     if fs::rename(&partial, &folder).is_err() {
-        fs::remove_dir_all(&partial).with_context(context)?;
+        fs::remove_dir_all(&partial)?;
         if !folder.is_dir() {
             bail!("{} cannot be made", folder.display());
         }

@@ -109,7 +109,10 @@ fn for_scripts() -> Result<PathBuf> {
 }
 
 /// The platform that this program runs on.
-fn of_this_machine() -> Result<Platform> {
+///
+/// # Errors
+/// Where it is none of those that wheels are made for.
+pub fn of_this_machine() -> Result<Platform> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Ok(Platform::Linux64),
         ("linux", "aarch64") => Ok(Platform::Aarch64Linux),
