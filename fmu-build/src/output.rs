@@ -1,5 +1,6 @@
 //! Output of the commands: standard output and files.
 
+use crate::project;
 use anyhow::{Result, bail};
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
@@ -54,17 +55,28 @@ pub fn status(result: Result<()>) -> ExitCode {
     }
 }
 
-/// Refuses a file whose ending promises another format than those of `endings`, one of which is written.
+/// Refuses a file that could not be written, or whose ending promises another format than those of `endings`, one of which is written:
+/// before anything is computed for it. Folders above it that are missing are made when it is written.
 ///
 /// # Errors
 /// With what is accepted.
 pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
+    project::replaceable(path)?;
+    check_above(path)?;
     match path.extension() {
         Some(given) if !endings.iter().any(|ending| given.eq_ignore_ascii_case(ending)) => {
             let written = endings.join(" or .");
             bail!("--output {}: .{written} is written, not .{}", path.display(), given.to_string_lossy())
         }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a path below a file.
+fn check_above(path: &Path) -> Result<()> {
+    match path.ancestors().skip(1).find(|above| above.exists()) {
+        Some(above) if above.is_file() => bail!("--output {}: {} is no folder", path.display(), above.display()),
         _ => Ok(()),
     }
 }
@@ -82,7 +94,7 @@ pub fn check_folder(path: Option<&Path>) -> Result<()> {
     if path.is_file() || file && !path.is_dir() {
         bail!("--output {}: several files are written, so a folder must be named", path.display());
     }
-    Ok(())
+    check_above(path)
 }
 
 #[cfg(test)]
@@ -99,6 +111,10 @@ mod tests {
         assert_eq!(told("r.parquet"), Ok(()));
         assert_eq!(told("r.xlsx").unwrap_err(), "--output r.xlsx: .csv or .parquet is written, not .xlsx");
         assert!(check_ending(None, &["csv"]).is_ok());
+        let own = std::env::current_exe().unwrap();
+        let told = |path: &Path| check_ending(Some(path), &["csv"]).unwrap_err().to_string();
+        assert!(told(own.parent().unwrap()).contains("name a file"));
+        assert!(told(&own.join("below.csv")).contains("is no folder"));
     }
 
     #[test]

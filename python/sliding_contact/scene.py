@@ -256,7 +256,7 @@ class Scene:
     ) -> "Fit":
         """Fits the wear law of the punch to worn volumes: coefficient and exponents with confidence intervals; needs scipy.
 
-        `records`: a CSV file with the columns load_N, speed_m_per_s, distance_m, volume_mm3.
+        `records`: a CSV file with the columns load [N], speed [m/s], distance [m], volume [mm3], in any unit of theirs.
         """
         from . import wear_law
 

@@ -177,8 +177,10 @@ fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
 /// # Errors
 /// Where something was found.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    if !(arguments.limit > 0.0 && arguments.seconds > 0.0 && arguments.limit < 1e6 && arguments.seconds < 1e7) {
-        bail!("--seconds {} and --limit {} must be positive and below 1e6", arguments.seconds, arguments.limit);
+    for (option, seconds) in [("--seconds", arguments.seconds), ("--limit", arguments.limit)] {
+        if !(seconds > 0.0 && seconds < 1e6) {
+            bail!("{option} {seconds} s must be above 0 s and below 1e6 s");
+        }
     }
     let all: Vec<Target> = Target::ALL.iter().map(|entry| entry.0).collect();
     let targets = if arguments.target.is_empty() { &all } else { &arguments.target };

@@ -1,6 +1,6 @@
 //! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
 
-mod example;
+pub mod example;
 mod pool;
 mod results;
 mod tables;
@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Results, Row};
 use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Reasons of failures that are printed.
@@ -157,7 +157,7 @@ struct Summary {
 /// that fail are rows, not errors, unless all of them do.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(script) = arguments.example {
-        return example::run(script, &arguments.script_arguments, arguments.json);
+        return script.run(&arguments.script_arguments, arguments.json);
     }
     let (Some(design), Some(inputs), Some(output)) = (&arguments.design, &arguments.inputs, &arguments.output) else {
         bail!("DESIGN, --inputs and --output are needed");
@@ -197,13 +197,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         peak: arguments.peak.clone(),
         every: arguments.every.unwrap_or(arguments.step).into(),
     };
-    check(&job, worker.description())?;
+    check(&job, design, worker.description())?;
     drop(worker);
     let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
     // Not of the rows, which are compared one by one: a longer design continues a shorter one.
     let columns = table.columns.join(",");
-    let fingerprint =
-        results::fingerprint(&[&fmu, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
+    let fingerprint = results::fingerprint(&[&fmu, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
     let header: Vec<String> = std::iter::once("scene".to_owned())
         .chain(table.columns.iter().chain(&job.record).cloned())
         .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
@@ -266,8 +265,12 @@ fn packaged(scene: &str) -> Result<Vec<u8>> {
 }
 
 /// Checks the settings that would fail for every scene, once and before any is run.
-fn check(job: &Job, description: &Description) -> Result<()> {
+fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
     let inputs = Inputs::read(&job.inputs, description)?;
+    let file = job.inputs.display();
+    if inputs.times.len() < 2 {
+        bail!("{file} has one row; a time interval needs at least two");
+    }
     Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
     for text in implausible(&inputs, description, &job.columns) {
         eprintln!("warning: {}: {text}", job.inputs.display());
@@ -276,20 +279,28 @@ fn check(job: &Job, description: &Description) -> Result<()> {
         match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {
             Some(_) => {}
             None => {
-                description
-                    .find_as(column, Causality::Parameter)
-                    .with_context(|| format!("the design's column {column}"))?;
+                let context = || format!("{}, line 1: the column {column}", design.display());
+                if column.ends_with(FACTOR) {
+                    let factors: Vec<String> = inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect();
+                    bail!("{} is no factor on a column of {file}; accepted are {}", context(), factors.join(", "));
+                }
+                description.find_as(column, Causality::Parameter).with_context(context)?;
             }
         }
     }
-    for name in job.record.iter().chain(&job.peak) {
-        description.find(name)?;
+    for (option, names) in [("--record", &job.record), ("--peak", &job.peak)] {
+        for name in names {
+            description.find(name).with_context(|| format!("{option} {name}"))?;
+        }
     }
     let (step, every) = (job.step.value()?, job.every.value()?);
+    if !(step.is_finite() && step > 0.0) {
+        bail!("--step {step} s must be a finite number above 0 s");
+    }
     let span = Span { start: inputs.start(), stop: inputs.stop(), step };
-    span.steps().context("the last time of the inputs is the stop time")?;
+    span.steps().with_context(|| format!("--step {step} s, with the last time of {file} as the stop time"))?;
     let points = worker::points(span, every)?;
-    span.indices(&points).context("--every must be a multiple of --step")?;
+    span.indices(&points).with_context(|| format!("--every {every} s must be a multiple of --step {step} s"))?;
     Ok(())
 }
 

@@ -6,7 +6,7 @@
 use super::archive::{self, Files};
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
-use crate::output::print_line;
+use crate::output::{self, print_line};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
@@ -35,6 +35,7 @@ pub struct Arguments {
 /// # Errors
 /// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("dist"));
     print_line!("{}", build(&folder, arguments.platform)?.display());
     Ok(())
@@ -49,6 +50,7 @@ pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
         Some(platform) => platform,
         None => of_this_machine()?,
     };
+    super::check_platforms(&[platform])?;
     let library = library::build(platform, &PYTHON)?;
     let tags = tags(platform, &library)?;
     let mut files = sources()?;
