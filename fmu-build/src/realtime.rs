@@ -39,13 +39,13 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "cold")]
     contact: Contact,
     /// Cells of the contact line.
-    #[arg(long, default_value_t = 33)]
+    #[arg(long, default_value_t = 33, value_parser = clap::value_parser!(u16).range(1..=1025))]
     cells: u16,
     /// Simulated time in seconds.
-    #[arg(long, default_value_t = 600.0)]
+    #[arg(long, default_value_t = 600.0, allow_negative_numbers = true)]
     seconds: f64,
     /// Factor on the sliding velocity of the drive.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     speed: f64,
     /// Wait for the clock's next millisecond before every step, as a real-time host does, instead of stepping back to
     /// back.

@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long)]
     cycle: Option<String>,
     /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Folder for CSV and plots; the default is run in cargo's target folder, for the coupled examples a folder in it.
     #[arg(long, short, value_name = "FOLDER")]

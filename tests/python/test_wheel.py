@@ -53,7 +53,9 @@ def test_pip_installs_the_source_tree(tmp_path):
     programs = folder / ("Scripts" if os.name == "nt" else "bin")
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "SLIDING_CONTACT", "CARGO_MANIFEST", "MPL"))}
     tools = {name: os.environ.get(name, str(Path.home() / own)) for name, own in (("CARGO_HOME", ".cargo"), ("RUSTUP_HOME", ".rustup"))}
-    environment |= {**tools, "HOME": str(home)}
+    environment |= {**tools, "HOME": str(home), "PIP_CACHE_DIR": str(home / "pip")}
+    # Where the linker is found: with another path cargo compiles everything anew.
+    environment["XDG_CACHE_HOME"] = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     begin = time.monotonic()
     install = [str(programs / "python"), "-m", "pip", "install", "--no-input", "."]
     run = subprocess.run(install, cwd=ROOT, env=environment, capture_output=True, text=True)

@@ -62,14 +62,14 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     from: u64,
     /// Time of all targets together.
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     seconds: f64,
     /// Most executions of each target.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     executions: Option<u64>,
     /// Longest time that a call may take, in seconds. A step ends with an error after 200,000 internal steps or 2^20 contact
     /// solutions, which take about 10 s on one core.
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
     limit: f64,
     /// Only the committed executions of tests/fuzz.
     #[arg(long)]

@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// Communication step in seconds.
-    #[arg(long, default_value_t = 0.1)]
+    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
     step: f64,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step.
@@ -71,7 +71,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "contact_temperature_max")]
     peak: Vec<String>,
     /// Seconds between the communication points that the largest values are taken from; the default is the step.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     every: Option<f64>,
     /// Run a script of examples/batch instead, with the Python package and its environment ready: what follows `--`
     /// goes to it.
