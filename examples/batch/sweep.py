@@ -71,7 +71,8 @@ def arguments():
     if options.design is None:
         parser.error(f"{options.scene or options.fmu} needs a --design: {BRAKE_DESIGN.name} is that of the scene disc_brake")
     options.schedule = options.schedule or "nominal"
-    options.scenes = options.scenes or (2_000 if options.benchmark else 10_000)
+    if options.scenes is None:
+        options.scenes = 2_000 if options.benchmark else 10_000
     for name in ("scenes", "block", "workers"):
         if getattr(options, name) < 1:
             parser.error(f"--{name} {getattr(options, name)} must be at least 1")

@@ -76,11 +76,11 @@ fn buildable() -> Vec<Platform> {
 /// # Errors
 /// Where a file cannot be made or written.
 pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
+    let folder = &std::path::absolute(folder)?;
     let mut name = folder.file_name().with_context(|| format!("{} names no folder", folder.display()))?.to_owned();
-    name.push(".partial");
+    name.push(format!(".{}.partial", std::process::id()));
     let partial = folder.with_file_name(name);
     let clear = |folder: &Path| if folder.exists() { fs::remove_dir_all(folder) } else { Ok(()) };
-    clear(&partial).with_context(|| format!("removing {}", partial.display()))?;
     let names = match fill(&partial, platforms) {
         Ok(names) => names,
         Err(error) => {
@@ -98,14 +98,7 @@ pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
 fn fill(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     let context = || format!("writing {}", folder.display());
     fs::create_dir_all(folder).with_context(context)?;
-    let all = scenes::names();
-    for scene in std::iter::once(None).chain(all.iter().map(|name| Some(name.as_str()))) {
-        let name = scene.map_or_else(|| "SlidingContact.fmu".into(), |name| format!("SlidingContact.{name}.fmu"));
-        eprintln!("{name}");
-        let options = package::Options { output: Some(folder.join(name)), platforms: platforms.to_vec() };
-        package::build(scene, &options)?;
-    }
-    package::wheel::build(folder, None)?;
+    // What may fail without a compiler comes first.
     let changelog = project::root().join("CHANGELOG.md");
     let text = fs::read_to_string(&changelog).with_context(|| format!("reading {}", changelog.display()))?;
     fs::write(folder.join("RELEASE_NOTES.md"), notes::cut(&text, VERSION)?).with_context(context)?;
@@ -115,6 +108,14 @@ fn fill(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     ] {
         fs::write(folder.join(name), bill::write(package, platforms)?).with_context(context)?;
     }
+    let all = scenes::names();
+    for scene in std::iter::once(None).chain(all.iter().map(|name| Some(name.as_str()))) {
+        let name = scene.map_or_else(|| "SlidingContact.fmu".into(), |name| format!("SlidingContact.{name}.fmu"));
+        eprintln!("{name}");
+        let options = package::Options { output: Some(folder.join(name)), platforms: platforms.to_vec() };
+        package::build(scene, &options)?;
+    }
+    package::wheel::build(folder, None)?;
     let mut names = files(folder)?;
     fs::write(folder.join(CHECKSUMS), checksums(folder, &names)?).with_context(context)?;
     names.push(CHECKSUMS.into());

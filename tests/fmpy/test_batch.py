@@ -289,6 +289,61 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
 
 
+def test_a_sweep_of_any_scene_is_what_its_own_fmu_gives(fmus, tmp_path):
+    """The FMU of another scene runs it, with the values of the scene as parameters."""
+    table, scene = tmp_path / "design.csv", tmp_path / "mine.toml"
+    name = "contact.friction_coefficient"
+    table.write_text(f"name,distribution,mean,standard_deviation,low,high\n{name},normal,0.5,0.02,,\npunch.width,uniform,,,5 mm,6 mm\n")
+    shipped = (ROOT / "examples" / "pin_on_disk" / "scene.toml").read_text()
+    scene.write_text(shipped.replace('name = "pin_on_disk"', 'name = "mine"'))
+    assert "mine" in scene.read_text()
+    own = Scene.load("pin_on_disk")
+    schedule, step, _ = schedules.of_name("nominal", own)
+    with host.Fmu(fmus("pin_on_disk").folder) as pin:
+        for given in ("pin_on_disk", str(scene)):
+            folder = tmp_path / Path(given).stem
+            more = ("--scene", given, "--design", str(table), "--scenes", "3")
+            assert finish(sweep(folder, *more))["failed"] == 0
+            rows = rows_of(folder)
+            for row, (friction, width) in zip(rows, designs.Design.read(table, 3, 1).rows(), strict=True):
+                assert (row[name], row["punch.width"]) == (friction, width) and 0.005 <= width <= 0.006
+                outputs = ["wear_depth_punch", "dissipated_energy"]
+                expected = host.run_schedule(pin, {name: friction, "punch.width": width}, schedule, outputs=outputs, step=step)
+                assert [row[output] for output in outputs] == expected[-1].tolist()
+    # The scene of an FMU that is given alone.
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py"), "--fmu", str(file_of("pin_on_disk")), "--workers", "1"]
+    command += ["--design", str(table), "--scenes", "3", "--no-plots", "--json", "--output", str(tmp_path / "alone")]
+    subprocess.run(command, check=True, capture_output=True, env=clean_environment())
+    assert [row["wear_depth_punch"] for row in rows_of(tmp_path / "alone")] == [row["wear_depth_punch"] for row in rows]
+
+
+@pytest.mark.parametrize(
+    "text, more, parts",
+    [
+        ("punch.widht,uniform,0.1,0.2", (), ["design.csv", "punch.widht", "did you mean punch.width?"]),
+        ("wear_depth,uniform,0.1,0.2", (), ["design.csv", "wear_depth is no parameter of the scene disc_brake"]),
+        ("normal_laod.factor,uniform,1,2", (), ["design.csv", "normal_laod.factor", "accepted are sliding_velocity.factor, normal_load.factor"]),
+        ("punch.width,uniform,80 kN,2", (), ["design.csv, line 2", "80 kN", "accepted are m, mm"]),
+        ("punch.width,uniform,0.1,0.2", ("--scene", "disc_break"), ["disc_break", "pin_on_disk"]),
+        ("punch.width,uniform,0.1,0.2", ("--schedule", "none.csv"), ["none.csv", "nominal, udds, hwfet, stops"]),
+        ("punch.width,uniform,0.1,0.2", ("--scene", "pin_on_disk", "--schedule", "udds"), ["contact.faces = 2"]),
+        ("punch.width,uniform,0.1,0.2", ("--schedule", "design.csv"), ["design.csv, line 1", "time [s"]),
+        ("punch.width,uniform,0.1,0.2", ("--step", "0"), ["--step 0 must be above 0 s"]),
+        ("punch.width,uniform,0.1,0.2", ("--scenes", "-5"), ["--scenes -5 must be at least 1"]),
+        ("punch.width,uniform,0.1,0.2", ("--fmu", "design.csv"), ["design.csv is no FMU"]),
+        ("punch.width,uniform,0.1,0.2", ("--design", "none.csv"), ["none.csv"]),
+    ],
+)
+def test_a_sweep_refuses_what_is_wrong_and_leaves_nothing(tmp_path, text, more, parts):
+    (tmp_path / "design.csv").write_text(f"name,distribution,low,high\n{text}\n")
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py"), "--fmu", str(file_of("disc_brake")), "--scene", "disc_brake"]
+    command += ["--design", "design.csv", "--schedule", "stops", "--output", "out", "--scenes", "4", "--no-plots", *more]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=clean_environment(), timeout=60)
+    assert done.returncode != 0 and "Traceback" not in done.stderr, done.stderr
+    assert all(part in done.stderr for part in parts), done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["design.csv"]
+
+
 def test_the_job_file_runs_a_sweep(tmp_path):
     """Under a stand-in for Slurm's `srun`, which starts the one task here."""
     if os.name == "nt":
