@@ -83,9 +83,9 @@ impl Contact {
 /// # Errors
 /// Where the FMU cannot be built or refuses a step, a file cannot be written, or a limit is exceeded that is enforced.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_folder(arguments.output.as_deref())?;
     let Arguments { contact, cells, seconds, speed, paced, .. } = *arguments;
     let run = measure(&Case { contact, cells, seconds, speed, paced })?;
-    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("realtime"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let name = format!("{}{}", run.case.contact.name(), if run.case.paced { "-paced" } else { "" });

@@ -6,7 +6,7 @@
 use super::archive::{self, Files};
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
-use crate::output::{self, print_line};
+use crate::output::{self, Heartbeat, print_line};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
@@ -102,7 +102,9 @@ fn for_scripts() -> Result<PathBuf> {
         .args(["build", "--package", "sliding-contact-python", "--lib", "--release", "--locked", "--target-dir"])
         .arg(project::target())
         .current_dir(project::root());
+    let beat = Heartbeat::start("Compiling the library of the Python package");
     let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    drop(beat);
     if !status.success() {
         bail!("building the library of the Python package failed ({status})");
     }
