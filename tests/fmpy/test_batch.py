@@ -310,9 +310,9 @@ def test_a_sweep_of_any_scene_is_what_its_own_fmu_gives(fmus, tmp_path):
                 outputs = ["wear_depth_punch", "dissipated_energy"]
                 expected = host.run_schedule(pin, {name: friction, "punch.width": width}, schedule, outputs=outputs, step=step)
                 assert [row[output] for output in outputs] == expected[-1].tolist()
-    # The scene of an FMU that is given alone.
+    # The scene of an FMU that is given alone, whose own step is not that of the scene file.
     command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py"), "--fmu", str(file_of("pin_on_disk")), "--workers", "1"]
-    command += ["--design", str(table), "--scenes", "3", "--no-plots", "--json", "--output", str(tmp_path / "alone")]
+    command += ["--design", str(table), "--scenes", "3", "--no-plots", "--json", "--output", str(tmp_path / "alone"), "--step", repr(step)]
     subprocess.run(command, check=True, capture_output=True, env=clean_environment())
     assert [row["wear_depth_punch"] for row in rows_of(tmp_path / "alone")] == [row["wear_depth_punch"] for row in rows]
 
