@@ -35,10 +35,10 @@ def arguments():
 
 def main():
     options = arguments()
-    options.output.mkdir(parents=True, exist_ok=True)
     picture = options.output / "wear_law.png"
     scene = Scene.load(options.scene)
     found = scene.fit(options.records, tuple(options.exponents), options.confidence)
+    options.output.mkdir(parents=True, exist_ok=True)
     found.plot(picture)
     if not options.json:
         print(f"{found}\n  Written: {picture}")

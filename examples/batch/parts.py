@@ -32,6 +32,8 @@ class Job:
     step: float  # communication step, s
     every: float  # time between the recorded points, s
     tolerance: float = 0.0
+    # Values of the scene that differ from the FMU's own: pairs of name and number.
+    base: tuple = ()
 
     def fingerprint(self, design):
         """Tells batches apart whose rows must not be mixed: the FMU's bytes, the design, the inputs, what is kept."""
@@ -41,7 +43,7 @@ class Job:
         for array in (schedule.times, schedule.values):
             hashed.update(array.tobytes())
         what = (schedule.inputs, schedule.interpolation, self.variables, self.outputs, self.peaks)
-        hashed.update(repr((*what, self.step, self.every, self.tolerance)).encode())
+        hashed.update(repr((*what, self.step, self.every, self.tolerance, self.base)).encode())
         return hashed.hexdigest()
 
     def columns(self):
@@ -105,7 +107,7 @@ def run_block(job, first, rows):
     is_factor = [name.endswith(".factor") for name in job.variables]
     for at, row in enumerate(rows):
         pairs = list(zip(job.variables, row, is_factor))
-        parameters = {name: value for name, value, factor in pairs if not factor}
+        parameters = dict(job.base) | {name: value for name, value, factor in pairs if not factor}
         factors = {name.removesuffix(".factor"): value for name, value, factor in pairs if factor}
         begin = time.thread_time()
         try:

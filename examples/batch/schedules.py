@@ -1,6 +1,5 @@
-"""Schedules of a brake's inputs: a drive cycle, or stop after stop from motorway speed."""
+"""Schedules of inputs: nominal ones, a file, and of a car's brake a drive cycle, or stop after stop from motorway speed."""
 
-import csv
 import sys
 from pathlib import Path
 
@@ -16,22 +15,37 @@ INPUTS = ("sliding_velocity", "normal_load")
 DATA = Path(__file__).resolve().parents[1] / "data"
 
 
-def of_name(name, brake, interpolation="hold"):
-    """`udds`, `hwfet`, `stops`, or the path of a CSV file with the columns time and one for each input.
+# Schedules of the front brake of a car.
+CYCLES = ("udds", "hwfet", "stops")
 
-    Returns the schedule and the distance that the car drives in it [m]; `None` where a file does not tell.
+
+def of_name(name, scene, interpolation=None):
+    """`nominal`, `udds`, `hwfet`, `stops`, or the path of a CSV file of inputs as `simulate` takes it.
+
+    Returns the schedule, its communication step [s] and the distance that the car drives in it [m]; `None` where there is no car.
     """
-    if name == "stops":
-        time, speed = repeated_stops()
-    elif (DATA / f"{name}.csv").is_file():
-        time, speed = road_load.read_cycle(DATA / f"{name}.csv")
-    elif Path(name).is_file():
-        return read(name, interpolation), None
-    else:
-        raise ValueError(f"the schedule {name!r} is neither a file nor one of udds, hwfet, stops")
-    drive = road_load.front_brake(time, speed, brake)
+    if name not in CYCLES:
+        if name != "nominal" and not Path(name).is_file():
+            raise ValueError(f"the schedule {name!r} is neither a file nor one of nominal, {', '.join(CYCLES)}")
+        nominal = scene.trajectory(None if name == "nominal" else name)
+        # Nominal inputs are linear between their rows, as in `simulate`; rows of a file hold unless another interpolation is asked for.
+        interpolation = interpolation or ("linear" if name == "nominal" else "hold")
+        start, time = nominal.time[0], nominal.time - nominal.time[0]
+        if start != 0.0:
+            print(f"{name}: times are counted from its first row, {start:g} s", file=sys.stderr)
+        steps = int(np.ceil(time[-1] / nominal.step - 1e-6))
+        step = float(time[-1] / steps) if name == "nominal" else 0.1
+        return Schedule(nominal.inputs, time, nominal.values, interpolation), step, None
+    faces, path = scene["contact.faces"], scene["strip.path"]
+    if (faces, path) != (2, "closed"):
+        raise ValueError(
+            f"the schedule {name} is that of a car's brake with contact.faces = 2 and strip.path = closed, and the scene {scene.name} has "
+            f"{faces} and {path}; take nominal, or a file of its inputs"
+        )
+    time, speed = repeated_stops() if name == "stops" else road_load.read_cycle(DATA / f"{name}.csv")
+    drive = road_load.front_brake(time, speed, road_load.Brake.of(scene.start_values()))
     values = np.column_stack([drive.sliding_velocity, drive.normal_load])
-    return Schedule(INPUTS, drive.time, values, interpolation), float(np.trapezoid(speed, time))
+    return Schedule(INPUTS, drive.time, values, interpolation or "hold"), 0.1, float(np.trapezoid(speed, time))
 
 
 def repeated_stops(stops=15, speed=100 / 3.6, deceleration=8.0, acceleration=2.5, cruise=20.0, rest=5.0, row=0.1):
@@ -45,16 +59,3 @@ def repeated_stops(stops=15, speed=100 / 3.6, deceleration=8.0, acceleration=2.5
     times, speeds = zip(*corners)
     time = row * np.arange(int(np.floor(times[-1] / row)) + 1)
     return time, np.interp(time, times, speeds)
-
-
-def read(path, interpolation="hold"):
-    """A schedule from a CSV file: the column time [s], and one for each input, named as in the FMU, in its unit."""
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    if len(rows) < 2 or not rows[0] or rows[0][0].strip() != "time":
-        raise ValueError(f"{path} must have a header that starts with time, and rows")
-    try:
-        table = np.array(rows[1:], dtype=np.float64)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    return Schedule(tuple(name.strip() for name in rows[0][1:]), table[:, 0], table[:, 1:], interpolation)

@@ -1,4 +1,4 @@
-"""A design of experiments with the FMU of a brake: thousands of scenes on Dask, one row each.
+"""A design of experiments around a scene: thousands of variants on Dask, one row each.
 
     python sweep.py --output results
 
@@ -6,6 +6,7 @@ Run it again after whatever stopped it: finished parts stay, the rest is run. RE
 """
 
 import argparse
+import difflib
 import json
 import os
 import sys
@@ -20,9 +21,10 @@ import numpy as np
 import parts
 import schedules
 from design import Design, TotalOrderDesign
-from sliding_contact import fmu, host
+from sliding_contact import Scene, fmu, host
 
 HERE = Path(__file__).resolve().parent
+BRAKE_DESIGN = HERE / "brake_design.csv"
 OUTPUTS = (
     "wear_depth_punch",
     "wear_depth_strip",
@@ -40,39 +42,57 @@ WANTED_LOSS = 0.15
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--fmu", type=Path, help="the FMU of a brake; default: the stock one of the Python package")
+    parser.add_argument("--scene", help="a shipped scene or a scene file; default: that of --fmu, else disc_brake")
+    parser.add_argument("--fmu", type=Path, help="an FMU of this version to run it; default: the one in the Python package")
     parser.add_argument("--output", type=Path, required=True, help="folder of the batch; an unfinished one is continued")
-    parser.add_argument("--design", type=Path, default=HERE / "brake_design.csv", help="CSV: name, low, high, scale")
-    parser.add_argument("--schedule", default="udds", help="udds (default), hwfet, stops, or a CSV file of inputs over time")
-    parser.add_argument("--interpolation", choices=host.INTERPOLATIONS, default="hold", help="between the schedule's rows")
+    parser.add_argument("--design", type=Path, help=f"CSV: name, distribution, parameters; default of disc_brake: {BRAKE_DESIGN.name}")
+    parser.add_argument(
+        "--schedule", help="nominal, udds, hwfet, stops, or a CSV file of inputs over time; default: udds for disc_brake, else nominal"
+    )
+    parser.add_argument(
+        "--interpolation", choices=host.INTERPOLATIONS, help="between the schedule's rows; default: hold, of nominal linear"
+    )
     parser.add_argument("--scenes", type=int, default=None, help="default 10,000; with --benchmark 2,000")
     parser.add_argument("--total-order", action="store_true", help="Saltelli's design and total-order indices, by SALib")
     parser.add_argument("--seed", type=int, default=1, help="of the design")
     parser.add_argument("--block", type=int, default=200, help="scenes per task")
-    parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds")
-    parser.add_argument("--every", type=float, default=1.0, help="seconds between the points that peaks are taken from")
+    parser.add_argument("--step", type=float, help="communication step in seconds; default: 0.1 for a car's brake, else the scene's")
+    parser.add_argument("--every", type=float, help="seconds between the points that peaks are taken from; default: a thousandth, 1 s for a car's brake")
     parser.add_argument("--scheduler", help="address of a Dask scheduler; default: a local cluster")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes of the local cluster")
     parser.add_argument("--no-plots", action="store_true", help="only the parts and the summary")
     parser.add_argument("--benchmark", action="store_true", help="only measure: a scene's cost, and what Dask costs")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     options = parser.parse_args()
-    options.fmu = options.fmu or fmu("disc_brake")
-    options.scenes = options.scenes or (2_000 if options.benchmark else 10_000)
+    if options.scene is None and options.fmu is None:
+        options.scene = "disc_brake"
+    if options.scene == "disc_brake":
+        options.design, options.schedule = options.design or BRAKE_DESIGN, options.schedule or "udds"
+    if options.design is None:
+        parser.error(f"{options.scene or options.fmu} needs a --design: {BRAKE_DESIGN.name} is that of the scene disc_brake")
+    options.schedule = options.schedule or "nominal"
+    if options.scenes is None:
+        options.scenes = 2_000 if options.benchmark else 10_000
     for name in ("scenes", "block", "workers"):
         if getattr(options, name) < 1:
-            parser.error(f"--{name} must be at least 1")
+            parser.error(f"--{name} {getattr(options, name)} must be at least 1")
     for name in ("step", "every"):
-        if not 0.0 < getattr(options, name) < float("inf"):
-            parser.error(f"--{name} must be positive")
+        value = getattr(options, name)
+        if value is not None and not 0.0 < value < float("inf"):
+            parser.error(f"--{name} {value:g} must be above 0 s")
     return options
 
 
 def start_values(path):
-    """Start values by name, as texts, from the model description."""
-    with zipfile.ZipFile(path) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    return {variable.get("name"): variable[0].get("start") for variable in root.iter("ScalarVariable")}
+    """Start values of the parameters as numbers by name, from the model description."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    except (KeyError, zipfile.BadZipFile, ElementTree.ParseError) as error:
+        raise ValueError(f"{path} is no FMU: {error}") from None
+    parameters = [variable for variable in root.iter("ScalarVariable") if variable.get("causality") == "parameter"]
+    texts = {variable.get("name"): variable[0].get("start") for variable in parameters}
+    return {name: float({"true": 1, "false": 0}.get(text, text)) for name, text in texts.items()}
 
 
 class Progress:
@@ -103,27 +123,54 @@ class Progress:
 
 def prepare(options):
     """Job, design, and the distance that one run of the schedule stands for [m] (`None`: unknown)."""
-    import road_load
-
+    path = options.fmu or fmu("disc_brake")
+    starts = start_values(path)
+    scene = Scene.load(options.scene) if options.scene else scene_of(path, starts)
     kind = TotalOrderDesign if options.total_order else Design
     design = kind.read(options.design, options.scenes, options.seed)
-    starts = start_values(options.fmu)
-    brake = road_load.Brake.of(starts)
-    schedule, distance = schedules.of_name(options.schedule, brake, options.interpolation)
-    unknown = [name for name in design.names if name.removesuffix(".factor") not in starts]
-    if unknown:
-        raise ValueError(f"{options.fmu} has no variable {', '.join(unknown)}, which {options.design} varies")
+    schedule, step, distance = schedules.of_name(options.schedule, scene, options.interpolation)
+    check(options, design, scene, schedule)
+    step = options.step or step
+    every = options.every or (1.0 if options.schedule != "nominal" else step * max(1, int(schedule.times[-1] / step) // 1000))
+    base = tuple((name, value) for name, value in scene.start_values().items() if starts[name] != value)
     job = parts.Job(
-        fmu=str(options.fmu.resolve()),
+        fmu=str(path.resolve()),
         folder=str(options.output.resolve() / "parts"),
         schedule=schedule,
         variables=tuple(design.names),
         outputs=OUTPUTS,
         peaks=PEAKS,
-        step=options.step,
-        every=options.every,
+        step=step,
+        every=every,
+        tolerance=scene.tolerance if options.scene else 0.0,
+        base=base,
     )
     return job, design, distance
+
+
+def check(options, design, scene, schedule):
+    """Refuses a variable that the scene or its schedule does not have."""
+    parameters = scene.start_values()
+    for variable in design.variables:
+        name = variable.name
+        if variable.is_factor:
+            if name.removesuffix(".factor") not in schedule.inputs:
+                accepted = ", ".join(f"{own}.factor" for own in schedule.inputs)
+                raise ValueError(f"{options.design}: {name} is no factor of the schedule {options.schedule}; accepted are {accepted}")
+        elif name not in parameters:
+            near = difflib.get_close_matches(name, parameters, 3)
+            hint = f"did you mean {' or '.join(near)}?" if near else "its parameters and INPUT.factor are accepted"
+            raise ValueError(f"{options.design}: {name} is no parameter of the scene {scene.name}; {hint}")
+
+
+def scene_of(path, starts):
+    """The scene that is packaged in an FMU, from its start values."""
+    stock = Scene.load()
+    changed = {name: starts[name] for name, own in stock.start_values().items() if starts.get(name) != own}
+    missing = [name for name, value in changed.items() if value is None]
+    if missing:
+        raise ValueError(f"{path} is of another version than the Python package: it has no parameter {missing[0]}")
+    return stock.set_numbers(changed)
 
 
 def cut(rows, size, ranges=None):
@@ -192,7 +239,7 @@ def summarise(options, job, design, distance, scenes, ran):
     }
     life, life_unit = life_of(good, distance)
     results = {
-        "pad wear": (good["wear_depth_punch"].to_numpy(), unit["wear_depth_punch"]),
+        "wear of the punch": (good["wear_depth_punch"].to_numpy(), unit["wear_depth_punch"]),
         "peak temperature": (good["contact_temperature_max.peak"].to_numpy(), unit["contact_temperature_max.peak"]),
         "friction energy": (good["dissipated_energy"].to_numpy(), unit["dissipated_energy"]),
     }
@@ -204,7 +251,7 @@ def summarise(options, job, design, distance, scenes, ran):
     # Below, the classes of the sensitivities hold a handful of scenes each.
     if options.total_order and len(good):
         x = table[list(job.variables)].to_numpy()
-        columns = {"pad wear": "wear_depth_punch", "peak temperature": "contact_temperature_max.peak", "friction energy": "dissipated_energy"}
+        columns = {"wear of the punch": "wear_depth_punch", "peak temperature": "contact_temperature_max.peak", "friction energy": "dissipated_energy"}
         found = {label: sensitivity.analyse_total_order(design, x, table[name]) for label, name in columns.items()}
         summary["total_order"] = {
             label: dict(zip(job.variables, result.total_order.tolist())) for label, result in found.items()
@@ -218,7 +265,7 @@ def summarise(options, job, design, distance, scenes, ran):
         label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
     }
     if found and not options.no_plots:
-        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
+        title = f"{options.scene or options.fmu.stem}, {Path(options.schedule).stem}: {len(good):,} scenes, {summary['failed']} failed"
         charts.sensitivities(options.output / "sensitivities.png", job.variables, found, title)
         summary["files"].append(str(options.output / "sensitivities.png"))
         if lasting.size:
@@ -256,10 +303,10 @@ def benchmark(options):
 
     job, design, _ = prepare(options)
     blocks = cut(design.rows(), options.block)
-    steps = round(float(job.schedule.times[-1]) / options.step)
+    steps = round(float(job.schedule.times[-1]) / job.step)
     with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
         folder = Path(scratch)
-        with host.Fmu(host.unpack(options.fmu, folder / "fmu")) as loaded:
+        with host.Fmu(host.unpack(job.fmu, folder / "fmu")) as loaded:
             cpu, wall = fastest_scene(loaded, job)
         walls = {"processes": [], "dask": []}
         cpus = {"processes": [], "dask": []}
@@ -324,7 +371,7 @@ def fastest_scene(loaded, job):
     cpu = wall = float("inf")
     for _ in range(40):
         begin, clock = time.perf_counter(), time.thread_time()
-        host.run_schedule(loaded, {}, job.schedule, outputs=OUTPUTS, step=job.step)
+        host.run_schedule(loaded, dict(job.base), job.schedule, outputs=OUTPUTS, step=job.step)
         cpu, wall = min(cpu, time.thread_time() - clock), min(wall, time.perf_counter() - begin)
     return cpu, wall
 

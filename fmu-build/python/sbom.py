@@ -1,4 +1,4 @@
-"""Software bill of materials of the FMU's library in CycloneDX JSON, validated against the standard's schema.
+"""Software bill of materials of a library in CycloneDX JSON, validated against the standard's schema.
 
 Reads JSON from the standard input: `root`, `components` (name, version, licence, SHA-256 of the package or null), `depends`
 (pairs of name@version) and `time` (seconds since 1970). Writes the bill to the standard output.

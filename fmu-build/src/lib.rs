@@ -8,6 +8,7 @@
 
 pub mod batch;
 pub mod bench;
+pub mod fit;
 pub mod native;
 pub mod output;
 pub mod package;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use fmu_build::native::Forwarded;
-use fmu_build::{batch, bench, native, output, package, realtime, release, run, site, soak, test};
+use fmu_build::{batch, bench, fit, native, output, package, realtime, release, run, site, soak, test};
 
 /// Wear and heat in a sliding contact: makes, runs and tests the FMU.
 #[derive(Parser, Debug)]
@@ -39,6 +39,7 @@ enum Command {
     #[command(about = native::VERIFY)]
     Verify(Forwarded),
     Batch(batch::Arguments),
+    Fit(fit::Arguments),
     /// A process of `batch`, which starts it.
     #[command(hide = true)]
     BatchWorker,
@@ -70,6 +71,7 @@ fn main() -> ExitCode {
             Command::Site(arguments) => site::execute(&arguments),
             Command::Soak(arguments) => soak::execute(&arguments),
             Command::Batch(arguments) => batch::execute(&arguments),
+            Command::Fit(arguments) => fit::execute(&arguments),
             Command::BatchWorker => batch::worker::execute(),
             Command::Simulate(_)
             | Command::Steady(_)

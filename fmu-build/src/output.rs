@@ -1,10 +1,14 @@
 //! Output of the commands: standard output and files.
 
+use crate::project;
 use anyhow::{Result, bail};
 use std::fmt;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::{ExitCode, exit};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 /// Exit status after a closed output pipe, as in shells: 128 plus the number of SIGPIPE.
 const NOT_READ: i32 = 141;
@@ -54,17 +58,68 @@ pub fn status(result: Result<()>) -> ExitCode {
     }
 }
 
-/// Refuses a file whose ending promises another format than those of `endings`, one of which is written.
+/// Time between two lines of a [`Heartbeat`].
+const INTERVAL: Duration = Duration::from_secs(8);
+
+/// Tells every few seconds on the error stream that something still runs, where that is no terminal: there progress bars show it.
+pub struct Heartbeat {
+    /// Closed when this is dropped.
+    end: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Heartbeat {
+    /// With what runs, in words.
+    pub fn start(what: &str) -> Self {
+        Self::with(what, INTERVAL, io::stderr().is_terminal(), |line| eprintln!("{line}"))
+    }
+
+    fn with(what: &str, interval: Duration, hidden: bool, tell: impl Fn(String) + Send + 'static) -> Self {
+        if hidden {
+            return Self { end: None, thread: None };
+        }
+        let (end, ended) = channel::<()>();
+        let (what, begin) = (what.to_owned(), Instant::now());
+        let thread = thread::spawn(move || {
+            while ended.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
+                tell(format!("  {what}, {:.0} s", begin.elapsed().as_secs_f64()));
+            }
+        });
+        Self { end: Some(end), thread: Some(thread) }
+    }
+}
+
+impl Drop for Heartbeat {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Refuses a file that could not be written, or whose ending promises another format than those of `endings`, one of which is written:
+/// before anything is computed for it. Folders above it that are missing are made when it is written.
 ///
 /// # Errors
 /// With what is accepted.
 pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
+    project::replaceable(path)?;
+    check_above(path)?;
     match path.extension() {
         Some(given) if !endings.iter().any(|ending| given.eq_ignore_ascii_case(ending)) => {
             let written = endings.join(" or .");
             bail!("--output {}: .{written} is written, not .{}", path.display(), given.to_string_lossy())
         }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a path below a file.
+fn check_above(path: &Path) -> Result<()> {
+    match path.ancestors().skip(1).find(|above| above.exists()) {
+        Some(above) if above.is_file() => bail!("--output {}: {} is no folder", path.display(), above.display()),
         _ => Ok(()),
     }
 }
@@ -82,12 +137,31 @@ pub fn check_folder(path: Option<&Path>) -> Result<()> {
     if path.is_file() || file && !path.is_dir() {
         bail!("--output {}: several files are written, so a folder must be named", path.display());
     }
-    Ok(())
+    check_above(path)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_runs_for_long_is_told_until_it_ends() {
+        let (sender, told) = channel();
+        let beat =
+            Heartbeat::with("Compiling", Duration::from_millis(5), false, move |line| sender.send(line).unwrap());
+        assert_eq!(told.recv().unwrap(), "  Compiling, 0 s");
+        told.recv().unwrap();
+        drop(beat);
+        // The thread has ended, and with it the sender.
+        while let Ok(line) = told.try_recv() {
+            assert!(line.starts_with("  Compiling"));
+        }
+        assert!(told.recv().is_err());
+        let (sender, told) = channel::<String>();
+        let hidden = Heartbeat::with("Compiling", Duration::ZERO, true, move |line| sender.send(line).unwrap());
+        assert!(told.recv().is_err());
+        drop(hidden);
+    }
 
     #[test]
     fn an_ending_that_promises_another_format_is_refused() {
@@ -99,6 +173,10 @@ mod tests {
         assert_eq!(told("r.parquet"), Ok(()));
         assert_eq!(told("r.xlsx").unwrap_err(), "--output r.xlsx: .csv or .parquet is written, not .xlsx");
         assert!(check_ending(None, &["csv"]).is_ok());
+        let own = std::env::current_exe().unwrap();
+        let told = |path: &Path| check_ending(Some(path), &["csv"]).unwrap_err().to_string();
+        assert!(told(own.parent().unwrap()).contains("name a file"));
+        assert!(told(&own.join("below.csv")).contains("is no folder"));
     }
 
     #[test]

@@ -254,12 +254,15 @@ impl Figure {
         Ok(text.replacen(&drawn, &shown, 1))
     }
 
-    /// Writes [`Figure::svg`] to a file.
+    /// Writes [`Figure::svg`] to a file, and the folders above it.
     ///
     /// # Errors
     /// Errors of the drawing library or the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.svg()?;
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| anyhow!("making {}: {error}", folder.display()))?;
+        }
         std::fs::write(path, text).map_err(|error| anyhow!("writing {}: {error}", path.display()))
     }
 }

@@ -4,6 +4,7 @@
 //! Where the interpreter comes without `ensurepip` - a Debian system without python3-venv - pip is brought in by what
 //! there is: the interpreter's own pip, a pip wheel of the distribution, `virtualenv` or `uv`.
 
+use crate::output::Heartbeat;
 use crate::project;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -238,6 +239,7 @@ fn install(python: &Path, folder: &Path, name: &str, text: &str, progress: Progr
         .stderr(Stdio::inherit())
         .spawn()
         .with_context(|| format!("starting {}", python.display()))?;
+    let beat = Heartbeat::start(&format!("Installing {pins} Python packages into {}", folder.display()));
     let mut log = Vec::new();
     for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines() {
         let line = line?;
@@ -253,6 +255,7 @@ fn install(python: &Path, folder: &Path, name: &str, text: &str, progress: Progr
         log.push(line);
     }
     let status = child.wait()?;
+    drop(beat);
     bar.finish_and_clear();
     if !status.success() {
         let tail = log[log.len().saturating_sub(8)..].join("\n");

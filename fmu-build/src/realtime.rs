@@ -39,13 +39,13 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "cold")]
     contact: Contact,
     /// Cells of the contact line.
-    #[arg(long, default_value_t = 33)]
+    #[arg(long, default_value_t = 33, value_parser = clap::value_parser!(u16).range(1..=1025))]
     cells: u16,
     /// Simulated time in seconds.
-    #[arg(long, default_value_t = 600.0)]
+    #[arg(long, default_value_t = 600.0, allow_negative_numbers = true)]
     seconds: f64,
     /// Factor on the sliding velocity of the drive.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     speed: f64,
     /// Wait for the clock's next millisecond before every step, as a real-time host does, instead of stepping back to
     /// back.
@@ -83,9 +83,9 @@ impl Contact {
 /// # Errors
 /// Where the FMU cannot be built or refuses a step, a file cannot be written, or a limit is exceeded that is enforced.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_folder(arguments.output.as_deref())?;
     let Arguments { contact, cells, seconds, speed, paced, .. } = *arguments;
     let run = measure(&Case { contact, cells, seconds, speed, paced })?;
-    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("realtime"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let name = format!("{}{}", run.case.contact.name(), if run.case.paced { "-paced" } else { "" });

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use sha2::{Digest, Sha256};
 
-use crate::output::print_line;
+use crate::output::{self, print_line};
 use crate::package::{self, Platform};
 use crate::{project, scenes};
 
@@ -20,7 +20,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// File of the checksums, as `sha256sum -c` reads them.
 const CHECKSUMS: &str = "SHA256SUMS";
 
-/// Writes the FMUs of all shipped scenes, the bill of materials, release notes and checksums to one folder.
+/// Writes the FMUs of all shipped scenes, the wheel, bills of materials, release notes and checksums to one folder.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Folder to write to, new or empty [default: target/dist/sliding-contact-VERSION, which is replaced]
@@ -36,19 +36,25 @@ pub struct Arguments {
 /// # Errors
 /// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let folder = match &arguments.output {
-        Some(folder) => folder.clone(),
-        None => {
-            let folder = project::target().join("dist").join(format!("sliding-contact-{VERSION}"));
-            if folder.exists() {
-                fs::remove_dir_all(&folder).with_context(|| format!("replacing {}", folder.display()))?;
-            }
-            folder
-        }
-    };
+    output::check_folder(arguments.output.as_deref())?;
+    let own = || project::target().join("dist").join(format!("sliding-contact-{VERSION}"));
+    let folder = arguments.output.clone().unwrap_or_else(own);
+    if arguments.output.is_some() {
+        check_empty(&folder)?;
+    }
     let platforms = if arguments.platform.is_empty() { buildable() } else { arguments.platform.clone() };
+    package::check_platforms(&platforms)?;
     for name in build(&folder, &platforms)? {
         print_line!("{}", folder.join(name).display());
+    }
+    Ok(())
+}
+
+/// Refuses a folder that holds something.
+fn check_empty(folder: &Path) -> Result<()> {
+    let reading = || format!("reading {}", folder.display());
+    if folder.is_dir() && fs::read_dir(folder).with_context(reading)?.next().is_some() {
+        bail!("{} is not empty; name a new folder, so that it holds the release and nothing else", folder.display());
     }
     Ok(())
 }
@@ -65,16 +71,43 @@ fn buildable() -> Vec<Platform> {
     found
 }
 
-/// Makes a release in a folder and returns the names of its files.
+/// Makes a release, which takes the place of the folder where it is complete, and returns the names of its files.
 ///
 /// # Errors
-/// Where the folder holds something, or a file cannot be made or written.
+/// Where a file cannot be made or written.
 pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
+    let folder = &std::path::absolute(folder)?;
+    let mut name = folder.file_name().with_context(|| format!("{} names no folder", folder.display()))?.to_owned();
+    name.push(format!(".{}.partial", std::process::id()));
+    let partial = folder.with_file_name(name);
+    let clear = |folder: &Path| if folder.exists() { fs::remove_dir_all(folder) } else { Ok(()) };
+    let names = match fill(&partial, platforms) {
+        Ok(names) => names,
+        Err(error) => {
+            let _ = clear(&partial);
+            return Err(error);
+        }
+    };
+    clear(folder)
+        .and_then(|()| fs::rename(&partial, folder))
+        .with_context(|| format!("replacing {} by {}", folder.display(), partial.display()))?;
+    Ok(names)
+}
+
+/// Writes the files of a release into a new folder and returns their names.
+fn fill(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     let context = || format!("writing {}", folder.display());
-    if folder.is_dir() && fs::read_dir(folder).with_context(context)?.next().is_some() {
-        bail!("{} is not empty; name a new folder, so that it holds the release and nothing else", folder.display());
-    }
     fs::create_dir_all(folder).with_context(context)?;
+    // What may fail without a compiler comes first.
+    let changelog = project::root().join("CHANGELOG.md");
+    let text = fs::read_to_string(&changelog).with_context(|| format!("reading {}", changelog.display()))?;
+    fs::write(folder.join("RELEASE_NOTES.md"), notes::cut(&text, VERSION)?).with_context(context)?;
+    for (name, package, platforms) in [
+        ("sbom.cdx.json", "sliding-contact", platforms),
+        ("sbom.python.cdx.json", "sliding-contact-python", &[package::wheel::of_this_machine()?]),
+    ] {
+        fs::write(folder.join(name), bill::write(package, platforms)?).with_context(context)?;
+    }
     let all = scenes::names();
     for scene in std::iter::once(None).chain(all.iter().map(|name| Some(name.as_str()))) {
         let name = scene.map_or_else(|| "SlidingContact.fmu".into(), |name| format!("SlidingContact.{name}.fmu"));
@@ -83,10 +116,6 @@ pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
         package::build(scene, &options)?;
     }
     package::wheel::build(folder, None)?;
-    let changelog = project::root().join("CHANGELOG.md");
-    let text = fs::read_to_string(&changelog).with_context(|| format!("reading {}", changelog.display()))?;
-    fs::write(folder.join("RELEASE_NOTES.md"), notes::cut(&text, VERSION)?).with_context(context)?;
-    fs::write(folder.join("sbom.cdx.json"), bill::write()?).with_context(context)?;
     let mut names = files(folder)?;
     fs::write(folder.join(CHECKSUMS), checksums(folder, &names)?).with_context(context)?;
     names.push(CHECKSUMS.into());
@@ -129,7 +158,7 @@ mod tests {
         // FIPS 180-4, example of one block.
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  abc\n";
         assert_eq!(checksums(&folder, &files(&folder).unwrap()).unwrap(), expected);
-        let refused = build(&folder, &[]).unwrap_err().to_string();
+        let refused = check_empty(&folder).unwrap_err().to_string();
         assert!(refused.contains(&folder.display().to_string()) && refused.contains("not empty"), "{refused}");
         fs::remove_dir_all(&folder).unwrap();
     }

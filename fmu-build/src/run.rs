@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long)]
     cycle: Option<String>,
     /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Folder for CSV and plots; the default is run in cargo's target folder, for the coupled examples a folder in it.
     #[arg(long, short, value_name = "FOLDER")]
@@ -124,18 +124,15 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if example == Example::Published {
         return compare(arguments);
     }
-    if arguments.fmu.is_none() {
-        scene::check_scene(example, arguments.scene.as_deref().unwrap_or(example.scene()))?;
+    match &arguments.fmu {
+        None => scene::check_scene(example, arguments.scene.as_deref().unwrap_or(example.scene()))?,
+        Some(file) if file.is_file() => scene::check_fmu(example, file)?,
+        Some(file) => bail!("--fmu {}: there is no such file", file.display()),
     }
     let output = arguments.output.clone().unwrap_or_else(|| example.output());
     let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &output)?;
     let (python, fmu) = match &arguments.fmu {
-        Some(file) if file.is_file() => {
-            let python = python::environment()?;
-            scene::check_fmu(example, file)?;
-            (python, file.clone())
-        }
-        Some(file) => bail!("there is no file {}", file.display()),
+        Some(file) => (python::environment()?, file.clone()),
         None => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
             python::environment_beside(|| package::build(Some(scene), &package::Options::default()))?

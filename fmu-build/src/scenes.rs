@@ -76,9 +76,12 @@ mod tests {
     fn an_assignment_is_a_line_of_a_scene_file() {
         let mut scene = load(Some("reciprocating_punch")).unwrap();
         let before = scene.clone();
-        for assignment in
-            ["holder.pivot_height=30 mm", "holder.constraint = translate_and_rotate", "wear_acceleration=10"]
-        {
+        for assignment in [
+            "holder.pivot_height=30 mm",
+            "holder.constraint = translate_and_rotate",
+            "wear_acceleration=10",
+            "contact.friction_fade.factor[2] = 70 %",
+        ] {
             assign(&mut scene, assignment).unwrap();
         }
         let starts = |name: &str| {
@@ -89,11 +92,16 @@ mod tests {
         assert_eq!(starts("holder.constraint"), [1.0, 2.0]);
         assert_eq!(starts("wear_acceleration"), [1.0, 10.0]);
         assert_eq!(starts("punch.height"), [0.1, 0.1]);
+        assert_eq!(starts("contact.friction_fade.factor[2]")[1], 0.7);
         for (wrong, reason) in [
             ("holder.pivot_height", "must be KEY=VALUE"),
             ("holder.pivot_heigth=1", "holder.pivot_height"),
             ("holder.pivot_height=-30 mm", "holder.pivot_height"),
             ("experiment.stop=1", "is no variable"),
+            ("contact.friction_fade.factor[99]=1", "has the elements 1 to"),
+            ("contact.friction_fade.facter[1]=1", "did you mean contact.friction_fade.factor?"),
+            ("contact.friction_fade.factor[1]=heavy", "contact.friction_fade.factor[1]: \"heavy\""),
+            ("profile.pressure[1]=1", "is no element of a parameter"),
         ] {
             let error = format!("{:#}", assign(&mut scene, wrong).unwrap_err());
             assert!(error.contains(reason), "{wrong}: {error}");

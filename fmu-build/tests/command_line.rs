@@ -43,7 +43,7 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
     let (fast, bare) = (format!("run --cycle {}", fast.display()), format!("run --cycle {}", bare.display()));
     for (line, parts) in [
         ("batch d.csv --fmu x.fmu --inputs i.csv -o r.xlsx", &[".csv or .parquet is written, not .xlsx"][..]),
-        ("batch --example fit --step 3", &["--step"]),
+        ("batch --example sweep --step 3", &["--step"]),
         ("package clutch -o clutch.zip", &[".fmu is written, not .zip"]),
         ("package --ssv --platform win64", &["--platform"]),
         ("run clutch --cycle hwfet", &["does not apply to clutch"]),

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     if not (ROOT / "Cargo.toml").is_file():
-        raise SystemExit(f"{ROOT} is not the source tree of the sliding contact; install from its folder python, or a wheel")
+        raise SystemExit(f"{ROOT} is not the source tree of the sliding contact; install from there, or a wheel")
     if shutil.which("cargo") is None:
         raise SystemExit("compiling needs Rust (https://rustup.rs) and a C compiler; install a wheel to do without")
     command = ["cargo", "fmu", "wheel", "--output", os.path.abspath(wheel_directory)]

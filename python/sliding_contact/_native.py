@@ -40,7 +40,7 @@ def library() -> ctypes.CDLL:
     """The loaded library. ctypes releases the interpreter's lock during every call."""
     path = library_path()
     if not path.is_file():
-        raise ImportError(f"{path} is missing: install the wheel, or `pip install .` in the folder python of the sources")
+        raise ImportError(f"{path} is missing: install the wheel, or `pip install .` in the source tree")
     loaded = ctypes.CDLL(str(path))
     handle, size = ctypes.c_void_p, ctypes.c_size_t
     for name, result, arguments in (

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import io
 import json
 import os
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
@@ -46,6 +48,16 @@ def fmu(name: str) -> Path:
         known = sorted(file.stem for file in _native.FMUS.glob("*.fmu"))
         raise Error(f"there is no FMU of a scene {name!r}; shipped are {', '.join(known) or 'none'}")
     return path
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Inputs over time, in SI units."""
+
+    inputs: tuple[str, ...]  #: names, one for each column of values
+    time: np.ndarray  #: s, increasing
+    values: np.ndarray  #: one row for each time
+    step: float  #: longest communication step, s
 
 
 class Scene:
@@ -92,6 +104,24 @@ class Scene:
         self._read([*self._assignments, *(f"{name}={_literal(value)}" for name, value in given.items())])
         return self
 
+    def set_numbers(self, values: Mapping[str, float]) -> "Scene":
+        """As `set`, with the numbers of `start_values`.
+
+        >>> Scene.load("disc_brake").set_numbers({"solver.fidelity": 1})["solver.fidelity"]
+        'auto'
+        """
+        return self.set({name: self._item(name, value) for name, value in values.items()})
+
+    def _item(self, name: str, number: float) -> Value:
+        own = self._known(name)
+        items = own["items"]
+        if not items:
+            kind = type(own["value"])
+            return kind(number) if kind in (bool, int) else number
+        if not 1 <= number <= len(items):
+            raise Error(f"{name} = {number:g} is none of 1 to {len(items)}: {', '.join(items)}")
+        return str(items[int(number) - 1])
+
     def _read(self, assignments: list[str]) -> None:
         record = _native.ask(self._request("scene", assignments)).record
         new = set(record["scene_warnings"]) - set(getattr(self, "_warned", ()))
@@ -99,6 +129,8 @@ class Scene:
         self._warned: set[str] = set(record["scene_warnings"])
         self.name: str = record["name"]
         self.description: str = record["description"]
+        #: Relative tolerance of a simulation.
+        self.tolerance: float = record["tolerance"]
         for text in sorted(new):
             warnings.warn(text, SceneWarning, stacklevel=4)
 
@@ -125,16 +157,33 @@ class Scene:
         try:
             return self._variables[name]
         except KeyError:
-            raise Error(f"{name} is no variable of the scene") from None
+            near = difflib.get_close_matches(name, self._variables, 3)
+            hint = f"; did you mean {' or '.join(near)}?" if near else "; `variables` has the names"
+            raise Error(f"{name} is no variable of the scene{hint}") from None
 
     def unit(self, name: str) -> str:
         """SI unit of a variable; "1" of a number."""
         return str(self._known(name)["unit"])
 
+    def start_values(self) -> dict[str, float]:
+        """Every parameter as a number in its SI unit, an item of an enumeration as its place from 1: what an FMU of the scene starts with."""
+        return {name: float(own["start"]) for name, own in self._variables.items() if own["causality"] == "parameter"}
+
     @property
     def variables(self) -> list[str]:
         """Names of everything that can be set."""
         return list(self._variables)
+
+    def trajectory(self, inputs: Optional[Table] = None) -> Trajectory:
+        """Inputs over time as `simulate` takes them: linear between their rows, by default nominal load and velocity.
+
+        >>> Scene.load("pin_on_disk").trajectory().inputs
+        ('normal_load', 'angular_velocity', 'sliding_velocity')
+        """
+        answer = _native.ask(self._request("trajectory", inputs=source(inputs, "inputs")))
+        names = tuple(answer.record["inputs"])
+        values = np.column_stack([answer.array(1 + at) for at in range(len(names))])
+        return Trajectory(names, answer.array(0), values, float(answer.record["step"]))
 
     def simulate(
         self,
@@ -207,7 +256,7 @@ class Scene:
     ) -> "Fit":
         """Fits the wear law of the punch to worn volumes: coefficient and exponents with confidence intervals; needs scipy.
 
-        `records`: a CSV file with the columns load_N, speed_m_per_s, distance_m, volume_mm3.
+        `records`: a CSV file with the columns load [N], speed [m/s], distance [m], volume [mm3], in any unit of theirs.
         """
         from . import wear_law
 
@@ -233,6 +282,15 @@ def converted(name: str, unit: str, values: Any) -> Any:
     """SI values of a variable in another unit."""
     record = _native.ask({"analysis": "unit", "name": name, "unit": unit}).record
     return (values - record["zero"]) / record["slope"]
+
+
+def quantity(name: str, text: str, difference: bool = False) -> float:
+    """SI value of a number with or without a unit, as a value of a variable; `difference`: of two of its values.
+
+    >>> quantity("sliding_velocity", "36 km/h"), quantity("ambient_temperature", "20 degC"), quantity("punch.width", "0.1")
+    (10.0, 293.15, 0.1)
+    """
+    return float(_native.ask({"analysis": "quantity", "name": name, "text": text, "difference": difference}).record)
 
 
 def _literal(value: Value) -> str:

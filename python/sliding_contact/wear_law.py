@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 
+from . import _native
 from ._errors import Error
 
 try:
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
 COEFFICIENT = "punch.wear_coefficient"
 EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
 VOLUME = "wear_volume_punch"
-COLUMNS = ("load_N", "speed_m_per_s", "distance_m", "volume_mm3")
+# Columns of records, and the variables whose units they may have.
+COLUMNS = {"load": "normal_load", "speed": "sliding_velocity", "distance": "sliding_distance", "volume": VOLUME}
 # The contact line, with the same cells for all parameters: a fit needs predictions that are smooth in them, which a level chosen anew for
 # each would not give. With nine cells the
 # volumes are those of the committed records to 1e-3.
@@ -52,19 +54,58 @@ class Records:
 
     @classmethod
     def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Records":
-        """From a CSV file with the columns of `COLUMNS`; lines that start with # are notes."""
+        """From a CSV file with a column for each of `COLUMNS`, its unit behind the name: `load [N]` or `load_N`; lines that start with #
+        are notes.
+        """
         with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        if not rows or set(COLUMNS) - set(rows[0]):
-            raise Error(f"{path} must have rows and the columns {', '.join(COLUMNS)}")
-        try:
-            table = np.array([[float(row[name]) for name in COLUMNS] for row in rows])
-        except (TypeError, ValueError) as error:
-            raise Error(f"{path}: {error}") from None
-        if not np.all(np.isfinite(table) & (table > 0.0)):
-            raise Error(f"{path}: load, speed, distance and volume must all be positive")
-        load, speed, distance, volume = table.T
-        return cls(load, speed, distance, 1e-9 * volume)
+            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#")]
+        reader = csv.reader(line for _, line in lines)
+        header = [cell.strip() for cell in next(reader, [])]
+        place = f"{path}, line {lines[0][0] if lines else 1}"
+        slopes = {}
+        for column in header:
+            name, unit = _name_and_unit(column)
+            if name not in COLUMNS:
+                raise Error(f"{place}: {column!r} is not accepted; accepted are {_accepted()}")
+            if name in slopes:
+                raise Error(f"{place}: {name} stands in two columns")
+            try:
+                found = _native.ask({"analysis": "unit", "name": COLUMNS[name], "unit": unit}).record
+            except Error as error:
+                raise Error(f"{place}: {column!r}: {str(error).partition(': ')[2]}") from None
+            slopes[name] = found["slope"]
+        missing = [name for name in COLUMNS if name not in slopes]
+        if missing:
+            raise Error(f"{place}: there is no column {missing[0]}; needed are {_accepted()}")
+        columns: dict[str, list[float]] = {name: [] for name in slopes}
+        for row in reader:
+            place = f"{path}, line {lines[reader.line_num - 1][0]}"
+            if len(row) != len(header):
+                raise Error(f"{place}: {len(row)} cells, and the header has {len(header)}")
+            for cell, (name, slope) in zip(row, slopes.items()):
+                try:
+                    value = float(cell)
+                except ValueError:
+                    raise Error(f"{place}: {name} = {cell.strip()!r} is no number") from None
+                if not 0.0 < value < float("inf"):
+                    raise Error(f"{place}: {name} = {cell.strip()} must be finite and above 0")
+                columns[name].append(slope * value)
+        if not columns["load"]:
+            raise Error(f"{path} has no row below its header")
+        return cls(*(np.array(columns[name]) for name in COLUMNS))
+
+
+def _name_and_unit(column: str) -> tuple[str, str]:
+    """Of `load [N]`, `load_N` or `speed_m_per_s`."""
+    if column.endswith("]"):
+        name, _, unit = column[:-1].partition("[")
+        return name.strip(), unit.strip()
+    name, _, unit = column.partition("_")
+    return name, unit.replace("_per_", "/").replace("_", ".")
+
+
+def _accepted() -> str:
+    return "load [N], speed [m/s], distance [m], volume [mm3], or in other units of theirs"
 
 
 class Model:

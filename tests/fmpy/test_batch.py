@@ -24,7 +24,6 @@ pytest.importorskip("sliding_contact")
 
 import design as designs  # noqa: E402
 import schedules  # noqa: E402
-import sensitivity  # noqa: E402
 from sliding_contact import Scene, host, wear_law  # noqa: E402
 
 INPUTS = ("sliding_velocity", "normal_load")
@@ -49,16 +48,10 @@ def pin():
     return Scene.load("pin_on_disk")
 
 
-def brake_of(fmus):
-    import road_load
-
-    return road_load.Brake.of({name: variable.start for name, variable in fmus("disc_brake").variables.items()})
-
-
 @pytest.fixture(scope="module")
-def cycle(fmus):
+def cycle():
     """The first 240 s of the UDDS, a row per second."""
-    schedule, _ = schedules.of_name("udds", brake_of(fmus))
+    schedule, *_ = schedules.of_name("udds", Scene.load("disc_brake"))
     return host.Schedule(INPUTS, schedule.times[:241], schedule.values[:241])
 
 
@@ -128,60 +121,6 @@ def test_a_wrong_guid_is_refused_when_opening(fmus, tmp_path):
     description.write_text(description.read_text().replace(guid, "{00000000-0000-0000-0000-000000000000}"))
     with pytest.raises(host.Failure, match="GUID"):
         host.Fmu(folder)
-
-
-def test_a_larger_design_continues_a_smaller_one():
-    small, large, larger = (designs.Design.read(BATCH / "brake_design.csv", scenes, 3) for scenes in (100, 128, 300))
-    rows = large.rows()
-    assert np.array_equal(small.rows(), rows[:100]) and np.array_equal(rows, larger.rows()[:128])
-    for variable, column in zip(large.variables, rows.T):
-        assert variable.low <= column.min() and column.max() <= variable.high
-        # Sobol's sequence: each half of the range holds half of the scenes, exactly.
-        middle = np.sqrt(variable.low * variable.high) if variable.scale == "log" else 0.5 * (variable.low + variable.high)
-        assert np.count_nonzero(column < middle) == 64
-    other = designs.Design.read(BATCH / "brake_design.csv", 100, 4)
-    assert small.fingerprint() == large.fingerprint() != other.fingerprint()
-    with pytest.raises(ValueError, match="log scale"):
-        designs.Variable("x", 0.0, 1.0, "log")
-
-
-def test_sensitivities_of_a_function_with_known_ones():
-    # Ishigami and Homma: y = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 on (-pi, pi)^3.
-    variables = tuple(designs.Variable(name, -np.pi, np.pi) for name in ("x1", "x2", "x3"))
-    x = designs.Design(variables, 8192, 1).rows()
-    y = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    part = 0.1 * np.pi**4
-    whole = 49.0 / 8.0 + part / 5.0 + part**2 / 18.0 + 0.5
-    exact = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
-    found = sensitivity.analyse(x, y, resamplings=50)
-    assert found.first_order == pytest.approx(exact, abs=0.015)
-    # The correction for chance exceeds the bias of a design that is spread more evenly than a random one.
-    excess = 49.0 / (8192 - 50)
-    assert np.all(found.interval[0] <= exact) and np.all(exact <= found.interval[1] + excess)
-    assert found.rank_correlation[0] > 0.3 and abs(found.rank_correlation[1]) < 0.05
-
-
-def test_total_order_indices_of_a_function_with_known_ones():
-    # Ishigami and Homma's function as above: x3 matters through its interaction with x1 alone.
-    pytest.importorskip("SALib")
-    variables = tuple(designs.Variable(name, -np.pi, np.pi) for name in ("x1", "x2", "x3"))
-    design, smaller = (designs.TotalOrderDesign(variables, scenes, 1) for scenes in (20_000, 9_000))
-    assert (design.groups, smaller.groups) == (2048, 1024)
-    x = design.rows()
-    assert np.array_equal(smaller.rows(), x[: 5 * smaller.groups])
-    y = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    part = 0.1 * np.pi**4
-    whole = 49.0 / 8.0 + part / 5.0 + part**2 / 18.0 + 0.5
-    interaction = 8.0 * part**2 / 225.0
-    first = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
-    total = first + np.array([interaction, 0.0, interaction]) / whole
-    # A failed scene takes its group of five with it.
-    y[7] = np.nan
-    found = sensitivity.analyse_total_order(design, x, y)
-    assert found.first_order == pytest.approx(first, abs=0.02) and found.total_order == pytest.approx(total, abs=0.02)
-    assert np.all(found.total_interval[0] <= total) and np.all(total <= found.total_interval[1])
-    with pytest.raises(ValueError, match="at least 10 scenes"):
-        designs.TotalOrderDesign(variables, 9, 1).rows()
 
 
 def truth():
@@ -280,13 +219,13 @@ def workers_of(parent):
     return found
 
 
-def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, tmp_path):
+def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(brake, tmp_path):
     if not sys.platform.startswith("linux"):
         pytest.skip("worker processes are found in /proc")
     table = tmp_path / "design.csv"
     # A quarter of the scenes sets a negative friction coefficient.
     name = "contact.friction_coefficient"
-    table.write_text(f"name,low,high,scale\n{name},-0.1,0.3,linear\nnormal_load.factor,0.5,1.5,linear\n")
+    table.write_text(f"name,distribution,low,high\n{name},uniform,-0.1,0.3\nnormal_load.factor,uniform,0.5,1.5\n")
     more = ("--design", str(table), "--scenes", "64", "--block", "4", "--schedule", "stops", "--step", "0.01", "--every", "10")
     broken = tmp_path / "broken"
     process = sweep(broken, *more)
@@ -307,7 +246,7 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, t
     assert [row["scene"] for row in rows] == list(range(64))
     assert summary["failed"] == sum(row["status"] != "ok" for row in rows) == sum(row[name] < 0 for row in rows) == 16
     # Every row, from whichever process it came, is what the scene gives by itself.
-    stops, _ = schedules.of_name("stops", brake_of(fmus))
+    stops, *_ = schedules.of_name("stops", Scene.load("disc_brake"))
     for row, (friction, factor) in zip(rows, designs.Design.read(table, 64, 1).rows()):
         assert (row[name], row["normal_load.factor"]) == (friction, factor)
         if friction < 0:
@@ -329,7 +268,7 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, t
 
 def test_a_batch_is_widened_and_says_what_failed(tmp_path):
     table, folder = tmp_path / "design.csv", tmp_path / "wide"
-    table.write_text("name,low,high,scale\npunch.width,0.08,0.11,linear\n")
+    table.write_text("name,distribution,low,high\npunch.width,uniform,80 mm,110 mm\n")
     more = ("--design", str(table), "--schedule", "stops", "--step", "0.1", "--every", "100")
     assert finish(sweep(folder, *more, "--scenes", "10", "--block", "4"))["ran_now"] == 10
     before = parts_of(folder)
@@ -343,11 +282,66 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
     # And narrowed again.
     assert finish(sweep(folder, *more, "--scenes", "7"))["scenes"] == 7
     # Where every scene fails, the status says so and the reason stands on the screen.
-    table.write_text("name,low,high,scale\npunch.width,-0.2,-0.1,linear\n")
+    table.write_text("name,distribution,low,high\npunch.width,uniform,-0.2,-0.1\n")
     for arguments in ((), ("--json",)):
         process = sweep(tmp_path / "failed", *more, "--scenes", "6", *arguments)
         out, error = process.communicate(timeout=120)
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
+
+
+def test_a_sweep_of_any_scene_is_what_its_own_fmu_gives(fmus, tmp_path):
+    """The FMU of another scene runs it, with the values of the scene as parameters."""
+    table, scene = tmp_path / "design.csv", tmp_path / "mine.toml"
+    name = "contact.friction_coefficient"
+    table.write_text(f"name,distribution,mean,standard_deviation,low,high\n{name},normal,0.5,0.02,,\npunch.width,uniform,,,5 mm,6 mm\n")
+    shipped = (ROOT / "examples" / "pin_on_disk" / "scene.toml").read_text()
+    scene.write_text(shipped.replace('name = "pin_on_disk"', 'name = "mine"'))
+    assert "mine" in scene.read_text()
+    own = Scene.load("pin_on_disk")
+    schedule, step, _ = schedules.of_name("nominal", own)
+    with host.Fmu(fmus("pin_on_disk").folder) as pin:
+        for given in ("pin_on_disk", str(scene)):
+            folder = tmp_path / Path(given).stem
+            more = ("--scene", given, "--design", str(table), "--scenes", "3")
+            assert finish(sweep(folder, *more))["failed"] == 0
+            rows = rows_of(folder)
+            for row, (friction, width) in zip(rows, designs.Design.read(table, 3, 1).rows(), strict=True):
+                assert (row[name], row["punch.width"]) == (friction, width) and 0.005 <= width <= 0.006
+                outputs = ["wear_depth_punch", "dissipated_energy"]
+                expected = host.run_schedule(pin, {name: friction, "punch.width": width}, schedule, outputs=outputs, step=step)
+                assert [row[output] for output in outputs] == expected[-1].tolist()
+    # The scene of an FMU that is given alone, whose own step is not that of the scene file.
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py"), "--fmu", str(file_of("pin_on_disk")), "--workers", "1"]
+    command += ["--design", str(table), "--scenes", "3", "--no-plots", "--json", "--output", str(tmp_path / "alone"), "--step", repr(step)]
+    subprocess.run(command, check=True, capture_output=True, env=clean_environment())
+    assert [row["wear_depth_punch"] for row in rows_of(tmp_path / "alone")] == [row["wear_depth_punch"] for row in rows]
+
+
+@pytest.mark.parametrize(
+    "text, more, parts",
+    [
+        ("punch.widht,uniform,0.1,0.2", (), ["design.csv", "punch.widht", "did you mean punch.width?"]),
+        ("wear_depth,uniform,0.1,0.2", (), ["design.csv", "wear_depth is no parameter of the scene disc_brake"]),
+        ("normal_laod.factor,uniform,1,2", (), ["design.csv", "normal_laod.factor", "accepted are sliding_velocity.factor, normal_load.factor"]),
+        ("punch.width,uniform,80 kN,2", (), ["design.csv, line 2", "80 kN", "accepted are m, mm"]),
+        ("punch.width,uniform,0.1,0.2", ("--scene", "disc_break"), ["disc_break", "pin_on_disk"]),
+        ("punch.width,uniform,0.1,0.2", ("--schedule", "none.csv"), ["none.csv", "nominal, udds, hwfet, stops"]),
+        ("punch.width,uniform,0.1,0.2", ("--scene", "pin_on_disk", "--schedule", "udds"), ["contact.faces = 2"]),
+        ("punch.width,uniform,0.1,0.2", ("--schedule", "design.csv"), ["design.csv, line 1", "time [s"]),
+        ("punch.width,uniform,0.1,0.2", ("--step", "0"), ["--step 0 must be above 0 s"]),
+        ("punch.width,uniform,0.1,0.2", ("--scenes", "-5"), ["--scenes -5 must be at least 1"]),
+        ("punch.width,uniform,0.1,0.2", ("--fmu", "design.csv"), ["design.csv is no FMU"]),
+        ("punch.width,uniform,0.1,0.2", ("--design", "none.csv"), ["none.csv"]),
+    ],
+)
+def test_a_sweep_refuses_what_is_wrong_and_leaves_nothing(tmp_path, text, more, parts):
+    (tmp_path / "design.csv").write_text(f"name,distribution,low,high\n{text}\n")
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py"), "--fmu", str(file_of("disc_brake")), "--scene", "disc_brake"]
+    command += ["--design", "design.csv", "--schedule", "stops", "--output", "out", "--scenes", "4", "--no-plots", *more]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=clean_environment(), timeout=60)
+    assert done.returncode != 0 and "Traceback" not in done.stderr, done.stderr
+    assert all(part in done.stderr for part in parts), done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["design.csv"]
 
 
 def test_the_job_file_runs_a_sweep(tmp_path):
@@ -359,7 +353,7 @@ def test_the_job_file_runs_a_sweep(tmp_path):
     stub.write_text('#!/bin/sh\nexec "$@"\n')
     stub.chmod(0o755)
     table = tmp_path / "design.csv"
-    table.write_text("name,low,high,scale\npunch.width,0.08,0.11,linear\n")
+    table.write_text("name,distribution,low,high\npunch.width,uniform,80 mm,110 mm\n")
     environment = clean_environment() | {
         "PATH": f"{tmp_path}:{os.environ['PATH']}",
         "ENVIRONMENT": str(python.parents[1]),

@@ -272,3 +272,38 @@ def test_a_simulation_stays_in_its_process():
 
 def test_the_version_is_that_of_the_sources():
     assert f'version = "{sliding_contact.__version__}"' in (ROOT / "Cargo.toml").read_text()
+
+
+def test_records_of_wear_are_read_in_any_unit(tmp_path):
+    from sliding_contact import wear_law
+
+    si, other = tmp_path / "si.csv", tmp_path / "other.csv"
+    si.write_text("load_N,speed_m_per_s,distance_m,volume_mm3\n10,0.1,1000,0.5\n20,0.2,2000,1.5\n")
+    other.write_text("# bench\nvolume [m3],distance [km],load [kN],speed [mm/s]\n5e-10,1,0.01,100\n1.5e-9,2,0.02,200\n")
+    first, second = wear_law.Records.read(si), wear_law.Records.read(other)
+    for name in ("load", "speed", "distance", "volume"):
+        assert getattr(first, name) == pytest.approx(getattr(second, name), rel=1e-14), name
+    assert first.volume == pytest.approx([5e-10, 1.5e-9])
+    for text, told in (
+        ("load [N],speed [m/s],distance [m],volume [kg]\n1,1,1,1\n", "line 1: 'volume [kg]': .*accepted are m3"),
+        ("load [N],speed [m/s],distance [m],volume\n1,1,1,1\n", "line 1: 'volume': a unit is missing"),
+        ("load [N],speed [m/s],distance [m],volume [mm3]\n1,1,1\n", "line 2: 3 cells, and the header has 4"),
+        ("load [N],speed [m/s],distance [m],volume [mm3]\n1,nan,1,1\n", "line 2: speed = nan must be finite"),
+        ("load [N],load_N,distance [m],volume [mm3]\n1,1,1,1\n", "load stands in two columns"),
+        ("load [N],speed [m/s],distance [m],volume [mm3]\n", "no row"),
+    ):
+        si.write_text(text)
+        with pytest.raises(Error, match=told.replace("[", "\\[").replace("]", "\\]")):
+            wear_law.Records.read(si)
+
+
+def test_a_scene_is_the_numbers_that_its_fmu_starts_with():
+    for name in ("clutch", "pin_on_disk"):
+        scene = Scene.load(name)
+        numbers = scene.start_values()
+        assert numbers["solver.fidelity"] in (1.0, 2.0, 3.0, 4.0) and "sliding_velocity" not in numbers
+        stock = Scene.load()
+        changed = {own: value for own, value in numbers.items() if stock.start_values()[own] != value}
+        assert stock.set_numbers(changed).start_values() == numbers
+    with pytest.raises(Error, match="solver.fidelity = 9 is none of 1 to"):
+        Scene.load("clutch").set_numbers({"solver.fidelity": 9})

@@ -6,8 +6,9 @@ import sys
 import time
 import venv
 import zipfile
+from pathlib import Path
 
-from conftest import needed
+from conftest import ROOT, needed
 
 LINES = """\
 from sliding_contact import Scene
@@ -41,6 +42,31 @@ def test_three_lines_to_a_figure_in_an_empty_environment(tmp_path):
     code = "import sliding_contact as s; print(len(s.scenes()), all(s.fmu(name).is_file() for name in s.scenes()))"
     run = subprocess.run([str(programs / "python"), "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert run.stdout.endswith(" True\n") and int(run.stdout.split()[0]) >= 5, run
+
+
+def test_pip_installs_the_source_tree(tmp_path):
+    """Its wheel is made by `cargo fmu wheel`, in the target folder that has been built by now; the user's settings are those of nobody."""
+    needed("SLIDING_CONTACT_WHEEL")
+    folder, home = tmp_path / "environment", tmp_path / "home"
+    venv.create(folder, with_pip=True)
+    home.mkdir()
+    programs = folder / ("Scripts" if os.name == "nt" else "bin")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "SLIDING_CONTACT", "CARGO_MANIFEST", "MPL"))}
+    tools = {name: os.environ.get(name, str(Path.home() / own)) for name, own in (("CARGO_HOME", ".cargo"), ("RUSTUP_HOME", ".rustup"))}
+    environment |= {**tools, "HOME": str(home), "PIP_CACHE_DIR": str(home / "pip")}
+    # Where the linker is found: with another path cargo compiles everything anew.
+    environment["XDG_CACHE_HOME"] = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
+    begin = time.monotonic()
+    install = [str(programs / "python"), "-m", "pip", "install", "--no-input", "."]
+    run = subprocess.run(install, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    print(f"{time.monotonic() - begin:.1f} s for pip install .")
+    code = "from sliding_contact import Scene, __file__; print(__file__, Scene.load('pin_on_disk').name)"
+    run = subprocess.run([str(programs / "python"), "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0 and run.stdout.startswith(str(folder)) and run.stdout.endswith("pin_on_disk\n"), run
+    # Nothing is left in the tree.
+    left = [path for path in (ROOT, ROOT / "python") for path in path.iterdir() if path.name in ("build", "dist") or path.suffix == ".egg-info"]
+    assert not left, left
 
 
 def test_the_wheel_is_whole_and_for_old_systems():

@@ -17,11 +17,11 @@ pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Number of cycles.
-    #[arg(long, value_name = "N", default_value_t = 1e6)]
+    #[arg(long, value_name = "N", default_value_t = 1e6, allow_negative_numbers = true)]
     cycles: f64,
     /// Largest estimated error of a jump: of the shape over the elastic displacement under the mean pressure, of the heat over
     /// the heat, of the wear over that of the jump.
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-3)]
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-3, allow_negative_numbers = true)]
     tolerance: f64,
     /// Cells of the contact line; by default the scene's, or 33.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]

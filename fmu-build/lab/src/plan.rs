@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Tolerance of the importer, where `solver.tolerance` is 0; with --inputs that of the levels, before the scene's own.
-    #[arg(long, value_parser = scenes::tolerance)]
+    #[arg(long, value_parser = scenes::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Print JSON instead of a table.
     #[arg(long)]

@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]
     cells: Option<u16>,
     /// Speed of the backward half-stroke, in m/s, where it is not the nominal velocity.
-    #[arg(long, value_name = "M_PER_S")]
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
     return_speed: Option<f64>,
     /// Give a variable of the scene another value, as holder.pivot_height="30 mm"; may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]

@@ -18,7 +18,7 @@ pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Tolerance instead of the scene's own.
-    #[arg(long, value_parser = scenes::tolerance)]
+    #[arg(long, value_parser = scenes::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
 }
 

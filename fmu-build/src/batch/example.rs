@@ -9,27 +9,26 @@ use std::process::Command;
 pub enum Script {
     /// A design of experiments on Dask.
     Sweep,
-    /// Wear coefficient and exponent from pin-on-disk records.
-    Fit,
 }
 
 impl Script {
-    /// File, and the shipped scenes whose FMUs it drives.
-    fn file_and_fmus(self) -> (&'static str, &'static [&'static str]) {
+    /// Builds what the script needs unless the arguments name it, and runs it.
+    ///
+    /// # Errors
+    /// Where something cannot be built or the script fails.
+    pub fn run(self, arguments: &[String], json: bool) -> Result<()> {
         match self {
-            Script::Sweep => ("sweep.py", &["disc_brake"]),
-            Script::Fit => ("fit.py", &[]),
+            Script::Sweep => run("sweep.py", &["disc_brake"], arguments, json),
         }
     }
 }
 
-/// Builds what the script needs unless the arguments name it, and runs it.
+/// Runs a file of examples/batch with the Python package and the FMUs of these shipped scenes.
 ///
 /// # Errors
 /// Where something cannot be built or the script fails.
-pub fn run(script: Script, arguments: &[String], json: bool) -> Result<()> {
+pub fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
     let python = python::batch_environment()?;
-    let (file, fmus) = script.file_and_fmus();
     let is_given = |name: &str| {
         arguments.iter().any(|argument| {
             argument.strip_prefix(name).is_some_and(|rest| matches!(rest.chars().next(), None | Some('=')))
@@ -37,7 +36,7 @@ pub fn run(script: Script, arguments: &[String], json: bool) -> Result<()> {
     };
     let mut command = Command::new(&python);
     command.arg(project::root().join("examples/batch").join(file));
-    let fmus = if is_given("--fmu") { &[] } else { fmus };
+    let fmus = if is_given("--fmu") { &[][..] } else { fmus };
     command.env("PYTHONPATH", package::wheel::unpacked(fmus)?);
     if !is_given("--output") {
         command.arg("--output").arg(project::target().join("batch").join(file.trim_end_matches(".py")));

@@ -1,6 +1,6 @@
 //! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
 
-mod example;
+pub mod example;
 mod pool;
 mod results;
 mod tables;
@@ -10,12 +10,13 @@ pub use tables::{Inputs, Table};
 pub use worker::points;
 
 use crate::output::{self, print_line};
-use crate::{project, python};
+use crate::{package, project, python, scenes};
 use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Description, Interpolation, Schedule, Span, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Results, Row};
-use std::fs::{self, File};
+use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -26,7 +27,7 @@ const FACTOR: &str = ".factor";
 /// Ending of a column with the largest value of an output.
 const PEAK: &str = ".peak";
 
-/// Run many scenes with one FMU: a row of parameters each, a row of results each.
+/// Run many variants of a scene: a row of parameters each, a row of results each.
 ///
 /// A column of the design is a parameter of the FMU, with a unit in its header or its cells where it is not the SI one
 /// (`punch.width [mm]`, `40 mm`), or NAME.factor: the factor on the column of the input NAME.
@@ -36,8 +37,11 @@ pub struct Arguments {
     /// CSV file: a header with the names of parameters, a row per scene.
     #[arg(required_unless_present = "example")]
     design: Option<PathBuf>,
-    /// The .fmu.
-    #[arg(long, value_name = "FILE", required_unless_present = "example")]
+    /// The scene that the rows vary: the name of a shipped one, or a scene file.
+    #[arg(long, conflicts_with = "fmu")]
+    scene: Option<String>,
+    /// An .fmu instead of a scene.
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "scene"])]
     fmu: Option<PathBuf>,
     /// CSV file with the inputs over time: the column time, and one per input, in the FMU's unit or in the one that the
     /// header says, as in "sliding_velocity [km/h]".
@@ -50,7 +54,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// Communication step in seconds.
-    #[arg(long, default_value_t = 0.1)]
+    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
     step: f64,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step.
@@ -67,14 +71,14 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "contact_temperature_max")]
     peak: Vec<String>,
     /// Seconds between the communication points that the largest values are taken from; the default is the step.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     every: Option<f64>,
     /// Run a script of examples/batch instead, with the Python package and its environment ready: what follows `--`
     /// goes to it.
     #[arg(
         long,
         value_enum,
-        conflicts_with_all = ["design", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
+        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
     )]
     example: Option<example::Script>,
     /// Arguments of the script.
@@ -153,12 +157,10 @@ struct Summary {
 /// that fail are rows, not errors, unless all of them do.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(script) = arguments.example {
-        return example::run(script, &arguments.script_arguments, arguments.json);
+        return script.run(&arguments.script_arguments, arguments.json);
     }
-    let (Some(design), Some(fmu), Some(inputs), Some(output)) =
-        (&arguments.design, &arguments.fmu, &arguments.inputs, &arguments.output)
-    else {
-        bail!("DESIGN, --fmu, --inputs and --output are needed");
+    let (Some(design), Some(inputs), Some(output)) = (&arguments.design, &arguments.inputs, &arguments.output) else {
+        bail!("DESIGN, --inputs and --output are needed");
     };
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
@@ -174,7 +176,15 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
     let table = Table::read(design)?;
-    let folder = unpack(fmu)?;
+    let fmu = match (&arguments.fmu, &arguments.scene) {
+        (Some(path), _) => fs::read(path).with_context(|| format!("reading {}", path.display()))?,
+        (None, Some(scene)) => packaged(scene)?,
+        (None, None) => bail!("--scene or --fmu is needed"),
+    };
+    let folder = unpack(&fmu).with_context(|| match &arguments.fmu {
+        Some(path) => format!("unpacking {}", path.display()),
+        None => "unpacking the scene's FMU".into(),
+    })?;
     let worker = Worker::open(&folder)?;
     let converted = table.in_units_of(worker.description()).with_context(|| format!("reading {}", design.display()))?;
     let job = Job {
@@ -187,13 +197,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         peak: arguments.peak.clone(),
         every: arguments.every.unwrap_or(arguments.step).into(),
     };
-    check(&job, worker.description())?;
+    check(&job, design, worker.description())?;
     drop(worker);
     let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
     // Not of the rows, which are compared one by one: a longer design continues a shorter one.
     let columns = table.columns.join(",");
-    let fingerprint =
-        results::fingerprint(&[&fs::read(fmu)?, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
+    let fingerprint = results::fingerprint(&[&fmu, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
     let header: Vec<String> = std::iter::once("scene".to_owned())
         .chain(table.columns.iter().chain(&job.record).cloned())
         .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
@@ -245,9 +254,23 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// The FMU of a scene.
+fn packaged(scene: &str) -> Result<Vec<u8>> {
+    let file = scenes::load(Some(scene))?;
+    let path = project::target().join("batch").join(format!("{}.{}.fmu", file.packaged.name, std::process::id()));
+    let options = package::Options { output: Some(path.clone()), ..package::Options::default() };
+    let bytes = fs::read(package::build_scene(&file, &options)?).with_context(|| format!("reading {}", path.display()));
+    let _ = fs::remove_file(&path);
+    bytes
+}
+
 /// Checks the settings that would fail for every scene, once and before any is run.
-fn check(job: &Job, description: &Description) -> Result<()> {
+fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
     let inputs = Inputs::read(&job.inputs, description)?;
+    let file = job.inputs.display();
+    if inputs.times.len() < 2 {
+        bail!("{file} has one row; a time interval needs at least two");
+    }
     Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
     for text in implausible(&inputs, description, &job.columns) {
         eprintln!("warning: {}: {text}", job.inputs.display());
@@ -256,20 +279,28 @@ fn check(job: &Job, description: &Description) -> Result<()> {
         match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {
             Some(_) => {}
             None => {
-                description
-                    .find_as(column, Causality::Parameter)
-                    .with_context(|| format!("the design's column {column}"))?;
+                let context = || format!("{}, line 1: the column {column}", design.display());
+                if column.ends_with(FACTOR) {
+                    let factors: Vec<String> = inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect();
+                    bail!("{} is no factor on a column of {file}; accepted are {}", context(), factors.join(", "));
+                }
+                description.find_as(column, Causality::Parameter).with_context(context)?;
             }
         }
     }
-    for name in job.record.iter().chain(&job.peak) {
-        description.find(name)?;
+    for (option, names) in [("--record", &job.record), ("--peak", &job.peak)] {
+        for name in names {
+            description.find(name).with_context(|| format!("{option} {name}"))?;
+        }
     }
     let (step, every) = (job.step.value()?, job.every.value()?);
+    if !(step.is_finite() && step > 0.0) {
+        bail!("--step {step} s must be a finite number above 0 s");
+    }
     let span = Span { start: inputs.start(), stop: inputs.stop(), step };
-    span.steps().context("the last time of the inputs is the stop time")?;
+    span.steps().with_context(|| format!("--step {step} s, with the last time of {file} as the stop time"))?;
     let points = worker::points(span, every)?;
-    span.indices(&points).context("--every must be a multiple of --step")?;
+    span.indices(&points).with_context(|| format!("--every {every} s must be a multiple of --step {step} s"))?;
     Ok(())
 }
 
@@ -302,20 +333,22 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
 }
 
 /// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
-fn unpack(fmu: &Path) -> Result<PathBuf> {
-    let context = || format!("unpacking {}", fmu.display());
-    let name = format!("fmu-{}", results::fingerprint(&[&fs::read(fmu).with_context(context)?]));
+fn unpack(fmu: &[u8]) -> Result<PathBuf> {
+    let name = format!("fmu-{}", results::fingerprint(&[fmu]));
     let folder = project::target().join("batch").join(&name);
     if folder.is_dir() {
         return Ok(folder);
     }
     // Another process may be doing the same: the first one succeeds.
     let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
-    fs::create_dir_all(&partial).with_context(context)?;
-    archive.extract(&partial).with_context(context)?;
+    let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).context("it is no .fmu, which is a zip archive")?;
+    fs::create_dir_all(&partial)?;
+    if let Err(broken) = archive.extract(&partial) {
+        let _ = fs::remove_dir_all(&partial);
+        return Err(broken.into());
+    }
     if fs::rename(&partial, &folder).is_err() {
-        fs::remove_dir_all(&partial).with_context(context)?;
+        fs::remove_dir_all(&partial)?;
         if !folder.is_dir() {
             bail!("{} cannot be made", folder.display());
         }

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use super::glibc;
 use super::platform::Platform;
 use super::toolchain::Toolchain;
+use crate::output::Heartbeat;
 use crate::project;
 use crate::python::{self, Tier};
 
@@ -124,7 +125,9 @@ fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path, prod
         .current_dir(project::root())
         .env_remove("RUSTFLAGS")
         .env("CARGO_ENCODED_RUSTFLAGS", flags(sysroot)?.join(SEPARATOR));
+    let beat = Heartbeat::start(&format!("Compiling the library {} for {target}", product.name));
     let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    drop(beat);
     if !status.success() {
         bail!("building the library for {target} failed ({status})");
     }

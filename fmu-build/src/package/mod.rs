@@ -96,7 +96,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         write(&path, parameter_set::write(&scene).as_bytes())?;
         path
     } else {
-        build(scene, &Options { output: arguments.output.clone(), platforms: platforms(&arguments.platform)? })?
+        let scene = scenes::load(scene)?;
+        build_scene(&scene, &Options { output: arguments.output.clone(), platforms: platforms(&arguments.platform)? })?
     };
     print_line!("{}", path.display());
     Ok(())
@@ -129,6 +130,7 @@ pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
 /// # Errors
 /// As [`build`].
 pub fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
+    check_platforms(&options.platforms)?;
     scenes::warn(scene);
     let path = options.output.clone().unwrap_or_else(|| default_path(scene, "fmu"));
     write(&path, &archive::pack(&files(scene, &options.platforms)?)?)?;
@@ -205,6 +207,17 @@ fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {
         eprintln!("warning: distributions with glibc {wanted_major}.{wanted_minor} cannot load it");
     }
     Ok(())
+}
+
+/// Refuses platforms that cannot be built here, before one of the others is.
+///
+/// # Errors
+/// With what to install.
+pub fn check_platforms(platforms: &[Platform]) -> Result<()> {
+    match platforms.iter().find_map(|&platform| missing(platform)) {
+        Some(reason) => Err(anyhow!(reason)),
+        None => Ok(()),
+    }
 }
 
 /// Software to install before this platform's library can be built here; `None` where nothing is missing.

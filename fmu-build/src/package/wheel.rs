@@ -6,7 +6,7 @@
 use super::archive::{self, Files};
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
-use crate::output::print_line;
+use crate::output::{self, Heartbeat, print_line};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
 use sha2::{Digest, Sha256};
@@ -35,6 +35,7 @@ pub struct Arguments {
 /// # Errors
 /// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("dist"));
     print_line!("{}", build(&folder, arguments.platform)?.display());
     Ok(())
@@ -49,6 +50,7 @@ pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
         Some(platform) => platform,
         None => of_this_machine()?,
     };
+    super::check_platforms(&[platform])?;
     let library = library::build(platform, &PYTHON)?;
     let tags = tags(platform, &library)?;
     let mut files = sources()?;
@@ -100,7 +102,9 @@ fn for_scripts() -> Result<PathBuf> {
         .args(["build", "--package", "sliding-contact-python", "--lib", "--release", "--locked", "--target-dir"])
         .arg(project::target())
         .current_dir(project::root());
+    let beat = Heartbeat::start("Compiling the library of the Python package");
     let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    drop(beat);
     if !status.success() {
         bail!("building the library of the Python package failed ({status})");
     }
@@ -109,7 +113,10 @@ fn for_scripts() -> Result<PathBuf> {
 }
 
 /// The platform that this program runs on.
-fn of_this_machine() -> Result<Platform> {
+///
+/// # Errors
+/// Where it is none of those that wheels are made for.
+pub fn of_this_machine() -> Result<Platform> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Ok(Platform::Linux64),
         ("linux", "aarch64") => Ok(Platform::Aarch64Linux),

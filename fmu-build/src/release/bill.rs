@@ -1,4 +1,4 @@
-//! Software bill of materials in CycloneDX JSON: the packages linked into the FMU's library.
+//! Software bill of materials in CycloneDX JSON: the packages linked into a shipped library.
 //!
 //! Written and validated by the CycloneDX library for Python, in an environment of its own: the one for Rust would add 35 packages to
 //! every build of this program.
@@ -11,18 +11,21 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
+use crate::package::Platform;
 use crate::{project, python};
 
 const PROGRAM: &str = include_str!("../../python/sbom.py");
-const ROOT: &str = "sliding-contact";
 
-/// The bill as JSON.
+/// The bill of a package's library, built for these platforms, as JSON.
 ///
 /// # Errors
 /// Where cargo cannot list the packages, the environment cannot be made, or the bill does not fit the standard's schema.
-pub fn write() -> Result<String> {
+pub fn write(root: &str, platforms: &[Platform]) -> Result<String> {
     let python = python::release_environment()?;
-    let packages = Packages::read(&tree()?, &lock()?)?;
+    let mut packages = Packages { root: root.to_owned(), checksums: checksums(&lock()?), ..Packages::default() };
+    for platform in platforms {
+        packages.add(&tree(root, platform.target())?)?;
+    }
     // Given, the bill depends on the source alone.
     let time = match std::env::var("SOURCE_DATE_EPOCH") {
         Ok(text) => {
@@ -46,12 +49,12 @@ pub fn write() -> Result<String> {
     Ok(String::from_utf8(output.stdout)?)
 }
 
-/// Packages linked into the library, on any platform that it is made for, with the depth of each.
-fn tree() -> Result<String> {
+/// Packages linked into the library on a platform, with the depth of each.
+fn tree(root: &str, target: &str) -> Result<String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
-        .args(["tree", "--locked", "--package", ROOT, "--edges", "normal,no-proc-macro", "--prefix", "depth"])
-        .args(["--target", "x86_64-unknown-linux-gnu", "--format", "\t{p}\t{l}"])
+        .args(["tree", "--locked", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "depth"])
+        .args(["--target", target, "--format", "\t{p}\t{l}"])
         .current_dir(project::root())
         .output()
         .context("starting cargo")?;
@@ -65,17 +68,19 @@ fn lock() -> Result<String> {
     std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))
 }
 
-/// Packages as `name@version`.
+/// Packages as `name@version`, of one platform or of several.
+#[derive(Default)]
 struct Packages {
+    /// Name of the package with the library.
+    root: String,
     licences: BTreeMap<String, String>,
     checksums: BTreeMap<String, String>,
     depends: BTreeSet<(String, String)>,
 }
 
 impl Packages {
-    /// Reads the output of `cargo tree`, whose lines are depth, package and licence, and a lock file.
-    fn read(tree: &str, lock: &str) -> Result<Self> {
-        let mut packages = Packages { licences: BTreeMap::new(), checksums: checksums(lock), depends: BTreeSet::new() };
+    /// Adds what the output of `cargo tree` lists, whose lines are depth, package and licence.
+    fn add(&mut self, tree: &str) -> Result<()> {
         let mut above: Vec<String> = Vec::new();
         for line in tree.lines() {
             let mut parts = line.split('\t');
@@ -89,14 +94,14 @@ impl Packages {
             ensure!(depth <= above.len(), "cargo tree: {line:?} has no package above it");
             above.truncate(depth);
             if let Some(user) = above.last() {
-                packages.depends.insert((user.clone(), package.clone()));
+                self.depends.insert((user.clone(), package.clone()));
             }
             let licence = licence.trim_end_matches("(*)").trim();
             ensure!(!licence.is_empty(), "{package} names no licence");
-            packages.licences.insert(package.clone(), licence.to_owned());
+            self.licences.insert(package.clone(), licence.to_owned());
             above.push(package);
         }
-        Ok(packages)
+        Ok(())
     }
 
     fn json(&self, time: u64) -> Result<Value> {
@@ -107,7 +112,7 @@ impl Packages {
             let entry = json!({
                 "name": name, "version": version, "licence": licence, "sha256": self.checksums.get(package),
             });
-            if name == ROOT {
+            if name == self.root {
                 root = Some(entry);
             } else {
                 components.push(entry);
@@ -138,7 +143,9 @@ mod tests {
         let tree =
             "0\tsliding-contact v0.1.0 (/source)\tMIT\n1\ta v1.0.0\tMIT\n2\tb v2.0.0\tISC\n1\tb v2.0.0\tISC (*)\n";
         let lock = "[[package]]\nname = \"b\"\nversion = \"2.0.0\"\nchecksum = \"00ff\"\n\n[[package]]\nname = \"a\"\n";
-        let packages = Packages::read(tree, lock).unwrap();
+        let empty = || Packages { root: "sliding-contact".into(), checksums: checksums(lock), ..Packages::default() };
+        let mut packages = empty();
+        packages.add(tree).unwrap();
         let pair = |user: &str, used: &str| (user.to_owned(), used.to_owned());
         let expected = [
             pair("a@1.0.0", "b@2.0.0"),
@@ -151,7 +158,11 @@ mod tests {
         assert_eq!(json["components"].as_array().unwrap().len(), 2);
         assert_eq!(json["components"][1], json!({"name": "b", "version": "2.0.0", "licence": "ISC", "sha256": "00ff"}));
         assert!(json["components"][0]["sha256"].is_null());
-        assert!(Packages::read("1\ta v1.0.0\tMIT\n", lock).is_err());
-        assert!(Packages::read("0\ta v1.0.0\t\n", lock).is_err());
+        assert!(empty().add("1\ta v1.0.0\tMIT\n").is_err());
+        assert!(empty().add("0\ta v1.0.0\t\n").is_err());
+        // Another platform adds what only it links.
+        packages.add("0\tsliding-contact v0.1.0 (/source)\tMIT\n1\tc v3.0.0\tMIT\n").unwrap();
+        assert_eq!(packages.licences.len(), 4);
+        assert!(packages.depends.contains(&pair("sliding-contact@0.1.0", "c@3.0.0")) && packages.depends.len() == 4);
     }
 }

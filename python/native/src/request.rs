@@ -4,7 +4,7 @@ use crate::{Answer, ProgressFunction, Status, c_text};
 use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
 use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
-use scene::variables::units::{ONE, SECOND};
+use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
 use scene_file::columns::{self, Column, Table};
 use scene_file::{SceneFile, nearest, quantity, shipped};
@@ -80,6 +80,19 @@ pub enum Request {
         name: String,
         unit: String,
     },
+    /// The SI value of a text with a unit, as `80 km/h`; of a difference without the zero of units that have one.
+    Quantity {
+        name: String,
+        text: String,
+        difference: bool,
+    },
+    /// Inputs over time as a simulation takes them, by default nominal: times, then every input.
+    Trajectory {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        inputs: Option<Source>,
+    },
     Simulate {
         scene: Option<String>,
         scenes: PathBuf,
@@ -154,6 +167,16 @@ impl Request {
         let value = match self {
             Self::Names { scenes } => json!(shipped::names(&scenes)),
             Self::Unit { name, unit } => conversion(&name, &unit)?,
+            Self::Quantity { name, text, difference } => {
+                let (unit, absolute) = unit_of(&name)?;
+                let value = quantity::text(&text, unit, absolute && !difference);
+                json!(value.map_err(|wrong| anyhow!("{name}: {wrong}"))?)
+            }
+            Self::Trajectory { scene, scenes, set, inputs } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let table = inputs.as_ref().map(Source::inputs).transpose()?;
+                return Ok(inputs_over_time(Trajectory::new(&file, table, None)?));
+            }
             Self::Compare { measured } => {
                 json!(measured::compare(&measured.measured()?, &run()?.recording)?)
             }
@@ -269,13 +292,22 @@ fn described(file: &SceneFile) -> Result<Value> {
             continue;
         }
         let value = packaged.starts[number];
+        let mut items = Vec::new();
+        let start = value;
         let (value, unit) = match row.kind {
             Kind::Real { unit, .. } => (json!(value), unit.name),
             Kind::Integer { .. } => (json!(value as i64), "1"),
             Kind::Boolean => (json!(value != 0.0), "1"),
-            Kind::Enumeration(kind) => (json!(kind.items.get(value as usize - 1).map(|item| item.0)), "1"),
+            Kind::Enumeration(kind) => {
+                items = kind.items.iter().map(|item| item.0).collect();
+                (json!(items.get(value as usize - 1)), "1")
+            }
         };
-        let entry = json!({ "value": value, "unit": unit, "description": row.description });
+        let causality = if row.causality == Causality::Parameter { "parameter" } else { "input" };
+        // `start`: the value as a number; of an item its place among `items`, from 1.
+        let entry = json!({
+            "value": value, "start": start, "items": items, "unit": unit, "causality": causality, "description": row.description,
+        });
         variables.insert(row.element_name(element), entry);
     }
     Ok(json!({
@@ -287,18 +319,34 @@ fn described(file: &SceneFile) -> Result<Value> {
     }))
 }
 
+/// Unit of a variable or of the time, and whether units with an offset make sense.
+fn unit_of(name: &str) -> Result<(&'static Unit, bool)> {
+    if name == "time" {
+        return Ok((&SECOND, true));
+    }
+    let row = row_of(name)?;
+    Ok(match row.kind {
+        Kind::Real { unit, .. } => (unit, !row.is_difference()),
+        _ => (&ONE, true),
+    })
+}
+
+/// Names of inputs and the longest step, with the times and the values as arrays.
+fn inputs_over_time(trajectory: Trajectory) -> Answer {
+    let names: Vec<String> = trajectory
+        .inputs
+        .iter()
+        .filter_map(|(input, _)| lookup(*input).map(|(row, element)| row.element_name(element)))
+        .collect();
+    let record = json!({ "inputs": names, "step": trajectory.step, "description": trajectory.description });
+    let mut arrays = vec![trajectory.times];
+    arrays.extend(trajectory.inputs.into_iter().map(|(_, values)| values));
+    Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None }
+}
+
 /// Slope and zero of a unit over the SI one of a variable, or of the time.
 fn conversion(name: &str, symbol: &str) -> Result<Value> {
-    let (unit, absolute) = match name {
-        "time" => (&SECOND, true),
-        _ => {
-            let row = row_of(name)?;
-            match row.kind {
-                Kind::Real { unit, .. } => (unit, !row.is_difference()),
-                _ => (&ONE, true),
-            }
-        }
-    };
+    let (unit, absolute) = unit_of(name)?;
     let at = |number: f64| {
         quantity::in_si(number, symbol, unit, absolute).map_err(|wrong| anyhow!("{name} [{symbol}]: {wrong}"))
     };

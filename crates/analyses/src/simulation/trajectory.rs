@@ -1,6 +1,7 @@
 //! Inputs over time: of a file, or nominal ones; and the communication points.
 
 use anyhow::{Result, anyhow, bail};
+use scene::message::apart;
 use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
@@ -77,11 +78,8 @@ impl Trajectory {
             let values: Vec<f64> = values.collect();
             if let Some(row) = values.iter().position(|value| value.abs() > LARGEST_INPUT) {
                 let unit = unit_of(input);
-                bail!(
-                    "{file}, line {}: {name} = {} {unit} is beyond {LARGEST_INPUT:e} {unit}",
-                    table.lines[row],
-                    values[row]
-                );
+                let [found, limit] = apart([values[row], values[row].signum() * LARGEST_INPUT], unit);
+                bail!("{file}, line {}: {name} = {found} is beyond {limit}", table.lines[row]);
             }
             inputs.push((input, values));
         }

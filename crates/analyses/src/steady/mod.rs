@@ -59,6 +59,9 @@ pub fn solve(file: &SceneFile, options: &Options) -> Result<Solved> {
     let mut sliding = Sliding::nominal(&scene);
     match (options.return_speed, &mut sliding) {
         (None, _) => {}
+        (Some(speed), Sliding::Reciprocating { .. }) if !(speed.is_finite() && speed > 0.0) => {
+            bail!("--return-speed {speed} m/s must be a finite number above 0 m/s")
+        }
         (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(
             "--return-speed {speed} m/s: the scene {name} slides in one direction (nominal.stroke = {} m)",

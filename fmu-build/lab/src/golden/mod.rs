@@ -40,7 +40,7 @@ enum Action {
         chosen: Chosen,
         /// Compare values with this tolerance instead of bits, relative to the largest magnitude of the variable in the scene
         /// or a thousandth of its nominal value; work counters and derivatives are then not compared.
-        #[arg(long, value_parser = crate::scenes::tolerance)]
+        #[arg(long, value_parser = crate::scenes::tolerance, allow_negative_numbers = true)]
         tolerance: Option<f64>,
     },
 }

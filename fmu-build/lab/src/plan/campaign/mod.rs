@@ -124,7 +124,11 @@ pub fn execute(request: &Request) -> Result<()> {
         .filter(|(_, scene)| request.only.as_ref().is_none_or(|part| scene.name.contains(part.as_str())))
         .collect();
     if selected.is_empty() {
-        bail!("no scene is selected");
+        let (first, scenes) = (request.first, request.scenes);
+        let only = request.only.as_ref().map_or(String::new(), |part| format!(" and --only {part}"));
+        bail!(
+            "no scene is selected by --first {first}, --scenes {scenes}{only}; {HELD_OUT} in a row hold one that is held out"
+        );
     }
     let bar = ProgressBar::new(selected.len() as u64)
         .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}")?);
