@@ -25,10 +25,10 @@ const MESSAGES: &str = include_str!("../../../modelDescription/documentation/mes
 pub const PICTURES: [(&str, &[u8]); 7] = [
     ("model.svg", include_bytes!("../../../docs/model.svg")),
     ("stopping_distance.svg", include_bytes!("../../../examples/vehicle_brake/stopping_distance.svg")),
-    ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
+    ("engagement.svg", include_bytes!("../../../examples/clutch/engagement.svg")),
     ("realtime.svg", include_bytes!("../../../docs/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
-    ("hot_spots.png", include_bytes!("../../../examples/hot_spots/hot_spots.png")),
+    ("hot_spots.svg", include_bytes!("../../../examples/hot_spots/hot_spots.svg")),
     ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
 ];
 
