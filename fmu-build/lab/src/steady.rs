@@ -297,7 +297,7 @@ mod tests {
         let mut wearing = arguments("reciprocating_punch");
         wearing.return_speed = Some(-1.0);
         let error = format!("{:#}", solved(&wearing).err().unwrap());
-        assert!(error.contains("reciprocating_punch") && error.contains("sliding speed = -1"), "{error}");
+        assert!(error.contains("--return-speed -1 m/s must be a finite number above 0"), "{error}");
     }
 
     #[test]

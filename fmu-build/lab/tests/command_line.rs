@@ -61,7 +61,7 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
         ("stability --list --json", &["--json"]),
         ("chart --list --json", &["--json"]),
         ("steady disc_brake --return-speed 3", &["nominal.stroke = 0 m"]),
-        ("steady reciprocating_punch --return-speed 0", &["sliding speed = 0"]),
+        ("steady reciprocating_punch --return-speed 0", &["--return-speed 0 m/s", "above 0"]),
     ] {
         let (success, _, told) = run(line);
         assert!(!success, "{line} was accepted");

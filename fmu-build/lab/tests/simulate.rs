@@ -240,7 +240,7 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
         (
             "huge.csv",
             "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1e13\n",
-            &["line 3", "normal_load = 10000000000000 N is beyond 1e12 N"],
+            &["line 3", "normal_load = 1e13 N is beyond 1e12 N"],
         ),
         (
             "cold.csv",
@@ -294,7 +294,7 @@ fn a_wrong_argument_is_refused_with_what_is_accepted() {
         (&["disc_brake", "-i", "in.csv", "--at", "soon"], &["--at", "soon"]),
         (&["disc_brake", "-o", "out.xlsx"], &[".csv or .parquet is written, not .xlsx"]),
         (&["disc_brake", "-o", "none/out.csv"], &["--output none/out.csv", "no folder none"]),
-        (&["disc_brake", "-o", "."], &["is a folder"]),
+        (&["disc_brake", "-o", "."], &["is no regular file"]),
         (&["disc_brake", "-i", "in.csv", "-o", "in.csv"], &["in.csv would replace a file that is read"]),
         (&["disc_brake", "--plot", "out.jpg"], &[".svg, .pdf, .png are drawn, not .jpg"]),
         (&["disc_brake", "-i", "in.csv", "-m", "later.csv"], &["later.csv", "10 s", "0 s to 2.5 s"]),

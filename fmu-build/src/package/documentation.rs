@@ -183,7 +183,7 @@ mod tests {
             ("operator split", include_str!("../../../crates/model/src/line/heat/staggered.rs"), "StepFailure(", 1),
             ("growth", include_str!("../../../crates/model/src/line/heat/growth.rs"), "Err(", 1),
             ("growth", include_str!("../../../crates/model/src/line/heat/growth.rs"), "write!(", 2),
-            ("step of the line", include_str!("../../../crates/model/src/line/step.rs"), "StepFailure(", 3),
+            ("step of the line", include_str!("../../../crates/model/src/line/step.rs"), "StepFailure(", 2),
             ("steady states", include_str!("../../../crates/steady/src/lib.rs"), "write!(", 7),
             ("contact", include_str!("../../../crates/contact/src/problem.rs"), "write!(", 4),
             ("wear stage", include_str!("../../../crates/contact/src/wear/line/contact.rs"), "write!(", 1),
