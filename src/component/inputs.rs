@@ -39,7 +39,7 @@ impl Component {
     ///
     /// # Errors
     /// A text that names the variable, its value and the limit.
-    pub(super) fn check_inputs(&self, step: f64) -> Result<(), String> {
+    pub fn check_inputs(&self, step: f64) -> Result<(), String> {
         for index in 0..INPUTS {
             let (name, unit) = name_of(index);
             let (value, slope) = (self.values[index], self.slopes[index]);

@@ -360,8 +360,8 @@ pub enum Fault {
     Nothing,
     /// A function of model exchange.
     ModelExchange,
-    /// A directional derivative that does not exist at this point.
-    Derivative,
+    /// An output or a derivative that does not exist at the present inputs.
+    Undefined,
     /// An FMU state that is unknown, damaged, or of another FMU.
     State,
     /// The model cannot be initialised with these parameters.
@@ -380,7 +380,7 @@ pub const CONSEQUENCES: [(Fault, Status, bool); 11] = [
     (Fault::Value, Status::Discard, false),
     (Fault::Nothing, Status::Discard, false),
     (Fault::ModelExchange, Status::Error, false),
-    (Fault::Derivative, Status::Error, false),
+    (Fault::Undefined, Status::Error, false),
     (Fault::State, Status::Error, false),
     (Fault::Initialisation, Status::Error, true),
     (Fault::Step, Status::Error, true),

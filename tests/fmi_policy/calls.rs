@@ -272,6 +272,20 @@ fn each_call_gets_its_status_and_a_refused_one_changes_nothing() {
 }
 
 #[test]
+fn an_output_without_a_value_is_an_error_that_names_the_input() {
+    let importer = Importer::at(Stepping);
+    assert_eq!(importer.set_real(&["normal_load"], &[f64::NAN]), OK);
+    importer.take_log();
+    assert_eq!(status(importer.get_reals(&[reference("friction_force")])), ERROR);
+    let log = importer.take_log();
+    let told = |text: &str| text.contains("friction_force = NaN") && text.contains("normal_load = NaN");
+    assert!(log.iter().any(|(_, _, text)| told(text)), "{log:?}");
+    // Nothing but the value is refused: the instance goes on.
+    assert_eq!(importer.set_real(&["normal_load"], &[100.0]), OK);
+    assert!(importer.get_real("friction_force").is_finite());
+}
+
+#[test]
 fn values_come_back_as_they_were_set_without_a_step() {
     for stage in [Instantiated, Initialization, Stepping] {
         let importer = Importer::at(stage);

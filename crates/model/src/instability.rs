@@ -86,7 +86,7 @@ impl CriticalSpeed {
         let mut intervals: Vec<Interval> = points.windows(2).map(|pair| interval(&pair[0], &pair[1])).collect();
         for _ in 0..MOST_HALVINGS {
             let error = |interval: &Interval| interval.error;
-            let largest = intervals.iter().map(error).fold(0.0, f64::max);
+            let largest = numerics::maximum::largest(intervals.iter().map(error));
             let worst = intervals.iter().position(|interval| interval.error == largest && largest > ERROR);
             let Some(worst) = worst else { break };
             let Interval { left, middle, right, .. } = intervals[worst].clone();

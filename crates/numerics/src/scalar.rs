@@ -42,7 +42,7 @@ pub trait Scalar:
     /// Maximum of self and 0; its derivative at 0 is 0.
     #[inline]
     fn positive(self) -> Self {
-        if self.value() > 0.0 { self } else { Self::from(0.0) }
+        if self.value() <= 0.0 { Self::from(0.0) } else { self }
     }
 }
 

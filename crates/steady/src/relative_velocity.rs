@@ -7,7 +7,7 @@ use elasticity::tangential::{TangentialCompliance, tangential_compliances};
 use elasticity::{Cells, Compliance};
 use nalgebra::{DMatrix, DVector};
 use numerics::factorization;
-use numerics::maximum::maximum;
+use numerics::maximum::{largest, maximum};
 use scene::{Constraint, Geometry, Scene};
 
 /// Contributions to the velocity of punch over strip beside the rigid sliding velocity v, relative to |v|, over the steady cycle.
@@ -60,9 +60,9 @@ pub fn assess(
 ) -> Result<RelativeVelocity, BodyError> {
     let wear = |stroke: &SteadyStroke| {
         let [punch, strip] = &stroke.wear_rates;
-        punch.iter().zip(strip).map(|(a, b)| a + b).fold(0.0, f64::max) / stroke.velocity.abs()
+        largest(punch.iter().zip(strip).map(|(a, b)| a + b)) / stroke.velocity.abs()
     };
-    let wear = state.strokes.iter().map(wear).fold(0.0, f64::max);
+    let wear = largest(state.strokes.iter().map(wear));
     if scene.geometry == Geometry::Annular {
         return Ok(RelativeVelocity { wear, elastic: None });
     }

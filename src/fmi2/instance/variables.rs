@@ -75,7 +75,8 @@ impl Instance {
         Problem { fault: Fault::Value, text: format!("{}; the old value stays", refusals.join("; ")) }
     }
 
-    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`
+    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`. An output that is no finite number is an error that names the input
+    /// at fault; an input is returned as it was set.
     #[inline(always)]
     pub fn get<T: Copy>(
         &mut self,
@@ -90,9 +91,22 @@ impl Instance {
             }
         }
         for index in 0..references.count() {
-            values.put(index, convert(self.component.get(references.at(index))));
+            let reference = references.at(index);
+            let value = self.component.get(reference);
+            if !value.is_finite() && !policy::access(reference).is_input() {
+                return Err(self.no_number(reference, value));
+            }
+            values.put(index, convert(value));
         }
         Ok(())
+    }
+
+    /// An output that has no value at the present inputs.
+    #[cold]
+    fn no_number(&self, reference: ValueReference, value: f64) -> Problem {
+        let name = variables::lookup(reference).map_or_else(String::new, |(row, at)| row.element_name(at));
+        let reason = self.component.check_inputs(0.0).err().unwrap_or_else(|| "the inputs are out of range".to_owned());
+        Problem { fault: Fault::Undefined, text: format!("{name} = {value} is not a finite number: {reason}") }
     }
 
     /// `fmi2GetString`, `fmi2SetString`: there are no such variables.
@@ -152,7 +166,7 @@ impl Instance {
         scratch.result.resize(scratch.unknowns.len(), 0.0);
         self.component
             .output_derivatives(&scratch.unknowns, &mut scratch.result)
-            .map_err(|text| Problem { fault: Fault::Derivative, text })?;
+            .map_err(|text| Problem { fault: Fault::Undefined, text })?;
         for (index, &value) in scratch.result.iter().enumerate() {
             result.put(index, value);
         }
@@ -192,7 +206,7 @@ impl Instance {
         scratch.result.resize(scratch.unknowns.len(), 0.0);
         self.component
             .directional_derivative(&scratch.unknowns, &scratch.knowns, &scratch.seed, &mut scratch.result)
-            .map_err(|text| Problem { fault: Fault::Derivative, text: text.to_string() })?;
+            .map_err(|text| Problem { fault: Fault::Undefined, text: text.to_string() })?;
         for (index, &value) in scratch.result.iter().enumerate() {
             result.put(index, value);
         }

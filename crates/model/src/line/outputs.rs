@@ -51,7 +51,7 @@ impl Line {
 
     /// Conditions of the contact for these inputs at frozen states.
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
-        let load = inputs[1].max(0.0);
+        let load = maximum(inputs[1], 0.0);
         let point = self.mean.point(inputs);
         let contact_temperature_of_cells = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
@@ -197,7 +197,7 @@ impl Line {
         }
         let point = self.mean.dual_point(&Inputs::from_array(duals));
         let full = operators.mean.scene.faces * operators.mean.power_factor;
-        let load = inputs[1].max(0.0);
+        let load = maximum(inputs[1], 0.0);
         let load_rate = if inputs[1] > 0.0 { seed[1] } else { 0.0 };
         let signed_rate = if load > 0.0 {
             (point.force.derivative - moment.signed_friction * full * load_rate) / (full * load)

@@ -37,6 +37,7 @@ use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::cycle::{Resolution, SolveOptions};
 use model::line::heat::bodies::Bodies;
+use numerics::maximum::{largest, maximum};
 use scene::{Body, Scene};
 
 /// Factor of the wear, so small that the wear of a half-stroke is negligible against its distortion.
@@ -118,11 +119,11 @@ pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f
             root_mean_square(cells, 1.0, |i| stroke.pressure[i] - without.pressure[i]),
             root_mean_square(cells, INSIDE, |i| heat.pressure_at[1][i] - without.pressure[i]),
         ];
-        worst.iter_mut().zip(found).for_each(|(worst, value)| *worst = worst.max(value / mean));
+        worst.iter_mut().zip(found).for_each(|(worst, value)| *worst = maximum(*worst, value / mean));
     }
     let rise = hot.heat.contact_temperature[1] - scene.ambient_temperature;
     let [low, high] = &hot.heat.range;
-    let swing = (0..2).map(|side| root_mean_square(cells, 1.0, |i| high[side][i] - low[side][i])).fold(0.0, f64::max);
+    let swing = largest((0..2).map(|side| root_mean_square(cells, 1.0, |i| high[side][i] - low[side][i])));
     let [inside, everywhere, ends] = worst;
     Ok(LawPoint { ratio, inside, everywhere, ends, swing: swing / rise })
 }
@@ -191,7 +192,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let both = [(&hot.forward, &cold.strokes[0].pressure), (&hot.backward, &cold.strokes[1].pressure)];
     let worst = |part: f64| {
         let one = |(hot, cold): (&Vec<f64>, &Vec<f64>)| root_mean_square(cells, part, |i| hot[i] - cold[i]);
-        both.into_iter().map(one).fold(0.0, f64::max) / mean
+        largest(both.into_iter().map(one)) / mean
     };
     Ok(Differences { inside: worst(INSIDE), everywhere: worst(1.0) })
 }

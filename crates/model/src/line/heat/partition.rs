@@ -31,6 +31,7 @@ use conduction::line::SurfaceInfluence;
 use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
 use numerics::dense::{self, SingleMatrix};
+use numerics::maximum::{largest, maximum};
 
 /// Heat partition operators of a stage. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
@@ -456,7 +457,7 @@ fn norm(matrix: &DMatrix<f64>, widths: &[f64], sums: &mut [f64]) -> f64 {
             *sum += entry.abs();
             own += width * entry.abs();
         }
-        column_sum = column_sum.max(own / heated);
+        column_sum = maximum(column_sum, own / heated);
     }
-    (column_sum * sums.iter().copied().fold(0.0, f64::max)).sqrt()
+    (column_sum * largest(sums.iter().copied())).sqrt()
 }
