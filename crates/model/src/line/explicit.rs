@@ -12,14 +12,14 @@ use scene::message::Number;
 impl Line {
     /// One explicit Euler step over the piece, rejected beyond its stability limit.
     pub(super) fn explicit(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
-        let operators = self.operators.clone();
         let moment = path.at(0.0);
-        self.set_gap(moment.expansion);
-        self.set_conditions(&moment, 0.0);
-        self.contact
-            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
-            .map_err(|error| self.failure(path, 0.0, &error))?;
-        let limit = explicit_limit(&mut self.contact, &self.conditions, &self.work.end.pressure);
+        let (given, stages, _) = self.parts();
+        stages.set_gap(&given, moment.expansion);
+        stages.set_conditions(&given, &moment, 0.0);
+        let outcome = stages.contact.stage_into(&stages.gap, 0.0, &stages.conditions, &mut stages.end);
+        outcome.map_err(|error| self.failure(path, 0.0, &error))?;
+        let (given, stages, _) = self.parts();
+        let limit = explicit_limit(&mut stages.contact, &stages.conditions, &stages.end.pressure);
         if length >= limit {
             return Err(StepFailure(format!(
                 "solver.scheme = explicit is stable only for steps below {limit} s here (sliding velocity {} m/s, normal \
@@ -30,24 +30,19 @@ impl Line {
                 length = Number(length)
             )));
         }
-        operators.rates(&moment, self.tunables.wear_acceleration, &self.work.end.pressure, &mut self.work.rates[0]);
-        for body in 0..2 {
-            let [first, end] = &mut self.work.rates;
-            end[body].copy_from_slice(&first[body]);
-        }
-        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
-            own.copy_from(track);
-        }
-        self.leave_first_stage((1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
+        let acceleration = given.tunables.wear_acceleration;
+        given.operators.rates(&moment, acceleration, &stages.end.pressure, &mut stages.rates[0]);
+        let [first, end] = &mut stages.rates;
+        end.clone_from_slice(first);
+        stages.begin(&given);
+        stages.leave_first_stage(&given, (1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
         self.accept(path, 0.0, length);
         self.state.steps += 1;
         // Pressure on the new shape.
         let last = path.at(length);
-        self.set_gap(last.expansion);
-        self.set_conditions(&last, 0.0);
-        self.contact
-            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
-            .map_err(|error| self.failure(path, length, &error))?;
+        let (given, stages, _) = self.parts();
+        stages.set_gap(&given, last.expansion);
+        stages.solve_without_wear(&given, &last).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
         Ok(())
     }

@@ -7,15 +7,19 @@
 //!
 //! Theory: docs/theory.md, sections 8.1, 5.1.
 
+mod coupling;
 pub mod cycle;
 mod explicit;
-mod gap;
+mod growth;
 pub mod heat;
+mod heat_outputs;
 pub mod hottest;
 pub mod operators;
 mod outputs;
 pub mod profile;
 mod saved;
+mod stages;
+mod staggered;
 pub mod state;
 mod step;
 mod trajectory;
@@ -26,18 +30,17 @@ use crate::lumped::conditions::Tunables;
 use crate::lumped::{self, Lumped, limit};
 use crate::{INPUTS, StepFailure};
 use contact::friction::FrictionLaw;
-use contact::wear::line::{Conditions, WearingContact};
-use contact::{ContactState, Normal, Tilt, WorkCounter};
-use heat::ThermalCoupling;
+use contact::wear::line::WearingContact;
+use contact::{ContactState, WorkCounter};
+use coupling::ThermalCoupling;
 use heat::state::HeatState;
 use numerics::maximum::maximum;
 use operators::LineOperators;
-use scene::Geometry;
 use scene::message::Number;
+use stages::{ContactStages, StepData};
 use state::LineState;
 use std::sync::Arc;
-use step::Work;
-use trajectory::{InputTrajectory, LumpedTemperature, Slipped, StageConditions};
+use trajectory::{InputTrajectory, LumpedTemperature, Slipped};
 
 /// Whether an input has jumped: it differs from its value at the end of the last step by more than rounding, on the scale of its
 /// values in this step and the last.
@@ -58,11 +61,12 @@ pub struct Line {
     backup: (lumped::state::LumpedState, LineState),
     /// The backup holds the body temperatures at the start of the step; where it does not, they have not changed.
     bodies_kept: bool,
-    contact: WearingContact,
-    conditions: Conditions,
+    /// Contact problem of the stages, and workspace.
+    stages: ContactStages,
     /// Resolved heat, where its distribution feeds back.
     heat: Option<Box<ThermalCoupling>>,
-    work: Work,
+    /// Lumped state before its prediction of a piece.
+    unpredicted: lumped::state::LumpedState,
     /// Internal steps that may still be tried, where they are limited.
     attempts_left: Option<u32>,
     /// Equilibrium last evaluated for outputs, and its inputs.
@@ -94,10 +98,9 @@ impl Line {
         Line {
             backup: (mean.state().clone(), state.clone()),
             bodies_kept: true,
-            contact: operators.contact(),
-            conditions: operators.conditions(),
+            stages: ContactStages::new(&operators),
             heat: operators.heat.as_ref().map(|bodies| Box::new(ThermalCoupling::new(&operators, bodies))),
-            work: Work::new(&operators),
+            unpredicted: lumped::state::LumpedState::empty(),
             attempts_left: None,
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
             mean,
@@ -136,7 +139,7 @@ impl Line {
     /// Appends the state of the contact line as numbers.
     pub fn save(&self, out: &mut Vec<f64>) {
         let mut state = self.state.clone();
-        state.status.copy_from(self.contact.status());
+        state.status.copy_from(self.stages.contact.status());
         state.save(out);
     }
 
@@ -144,7 +147,7 @@ impl Line {
     pub fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
         self.mean.set_state(mean);
         self.state.copy_from(line);
-        self.contact.set_status(&self.state.status);
+        self.stages.contact.set_status(&self.state.status);
         self.pass_friction_to_lumped();
         self.invalidate_equilibrium();
     }
@@ -152,7 +155,7 @@ impl Line {
     /// Work counters of the contact solver.
     pub fn contact_work(&self) -> WorkCounter {
         let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
-        heat.fold(self.contact.counter(), |sum, counter| sum + counter)
+        heat.fold(self.stages.contact.counter(), |sum, counter| sum + counter)
     }
 
     /// Limits the internal steps tried from here on: a step that needs more than `most` fails.
@@ -191,6 +194,13 @@ impl Line {
         self.shown.0 = [f64::NAN; INPUTS];
     }
 
+    /// What is given while the stages of a step are solved, and what solves them.
+    fn parts(&mut self) -> (StepData<'_>, &mut ContactStages, Option<&mut ThermalCoupling>) {
+        let Line { operators, friction, tunables, state, mean, stages, heat, .. } = self;
+        let given = StepData { operators, friction, tunables, state, reference: mean.state().reference };
+        (given, stages, heat.as_deref_mut())
+    }
+
     /// Limits reached so far; see [`limit`].
     pub fn limits(&self) -> u8 {
         self.state.limits | self.mean.limits()
@@ -208,10 +218,10 @@ impl Line {
         step: f64,
     ) -> Result<(), StepFailure> {
         self.backup.0.clone_from(self.mean.state());
-        self.state.status.copy_from(self.contact.status());
+        self.state.status.copy_from(self.stages.contact.status());
         self.backup.1.copy_contact_from(&self.state);
         self.bodies_kept = false;
-        self.work.budget.start();
+        self.stages.budget.start();
         let outcome =
             self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
@@ -220,7 +230,7 @@ impl Line {
             if let (true, Some(own), Some(before)) = (self.bodies_kept, &mut self.state.heat, &self.backup.1.heat) {
                 own.copy_bodies_from(before);
             }
-            self.contact.set_status(&self.state.status);
+            self.stages.contact.set_status(&self.state.status);
             self.pass_friction_to_lumped();
         }
         self.invalidate_equilibrium();
@@ -290,7 +300,7 @@ impl Line {
         let follows_heat = operators.follows_heat();
         if !decides_load {
             let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
-            return self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length);
+            return self.step_line(&self.trajectory(inputs, slopes, length, heat), length);
         }
         // Load carried by the contact at the start; with an expanding caliper or temperature-dependent friction a first pass of
         // the lumped level at this load predicts the temperature.
@@ -299,13 +309,11 @@ impl Line {
         loaded[1] = first;
         let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
         if follows_heat {
-            self.work.mean.clone_from(self.mean.state());
+            self.unpredicted.clone_from(self.mean.state());
             heat = self.step_mean(&loaded, None, length, true)?;
-            let before = std::mem::replace(&mut self.work.mean, lumped::state::LumpedState::empty());
-            self.mean.set_state(&before);
-            self.work.mean = before;
+            self.mean.set_state(&self.unpredicted);
         }
-        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+        self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - first) / length;
@@ -329,25 +337,36 @@ impl Line {
                 rates[1] = 0.0;
             }
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
-            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+            self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
             self.pass_friction_to_lumped();
             return Ok(());
         }
         let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
-            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+            self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
             self.pass_friction_to_lumped();
             return self.mean.step(inputs, slopes, length);
         }
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
-        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+        self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
         self.pass_friction_to_lumped();
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - loaded[1]) / length;
         let sloped = slopes.is_some() || last != loaded[1];
         self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// Inputs over the piece, with the courses of the lumped temperature.
+    fn trajectory(
+        &self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+        heat: LumpedTemperature,
+    ) -> InputTrajectory {
+        InputTrajectory::new(&self.operators, &self.friction, self.state.fastest, inputs, slopes, length, heat)
     }
 
     /// Advances the lumped level over the piece; returns the courses of temperature and expansion where `observed`.
@@ -394,44 +413,6 @@ impl Line {
         } else {
             0.0
         }
-    }
-
-    /// Equilibrium conditions of holder and contact at `moment`.
-    fn balance(&mut self, moment: &StageConditions) -> (f64, Normal, Tilt) {
-        let operators = self.operators.clone();
-        let scene = &operators.scene;
-        let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
-        let signed = if coupled { moment.signed_friction } else { 0.0 };
-        let tilt = match (operators.rotates, operators.pivot) {
-            (false, _) => Tilt::Fixed(0.0),
-            (true, None) => Tilt::ResultantAt(0.0),
-            (true, Some(height)) => Tilt::ResultantAt(moment.signed_friction * height),
-        };
-        let load = moment.load / operators.shared_depth;
-        let stiffness = scene.holder_stiffness / operators.shared_depth;
-        let normal = if stiffness > 0.0 && moment.load > 0.0 {
-            // The caliper is adjusted so that the unworn, cold bodies carry the actuator's load.
-            let reference = self.reference_approach(load);
-            Normal::Spring { load: load + stiffness * reference, stiffness }
-        } else {
-            Normal::Load(load)
-        };
-        (signed, normal, tilt)
-    }
-
-    /// Approach of the unworn bodies at rest under `load` (N/m), m.
-    fn reference_approach(&mut self, load: f64) -> f64 {
-        if self.work.reference.0 != load {
-            let operators = &self.operators;
-            self.conditions.signed_friction = 0.0;
-            (self.conditions.normal, self.conditions.tilt) = (Normal::Load(load), Tilt::Fixed(0.0));
-            let saved = &mut self.work.status;
-            saved.copy_from(self.contact.status());
-            let known = self.contact.stage_into(&operators.initial_gap, 0.0, &self.conditions, &mut self.work.shown);
-            self.contact.set_status(saved);
-            self.work.reference = (load, if known.is_ok() { self.work.shown.approach } else { 0.0 });
-        }
-        self.work.reference.1
     }
 
     /// Sets limit bits and checks validity after a step.

@@ -34,17 +34,9 @@ impl Line {
             return;
         }
         let moment = self.moment(inputs);
-        self.set_gap(moment.expansion);
-        self.add_held_distortion();
-        let (signed, normal, tilt) = self.balance(&moment);
-        self.conditions.signed_friction = signed;
-        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
-        // Evaluation of outputs must not change the warm start of the next step.
-        self.work.status.copy_from(self.contact.status());
-        let found = self.contact.stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.shown);
-        self.contact.set_status(&self.work.status);
-        if found.is_ok() {
-            std::mem::swap(&mut self.shown.1, &mut self.work.shown);
+        let (given, stages, _) = self.parts();
+        if stages.solve_for_outputs(&given, &moment).is_ok() {
+            std::mem::swap(&mut self.shown.1, &mut self.stages.shown);
         }
         self.shown.0 = *inputs;
     }
@@ -204,39 +196,41 @@ impl Line {
         } else {
             0.0
         };
-        let (signed, normal, tilt) = self.balance(&moment);
+        let (given, stages, _) = self.parts();
+        let (signed, normal, tilt) = stages.balance(&given, &moment);
         let per_depth = load_rate / operators.shared_depth;
         let normal_rate = match normal {
             // The holder's reference position moves with the load by the elastic approach of the unworn bodies.
             Normal::Spring { stiffness, .. } => per_depth + stiffness * self.reference_rate(load, per_depth),
             _ => per_depth,
         };
-        self.conditions.signed_friction = signed;
-        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
+        let stages = &mut self.stages;
+        stages.conditions.signed_friction = signed;
+        (stages.conditions.normal, stages.conditions.tilt) = (normal, tilt);
         let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
         let friction_rate = if coupled { signed_rate } else { 0.0 };
         let lever_rate = operators.pivot.map_or(0.0, |height| signed_rate * height);
         let disturbance = Disturbance {
-            gap: &self.work.still,
+            gap: &stages.still,
             normal: normal_rate,
             tilt: lever_rate,
             moment: 0.0,
             signed_friction: friction_rate,
         };
-        let rate = &mut self.work.rate;
-        if self.contact.response_into(&self.conditions, &self.shown.1, &disturbance, rate).is_err() {
+        let rate = &mut stages.rate;
+        if stages.contact.response_into(&stages.conditions, &self.shown.1, &disturbance, rate).is_err() {
             rate.pressure.fill(0.0);
             (rate.approach, rate.tilt) = (0.0, 0.0);
         }
         let carried_rate =
-            if operators.decides_load() { operators.carried(&self.work.rate.pressure) } else { load_rate };
+            if operators.decides_load() { operators.carried(&self.stages.rate.pressure) } else { load_rate };
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
         let mut seeds = *seed;
         seeds[1] = carried_rate;
         self.mean.write_derivatives(&loaded, &seeds, derivatives);
         self.write_heat_rates(inputs, seed, derivatives);
-        let (pressure, rate) = (&self.shown.1.pressure, &self.work.rate);
+        let (pressure, rate) = (&self.shown.1.pressure, &self.stages.rate);
         let loaded_point = self
             .mean
             .dual_point(&Inputs::from_array(std::array::from_fn(|i| Dual { value: loaded[i], derivative: seeds[i] })));
@@ -277,7 +271,7 @@ impl Line {
     fn reference_rate(&mut self, load: f64, rate: f64) -> f64 {
         let load = load / self.operators.shared_depth;
         let step = 1e-5 * load;
-        let [low, high] = [load - step, load + step].map(|load| self.reference_approach(load));
+        let [low, high] = [load - step, load + step].map(|load| self.stages.approach_of_unworn(&self.operators, load));
         if step > 0.0 { (high - low) / (2.0 * step) * rate } else { 0.0 }
     }
 }

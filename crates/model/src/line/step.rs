@@ -14,16 +14,13 @@
 //! Theory: docs/theory.md, sections 5.2, 7.1, 7.3.
 
 use super::Line;
-use super::operators::{LineOperators, StripWear};
-use super::trajectory::InputTrajectory;
+use super::operators::StripWear;
+use super::stages::ContactStages;
+use super::trajectory::{InputTrajectory, StageMotion};
 use crate::StepFailure;
-use crate::budget::Budget;
-use crate::lumped;
 use crate::step_control::{FINEST, StepController, halvings};
 use conduction::line::{GAMMA, Stage};
-use contact::ContactState;
-use contact::wear::line::{ContactRate, LineTrack, StageError, WarmStart, WearingContact};
-use nalgebra::DMatrix;
+use contact::wear::line::{StageError, WearingContact};
 use numerics::maximum::maximum;
 use scene::Scheme;
 use scene::message::Number;
@@ -43,61 +40,6 @@ const RETRY_DELAY: u8 = 32;
 
 /// Largest number of bisections of a step whose stage has no solution, before the reason is reported.
 const CUTS_WITHOUT_SOLUTION: u8 = 20;
-
-/// Workspace of a step.
-#[derive(Clone, Debug)]
-pub struct Work {
-    pub gap: Vec<f64>,
-    pub first: ContactState,
-    pub end: ContactState,
-    /// Depth rates of punch and strip at both stages, N values each.
-    pub rates: [[Vec<f64>; 2]; 2],
-    pub strip: Vec<f64>,
-    pub deposit: Vec<f64>,
-    /// Operator of the strip's wear under the moving punch, for the travel `carried_over` (m).
-    pub carry: DMatrix<f64>,
-    pub carried_over: Option<f64>,
-    pub operator: DMatrix<f64>,
-    /// Worn track of the strip at the end of the step under way.
-    pub track: Option<LineTrack>,
-    pub shown: ContactState,
-    pub rate: ContactRate,
-    pub still: Vec<f64>,
-    pub status: WarmStart,
-    /// Load per depth, and the approach of the unworn bodies under it.
-    pub reference: (f64, f64),
-    pub mean: lumped::state::LumpedState,
-    /// Work budget of the communication step under way.
-    pub budget: Budget,
-}
-
-impl Work {
-    /// Workspace for a contact line.
-    pub fn new(operators: &LineOperators) -> Work {
-        let count = operators.count();
-        let zeros = || vec![0.0; count];
-        let tracked = if operators.strip_wear == StripWear::Track { count } else { 0 };
-        Work {
-            gap: zeros(),
-            first: ContactState::new(count),
-            end: ContactState::new(count),
-            rates: [[zeros(), zeros()], [zeros(), zeros()]],
-            strip: zeros(),
-            deposit: zeros(),
-            carry: DMatrix::zeros(tracked, tracked),
-            carried_over: None,
-            operator: DMatrix::zeros(tracked, tracked),
-            track: (tracked > 0).then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
-            shown: ContactState::new(count),
-            rate: ContactRate::new(count),
-            still: zeros(),
-            status: WarmStart::new(operators.count()),
-            reference: (f64::NAN, 0.0),
-            mean: lumped::state::LumpedState::empty(),
-            budget: Budget::new(count),
-        }
-    }
-}
 
 /// Outcome of a trial step over a part of a piece.
 enum Outcome {
@@ -137,7 +79,7 @@ impl Line {
             self.spend(path, start)?;
             let newton = self.newton_iterations();
             let outcome = self.attempt(path, start, step);
-            self.work.budget.solutions += self.newton_iterations() - newton;
+            self.stages.budget.solutions += self.newton_iterations() - newton;
             let halvings = match outcome {
                 Outcome::Tried(error) if error <= 1.0 => {
                     self.accept(path, start, step);
@@ -183,7 +125,7 @@ impl Line {
     /// Counts an internal step that is about to be tried at `start` (s from the start of the piece).
     pub(super) fn spend(&mut self, path: &InputTrajectory, start: f64) -> Result<(), StepFailure> {
         let (scene, length) = (&self.operators.scene, path.length());
-        self.work.budget.spend(|| {
+        self.stages.budget.spend(|| {
             format!(
                 "{start} s of a piece of {length} s are done on {} cells at solver.tolerance = {}; sliding velocity {} to {} m/s, \
                  normal load {} to {} N", self.operators.count(), scene.tolerance, Number(path.velocity(0.0)), Number(path.velocity(length)), Number(path.at(0.0).load), Number(path.at(length).load), start = Number(start), length = Number(length))
@@ -193,7 +135,7 @@ impl Line {
     /// Solutions of the contact required by wear rates nonlinear in the pressure, so far.
     fn newton_iterations(&self) -> u64 {
         let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::newton_iterations);
-        self.contact.newton_iterations() + heat.sum::<u64>()
+        self.stages.contact.newton_iterations() + heat.sum::<u64>()
     }
 
     pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &dyn fmt::Display) -> StepFailure {
@@ -226,96 +168,93 @@ impl Line {
             return Ok(());
         }
         let moment = path.at(length);
-        self.set_gap(moment.expansion);
-        let (signed, normal, tilt) = self.balance(&moment);
-        (self.conditions.signed_friction, self.conditions.normal, self.conditions.tilt) = (signed, normal, tilt);
-        self.contact
-            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
-            .map_err(|error| self.failure(path, length, &error))?;
+        let (given, stages, _) = self.parts();
+        stages.set_gap(&given, moment.expansion);
+        stages.solve_without_wear(&given, &moment).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
         Ok(())
     }
 
-    /// Trial step over a part; both stages are left in `work`.
+    /// Trial step over a part; both stages are left in `stages`.
     fn attempt(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Outcome {
-        let operators = self.operators.clone();
-        let count = operators.count();
-        let acceleration = self.tunables.wear_acceleration;
+        let (given, stages, heat) = self.parts();
+        let operators = given.operators;
+        let (count, widths) = (operators.count(), operators.cells.widths());
         let [mut early, mut late] = [path.at(start + GAMMA * step), path.at(start + step)];
-        let base = 1.0 - GAMMA;
+        let [between, end] = [start + GAMMA * step, start + step].map(|time| path.velocity(time));
+        let (tau, rest) = (GAMMA * step, (1.0 - GAMMA) * step);
         let travel = step * path.velocity(start + 0.5 * step);
-        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
-            own.copy_from(track);
-        }
-        self.set_gap(early.expansion);
-        self.meet_track(GAMMA * travel);
-        let tau = GAMMA * step;
-        let outcome = if self.heat.is_some() {
-            self.prepare_heat(path, start, step);
-            self.solve_with_heat(Stage::First, &mut early, path.velocity(start + tau), tau, GAMMA * travel)
-        } else {
-            self.set_operator(GAMMA * travel, &early);
-            self.set_conditions(&early, tau);
-            self.work.budget.solutions += 1;
-            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.first);
-            operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
-            found
+        let early_travel = GAMMA * travel;
+        stages.begin(&given);
+        stages.set_gap(&given, early.expansion);
+        stages.meet_track(&given, early_travel);
+        let first = match heat {
+            Some(heat) => {
+                let prepared = heat.prepare(&given, path, start, step);
+                let course = StageMotion { velocity: between, tau, travel: early_travel };
+                prepared.solve_first(&given, stages, &mut early, course).map(Some)
+            }
+            None => {
+                stages.set_operator(&given, early_travel, &early);
+                stages.solve(Stage::First, &given, &early, tau).map(|()| None)
+            }
         };
-        if let Err(error) = outcome {
-            return Outcome::Failed(error);
-        }
-        let shift = late.expansion - early.expansion;
+        let first = match first {
+            Ok(first) => first,
+            Err(error) => return Outcome::Failed(error),
+        };
         if operators.strip_wear == StripWear::Track {
-            self.leave_first_stage(base * travel, base * step);
-            self.set_gap(late.expansion);
-            self.meet_track(travel);
+            stages.leave_first_stage(&given, (1.0 - GAMMA) * travel, rest);
+            stages.set_gap(&given, late.expansion);
+            stages.meet_track(&given, travel);
             for i in 0..count {
-                self.work.gap[i] += base * step * self.work.rates[0][0][i];
+                stages.gap[i] += rest * stages.rates[0][0][i];
             }
         } else {
             let even = if operators.strip_wear == StripWear::Even {
-                operators.cells.integral(&self.work.rates[0][1]) / (2.0 * operators.cells.half_width())
+                operators.cells.integral(&stages.rates[0][1]) / (2.0 * operators.cells.half_width())
             } else {
                 0.0
             };
+            let shift = late.expansion - early.expansion;
             for i in 0..count {
-                self.work.gap[i] += base * step * (self.reshaping(0, i) + even) + shift;
+                stages.gap[i] += rest * (stages.reshaping(operators, 0, i) + even) + shift;
             }
         }
-        let outcome = if self.heat.is_some() {
-            self.solve_with_heat(Stage::End, &mut late, path.velocity(start + step), tau, GAMMA * travel)
-        } else {
-            self.set_conditions(&late, tau);
-            self.work.budget.solutions += 1;
-            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.end);
-            operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
-            found
+        let solved = match first {
+            Some(first) => {
+                let course = StageMotion { velocity: end, tau, travel: early_travel };
+                first.solve_end(&given, stages, &mut late, course).map(Some)
+            }
+            None => stages.solve(Stage::End, &given, &late, tau).map(|()| None),
         };
-        if let Err(error) = outcome {
-            return Outcome::Failed(error);
-        }
-        let widths = operators.cells.widths();
+        let solved = match solved {
+            Ok(solved) => solved,
+            Err(error) => return Outcome::Failed(error),
+        };
         let (mut square, mut load) = (0.0, 0.0);
         for i in 0..count {
-            let difference = self.reshaping(0, i) - self.reshaping(1, i);
+            let difference = stages.reshaping(operators, 0, i) - stages.reshaping(operators, 1, i);
             square += widths[i] * difference * difference;
-            load += operators.weights[i] * self.work.first.pressure[i].max(self.work.end.pressure[i]);
+            load += operators.weights[i] * stages.first.pressure[i].max(stages.end.pressure[i]);
         }
         let width = 2.0 * operators.cells.half_width();
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
-        let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
-        if self.heat.is_some() && resolved {
-            let coefficient = late.kinetic_coefficient * self.friction.stribeck(path.velocity(start + step));
-            if !self.passes_growth_guard(early.speed.max(late.speed), coefficient, step) {
-                return Outcome::RejectedByGrowthGuard;
-            }
-        }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
-        // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.
-        Outcome::Tried(if resolved { maximum(wear, self.heat_error(bound)) } else { wear })
+        match solved {
+            // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.
+            Some(mut solved) if step > path.length() / f64::from(1_u32 << FOLLOWING) => {
+                let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
+                if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
+                    return Outcome::RejectedByGrowthGuard;
+                }
+                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
+            }
+            _ => Outcome::Tried(wear),
+        }
     }
 
     /// Accepts the trial step.
@@ -324,16 +263,16 @@ impl Line {
         let count = operators.count();
         let travel = step * path.velocity(start + 0.5 * step);
         let weights = [(1.0 - GAMMA) * step, GAMMA * step];
-        let worn = |body: usize, i: usize, work: &Work| {
-            weights[0] * work.rates[0][body][i] + weights[1] * work.rates[1][body][i]
+        let worn = |body: usize, i: usize, stages: &ContactStages| {
+            weights[0] * stages.rates[0][body][i] + weights[1] * stages.rates[1][body][i]
         };
         let mut even = 0.0;
         for i in 0..count {
-            let depth = worn(0, i, &self.work);
+            let depth = worn(0, i, &self.stages);
             self.state.punch[i] += depth;
             self.state.volume[0] += operators.weights[i] * depth;
-            let depth = worn(1, i, &self.work);
-            self.work.deposit[i] = depth;
+            let depth = worn(1, i, &self.stages);
+            self.stages.deposit[i] = depth;
             self.state.volume[1] += operators.weights[i] * depth / operators.wear[1].1;
             even += operators.cells.widths()[i] * depth;
         }
@@ -343,35 +282,43 @@ impl Line {
                 let depth = even / (2.0 * operators.cells.half_width());
                 self.state.strip.iter_mut().for_each(|worn| *worn += depth);
                 // The last stage was solved on the strip before its own wear.
-                let last = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
-                self.work.end.approach += weights[1] * last;
+                let last = operators.cells.integral(&self.stages.rates[1][1]) / (2.0 * operators.cells.half_width());
+                self.stages.end.approach += weights[1] * last;
             }
             StripWear::ByRadius => {
-                for (worn, depth) in self.state.strip.iter_mut().zip(&self.work.deposit) {
+                for (worn, depth) in self.state.strip.iter_mut().zip(&self.stages.deposit) {
                     *worn += depth;
                 }
             }
             StripWear::Track => {
-                let (state, work) = (&mut self.state, &mut self.work);
-                if let (Some(track), Some(own)) = (&mut state.track, &mut work.track) {
-                    for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[1][1]) {
+                let (state, stages) = (&mut self.state, &mut self.stages);
+                if let (Some(track), Some(own)) = (&mut state.track, &mut stages.track) {
+                    for (deposit, rate) in stages.deposit.iter_mut().zip(&stages.rates[1][1]) {
                         *deposit = weights[1] * rate;
                     }
                     let end = state.position + travel;
-                    own.deposit(end - GAMMA * travel, end, &work.deposit);
+                    own.deposit(end - GAMMA * travel, end, &stages.deposit);
                     own.depth_under(end, &mut state.strip);
                     track.copy_from(own);
                 }
             }
         }
         self.state.position += travel;
-        self.accept_heat(step, path.velocity(start + step));
+        self.accept_heat(path.velocity(start + step));
         self.keep_end();
+    }
+
+    /// Updates the thermal state by the step just accepted.
+    fn accept_heat(&mut self, velocity: f64) {
+        let Line { operators, friction, stages, state, heat, backup, bodies_kept, .. } = self;
+        let Some(heat) = heat else { return };
+        let kept = backup.1.heat.as_mut().filter(|_| !std::mem::replace(bodies_kept, true));
+        heat.accept(operators, friction, stages, state, kept, velocity);
     }
 
     /// Copies the last stage into the state as its equilibrium.
     pub(super) fn keep_end(&mut self) {
-        let (state, end) = (&mut self.state, &self.work.end);
+        let (state, end) = (&mut self.state, &self.stages.end);
         state.pressure.copy_from_slice(&end.pressure);
         (state.approach, state.tilt) = (end.approach, end.tilt);
         state.current = true;

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 5.1, 2.2.
 
-use super::Line;
+use super::operators::LineOperators;
 use crate::INPUTS;
 use contact::friction::FrictionLaw;
 
@@ -75,6 +75,17 @@ impl StageConditions {
     }
 }
 
+/// Motion in a stage of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StageMotion {
+    /// Sliding velocity at the end of the stage, m/s.
+    pub velocity: f64,
+    /// Length of the stage, s.
+    pub tau: f64,
+    /// Distance by which the strip is carried along in it, m.
+    pub travel: f64,
+}
+
 /// Speed, relative to the highest so far, up to which the bodies are at rest: rounding of an input that is intended to be 0.
 const REST: f64 = 1e-12;
 
@@ -92,15 +103,18 @@ pub struct InputTrajectory {
 }
 
 impl InputTrajectory {
-    /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates.
+    /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates; `fastest` is the highest speed so
+    /// far, m/s.
     pub fn new(
-        line: &Line,
+        operators: &LineOperators,
+        friction: &FrictionLaw,
+        fastest: f64,
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
         length: f64,
         heat: LumpedTemperature,
     ) -> InputTrajectory {
-        let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
+        let (friction, mean_radius) = (friction.clone(), operators.scene.mean_radius);
         let direction = 0.0;
         let path = InputTrajectory {
             inputs: *inputs,
@@ -113,7 +127,7 @@ impl InputTrajectory {
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
         let middle = path.velocity(0.5 * length);
-        let rests = middle.abs() <= REST * line.state.fastest;
+        let rests = middle.abs() <= REST * fastest;
         InputTrajectory { direction: if rests { 0.0 } else { middle.signum() }, ..path }
     }
 

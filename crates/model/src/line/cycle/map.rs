@@ -348,7 +348,7 @@ impl CycleMap {
         let before = worn(&self.line);
         for (number, &step) in steps.iter().enumerate() {
             self.line.step(&inputs, None, step)?;
-            let (state, work) = (&self.line.state, &self.line.work);
+            let (state, work) = (&self.line.state, &self.line.stages);
             let weights = &self.line.operators.weights;
             let stages = [((1.0 - GAMMA) * step, &work.first), (GAMMA * step, &work.end)];
             for (index, (weight, stage)) in stages.into_iter().enumerate() {
@@ -379,7 +379,7 @@ impl CycleMap {
             depth.copy_from_slice(&after[side]);
             add(depth, -1.0, &before[side]);
         }
-        passage.signed_friction = self.line.conditions.signed_friction;
+        passage.signed_friction = self.line.stages.conditions.signed_friction;
         Ok(passage)
     }
 }

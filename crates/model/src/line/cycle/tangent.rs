@@ -36,10 +36,10 @@ impl WearJacobian {
     pub fn add(&mut self, line: &mut Line, duration: f64) -> Result<(), StepFailure> {
         let operators = line.operators.clone();
         let count = operators.count();
-        let conditions = &line.conditions;
+        let conditions = &line.stages.conditions;
         let contact = match &mut line.heat {
             Some(heat) => &mut heat.contacts[1],
-            None => &mut line.contact,
+            None => &mut line.stages.contact,
         };
         let compliance = contact.compliance(conditions.signed_friction);
         let pressure = &line.state.pressure;
@@ -80,7 +80,7 @@ impl WearJacobian {
             }
             let exponent = operators.wear[body].0.pressure_exponent;
             for (a, &i) in active.iter().enumerate() {
-                let slope = duration * exponent * line.work.rates[1][body][i] / pressure[i] / scale;
+                let slope = duration * exponent * line.stages.rates[1][body][i] / pressure[i] / scale;
                 for (b, &j) in active.iter().enumerate() {
                     self.bodies[body][(i, j)] += slope * inverse[(a, b)];
                 }

@@ -3,13 +3,15 @@
 //! Theory: docs/theory.md, sections 6.1, 6.4.
 
 use super::ThermalCoupling;
+use crate::line::heat::state::HeatState;
 use conduction::line::{GAMMA, Stage};
 use contact::wear::line::StageError;
 use numerics::dense;
+use numerics::maximum::maximum;
 
 impl ThermalCoupling {
     /// Free response of both bodies: temperature and distortion at the stage for zero flux in it.
-    pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
+    pub(super) fn begin(&mut self, stage: Stage, state: &HeatState) {
         for side in 0..2 {
             let (free_response, distortion) =
                 (&mut self.iterate.free_response[side], &mut self.iterate.free_distortion[side]);
@@ -144,9 +146,10 @@ impl ThermalCoupling {
     fn residual_norm(&mut self, stage: Stage) -> f64 {
         let s = stage as usize;
         self.residual(stage);
-        let scale = (largest(&self.temperature[s][0]).max(largest(&self.temperature[s][1])))
-            .max(self.parameters.half_resistance * largest(&self.friction[s]));
-        if scale > 0.0 { largest(&self.iterate.difference) / scale } else { 0.0 }
+        let [punch, strip] = self.temperature[s].each_ref().map(|surface| largest(surface));
+        let jump = self.parameters.half_resistance * largest(&self.friction[s]);
+        let scale = maximum(maximum(punch, strip), jump);
+        if scale == 0.0 { 0.0 } else { largest(&self.iterate.difference) / scale }
     }
 
     /// Gap before the deformation by the pressure: with wear and distortion, less the displacement of the current pressure
@@ -188,7 +191,7 @@ impl ThermalCoupling {
         if self.exact[s] {
             return self.update_pressure_exactly(stage, pressure);
         }
-        let most = largest(pressure).max(largest(&self.iterate.pressure));
+        let most = maximum(largest(pressure), largest(&self.iterate.pressure));
         for ((own, new), moved) in self.iterate.pressure.iter_mut().zip(pressure).zip(&mut self.iterate.gap) {
             *moved = new - *own;
             *own = *new;
@@ -205,7 +208,7 @@ impl ThermalCoupling {
         for (friction, more) in self.friction[s].iter_mut().zip(&self.iterate.difference) {
             *friction += more;
         }
-        let change = if most > 0.0 { change / most } else { 0.0 };
+        let change = if most == 0.0 { 0.0 } else { change / most };
         self.iterate.temperatures_current = false;
         let conducts = self.conducts();
         let [punch, strip] = &mut self.flux[s];
@@ -324,17 +327,20 @@ impl ThermalCoupling {
 /// Number of lanes of [`largest`].
 const LANES: usize = 8;
 
-/// Largest absolute value; NaN is ignored.
+/// Largest absolute value; NaN if a value is not finite.
 pub(super) fn largest(values: &[f64]) -> f64 {
     let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
     let (groups, rest) = values.as_chunks::<LANES>();
-    let mut most = [0.0; LANES];
+    // A product with 0 is NaN where the comparison would pass over a number that is not finite.
+    let (mut most, mut nothing) = ([0.0; LANES], [0.0; LANES]);
     for group in groups {
         for k in 0..LANES {
             most[k] = more(most[k], group[k]);
+            nothing[k] += 0.0 * group[k];
         }
     }
-    most.into_iter().chain(rest.iter().copied()).fold(0.0, more)
+    let nothing = nothing.iter().sum::<f64>() + rest.iter().map(|value| 0.0 * value).sum::<f64>();
+    most.into_iter().chain(rest.iter().copied()).fold(0.0, more) + nothing
 }
 
 /// Flux into the strip: the friction heat less the flux into the punch; 0 for an insulator.
@@ -343,5 +349,26 @@ fn rest(strip: &mut [f64], friction: &[f64], punch: &[f64], conducts: bool) {
         strip.iter_mut().zip(friction.iter().zip(punch)).for_each(|(strip, (heat, punch))| *strip = heat - punch);
     } else {
         strip.fill(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_not_finite_is_not_passed_over() {
+        for count in [1, 7, 8, 9, 33] {
+            let mut values: Vec<f64> = (0..count).map(|i| -0.5 - f64::from(i)).collect();
+            assert_eq!(largest(&values), 0.5 + f64::from(count - 1));
+            for place in 0..count as usize {
+                for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let right = std::mem::replace(&mut values[place], wrong);
+                    assert!(largest(&values).is_nan(), "{wrong} at {place} of {count}");
+                    values[place] = right;
+                }
+            }
+        }
+        assert_eq!(largest(&[]), 0.0);
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Theory: docs/theory.md, section 2.7.
 
-use crate::line::Line;
+use super::Line;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
 use crate::lumped::point::external_flow;
@@ -15,7 +15,7 @@ use scene::{STATIONS, value};
 
 impl Line {
     /// Ambient, far-face temperatures and cooling of both bodies at `inputs`.
-    pub(in crate::line) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
+    pub(super) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
         let reference = self.mean.state().reference;
         let inputs = Inputs::from_array(*inputs);
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
@@ -42,7 +42,7 @@ impl Line {
     }
 
     /// Temperatures and heat flows.
-    pub(in crate::line) fn write_heat_flows(&self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub(super) fn write_heat_flows(&self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
         let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
             return;
         };
@@ -81,7 +81,7 @@ impl Line {
     }
 
     /// Heat account and mean temperatures.
-    pub(in crate::line) fn write_heat_account(&self, values: &mut [f64; COUNT]) {
+    pub(super) fn write_heat_account(&self, values: &mut [f64; COUNT]) {
         let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
             return;
         };
@@ -115,20 +115,16 @@ impl Line {
     }
 
     /// Temperature of the contact along the line, mean of both surfaces.
-    pub(in crate::line) fn write_heat_profile(&mut self, values: &mut [f64; COUNT]) {
+    pub(super) fn write_heat_profile(&mut self, values: &mut [f64; COUNT]) {
         let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
-        let absolute = self.mean.state().reference;
-        let [punch, strip] = &state.temperature;
-        for (i, contact_temperature) in heat.iterate.contact_temperature.iter_mut().enumerate() {
-            *contact_temperature = 0.5 * (punch[i] + strip[i]) + absolute;
-        }
+        let cells = heat.mean_temperature(&state.temperature, self.mean.state().reference);
         let first = const { reference("profile.temperature") } as usize;
-        self.operators.profile.fill(&heat.iterate.contact_temperature, &mut values[first..first + STATIONS]);
+        self.operators.profile.fill(cells, &mut values[first..first + STATIONS]);
     }
 
     /// Derivatives along `seed`: at frozen states only ambient and far-face temperatures change heat flows, and no output
     /// temperature changes.
-    pub(in crate::line) fn write_heat_rates(
+    pub(super) fn write_heat_rates(
         &self,
         inputs: &[f64; INPUTS],
         seed: &[f64; INPUTS],

@@ -2,10 +2,15 @@
 //!
 //! Theory: docs/theory.md, sections 7.1, 5.3.
 
+use super::ThermalCoupling;
 use super::evaluation::largest;
-use super::stage::weighted;
-use crate::line::Line;
+use super::stage::{Solved, weighted};
+use crate::line::heat::state::HeatState;
+use crate::line::operators::LineOperators;
+use crate::line::stages::ContactStages;
+use crate::line::state::LineState;
 use conduction::line::{GAMMA, Stage};
+use contact::friction::FrictionLaw;
 use numerics::dense;
 use numerics::maximum::maximum;
 
@@ -29,11 +34,11 @@ fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
     }
 }
 
-impl Line {
-    /// Inexpensive upper bound of [`Line::heat_error`].
-    fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
-        let Some(heat) = &mut self.heat else { return 0.0 };
-        let cells = &self.operators.cells;
+impl Solved<'_> {
+    /// Inexpensive upper bound of [`Solved::error`].
+    fn bound_of_error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
+        let heat = &mut *self.0;
+        let cells = &operators.cells;
         let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
@@ -46,21 +51,20 @@ impl Line {
             let change = (square / (2.0 * cells.half_width())).sqrt();
             moved += of_distortion * change;
             temperature_error = maximum(temperature_error, of_temperature * change);
-            rise = rise.max(largest(&heat.temperature[1][side]));
+            rise = maximum(rise, largest(&heat.temperature[1][side]));
         }
         let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
-        maximum(allowance * moved / bound, allowance * temperature_error / (self.operators.scene.tolerance * rise))
+        maximum(allowance * moved / bound, allowance * temperature_error / (operators.scene.tolerance * rise))
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
     /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
-    pub(in crate::line) fn heat_error(&mut self, bound: f64) -> f64 {
-        let most = self.bound_of_heat_error(bound);
+    pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
+        let most = self.bound_of_error(operators, bound);
         if most < SMALL {
             return most;
         }
-        let Some(heat) = &mut self.heat else { return 0.0 };
-        let operators = &self.operators;
+        let heat = &mut *self.0;
         let widths = operators.cells.widths();
         let width = 2.0 * operators.cells.half_width();
         let mut moved_square = 0.0;
@@ -83,7 +87,7 @@ impl Line {
             }
             let square: f64 = heat.iterate.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             temperature_error = maximum(temperature_error, (square / width).sqrt());
-            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
+            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| maximum(highest, t.abs()));
         }
         // Under a given load a uniform displacement does not change the pressure.
         let mean = operators.cells.integral(&heat.iterate.sums[1]) / width;
@@ -93,17 +97,26 @@ impl Line {
         let moved = (moved_square / width).sqrt();
         maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise))
     }
+}
 
-    /// Updates the thermal state by the accepted part of `step` s; `velocity` is the sliding velocity at its end, m/s.
-    pub(in crate::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
-        let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
-        let operators = &self.operators;
+impl ThermalCoupling {
+    /// Updates the thermal state by the step whose stages are solved; `velocity` is the sliding velocity at its end, m/s. The
+    /// first part of a communication step leaves its initial body states in `kept`, from which they can be restored.
+    pub fn accept(
+        &self,
+        operators: &LineOperators,
+        friction: &FrictionLaw,
+        stages: &ContactStages,
+        line: &mut LineState,
+        kept: Option<&mut HeatState>,
+        velocity: f64,
+    ) {
+        let (heat, step) = (self, self.step);
+        let Some(state) = &mut line.heat else { return };
         let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
         let (per_rise, per_change) = (1.0 / (GAMMA * step), 1.0 / ((1.0 - GAMMA) * step));
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
-        // The first part of a step leaves its initial body states in the backup, from which they can be restored.
-        let before = self.backup.1.heat.as_mut().filter(|_| !std::mem::replace(&mut self.bodies_kept, true));
-        let before = before.map(|kept| {
+        let before = kept.map(|kept| {
             std::mem::swap(&mut kept.bodies, &mut state.bodies);
             &kept.bodies
         });
@@ -137,7 +150,7 @@ impl Line {
             state.external[side] = [flow, state.external[side][1] + heat];
         }
         (state.unpredicted_rise, state.last_step) = (heat.unpredicted_rise, step);
-        let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);
+        let pressures = stages.first.pressure.iter().zip(&stages.end.pressure).zip(&line.pressure);
         for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
             let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
             *slope = if lasting { (end - first) * per_change } else { 0.0 };
@@ -145,11 +158,10 @@ impl Line {
         state.distortion.copy_from_slice(&heat.distortion);
         state.kinetic_coefficient = match operators.scene.friction_fade.flat {
             true => heat.kinetic_coefficient[0],
-            false => weighted(&heat.kinetic_coefficient, &self.work.end.pressure, &operators.torque_weights),
+            false => weighted(&heat.kinetic_coefficient, &stages.end.pressure, &operators.torque_weights),
         };
         state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
-        let fade =
-            if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
+        let fade = if friction.coefficient > 0.0 { state.kinetic_coefficient / friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > FADE_VALIDITY {
             state.reference.fade = fade;
         }

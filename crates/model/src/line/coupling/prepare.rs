@@ -2,11 +2,12 @@
 //!
 //! Theory: docs/theory.md, sections 5.3, 6.4, 4.11.
 
-use super::air::{balance, cooling};
-use super::bodies::cooled_part;
+use super::stage::{Prepared, state_of};
 use super::{FrozenCoefficients, ThermalCoupling};
 use crate::Inputs;
-use crate::line::Line;
+use crate::line::heat::air::{balance, cooling};
+use crate::line::heat::bodies::cooled_part;
+use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
@@ -20,12 +21,12 @@ const MOST_EXTRAPOLATED: f64 = 2.0;
 /// Travel within which the frozen operators remain valid, in diffusion lengths over the step.
 const REACH: f64 = 0.25;
 
-impl Line {
+impl ThermalCoupling {
     /// Prepares bodies and heat partitions for a part of `step` (s) that begins at `start` (s from the start of the piece).
-    pub(in crate::line) fn prepare_heat(&mut self, path: &InputTrajectory, start: f64, step: f64) {
-        let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
+    pub fn prepare(&mut self, given: &StepData<'_>, path: &InputTrajectory, start: f64, step: f64) -> Prepared<'_> {
+        let (heat, state) = (self, state_of(given));
         let velocity = [path.velocity(start), path.velocity(start + step)];
-        let operators = &self.operators;
+        let operators = given.operators;
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
@@ -39,11 +40,11 @@ impl Line {
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
         let kinetic_coefficient = if flat {
-            self.friction.kinetic_coefficient(0.0)
+            given.friction.kinetic_coefficient(0.0)
         } else {
-            self.friction.coefficient * state.reference.fade
+            given.friction.coefficient * state.reference.fade
         };
-        let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
+        let (stribeck, sign) = (given.friction.stribeck(reference_velocity), given.friction.sign(reference_velocity));
         heat.reference = FrozenCoefficients {
             velocity: reference_velocity,
             exact: flat && velocity == [reference_velocity; 2],
@@ -52,10 +53,10 @@ impl Line {
             speed: sign * reference_velocity,
             kinetic_coefficient,
         };
-        let reference = self.mean.state().reference;
+        let reference = given.reference;
         let conditions = |time: f64| {
             let inputs = Inputs::from_array(path.inputs(time));
-            Conditions::new(&operators.mean, &self.tunables, reference, &inputs)
+            Conditions::new(&operators.mean, given.tunables, reference, &inputs)
         };
         let middle = conditions(start + 0.5 * step);
         let scene = &operators.scene;
@@ -142,10 +143,9 @@ impl Line {
             }
             heat.surroundings[side] = around;
         }
+        Prepared(heat)
     }
-}
 
-impl ThermalCoupling {
     /// Validity radius of the frozen operators in velocity (m/s), for a step of `step` s.
     fn validity_radius(&self, step: f64) -> f64 {
         let velocity_radius =

@@ -34,18 +34,16 @@
 //! Theory: docs/theory.md, section 5.6.
 
 use super::ThermalCoupling;
-use super::stage::weighted;
-use crate::StepFailure;
-use crate::budget::MOST_STEPS;
-use crate::line::Line;
+use super::stage::{Prepared, state_of, weighted};
+use crate::line::heat::state::HeatState;
 use crate::line::operators::StripWear;
+use crate::line::stages::{ContactStages, StepData};
 use crate::line::trajectory::{InputTrajectory, StageConditions};
 use conduction::line::{GAMMA, Stage};
 use contact::friction::FrictionLaw;
 use contact::wear::line::{Disturbance, StageError};
 use numerics::dense;
 use numerics::scalar::Dual;
-use scene::message::Number;
 
 /// Number of power iterations, and of the last ones over which the growth factor is averaged.
 const APPLICATIONS: usize = 32;
@@ -59,8 +57,10 @@ const SAME_DIRECTION: f64 = 0.5;
 const BISECTIONS: u32 = 30;
 
 /// Reason for which a part of the step fails.
-enum Refusal {
+pub enum Refusal {
+    /// The contact has no solution.
     Stage(StageError),
+    /// The step is above this stability limit, s.
     Diverges(f64),
 }
 
@@ -70,117 +70,76 @@ impl From<StageError> for Refusal {
     }
 }
 
-impl Line {
-    /// Advances contact and heat over a piece by the operator split, in one step, or in as many as the worn track in the strip
-    /// requires.
-    pub(in crate::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
-        let mut parts: u32 = 1;
-        let far = |line: &Line, step: f64| {
-            line.exceeds_travel_limit(path, 0.0, step) || line.exceeds_travel_limit(path, length - step, step)
-        };
-        // The step budget ends the loop below for more parts.
-        while parts < MOST_STEPS && far(self, length / f64::from(parts)) {
-            parts *= 2;
-        }
-        let step = length / f64::from(parts);
-        for part in 0..parts {
-            let start = f64::from(part) * step;
-            self.spend(path, start)?;
-            self.prepare_heat(path, start, step);
-            let Some(mut heat) = self.heat.take() else {
-                unreachable!("only scenes with heat along the line come here")
-            };
-            let outcome = self.split_step(&mut heat, path, start, step);
-            self.heat = Some(heat);
-            match outcome {
-                Ok(()) => {}
-                Err(Refusal::Stage(error)) => return Err(self.failure(path, start, &error)),
-                Err(Refusal::Diverges(limit)) => {
-                    return Err(StepFailure(format!(
-                        "solver.scheme = staggered is stable only for steps below {limit} s here (sliding velocity {} m/s, \
-                         normal load {} N); the step is {step} s",
-                        Number(path.velocity(start + step)),
-                        Number(path.at(start + step).load),
-                        limit = Number(limit),
-                        step = Number(step)
-                    )));
-                }
-            }
-            self.accept(path, start, step);
-            self.state.steps += 1;
-        }
-        Ok(())
-    }
-
-    /// One step of the operator split: pressure and wear, then heat; results are left in `work` and `heat`.
-    fn split_step(
-        &mut self,
-        heat: &mut ThermalCoupling,
+impl Prepared<'_> {
+    /// One step of the operator split: pressure and wear, then heat; results are left in `stages` and in the coupling.
+    ///
+    /// # Errors
+    /// The contact has no solution, or the step is above the stability limit.
+    pub fn split(
+        self,
+        given: &StepData<'_>,
+        stages: &mut ContactStages,
         path: &InputTrajectory,
         start: f64,
-        step: f64,
     ) -> Result<(), Refusal> {
-        let operators = self.operators.clone();
+        let (heat, operators) = (self.0, given.operators);
+        let step = heat.step;
         let mut moment = path.at(start + step);
         let velocity = path.velocity(start + step);
         let travel = step * path.velocity(start + 0.5 * step);
-        let slip = self.friction_at_start(heat, &mut moment, velocity);
-        self.set_gap(moment.expansion);
-        self.add_held_distortion();
-        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
-            own.copy_from(track);
-        }
-        self.meet_track(travel);
-        self.set_operator(travel, &moment);
-        self.set_conditions(&moment, step);
-        self.set_laws(heat, &moment, operators.wears_by_cell());
-        self.contact.stage_into(&self.work.gap, step, &self.conditions, &mut self.work.end)?;
-        let pressure = &self.work.end.pressure;
+        let slip = heat.friction_at_start(given, &mut moment, velocity);
+        stages.begin(given);
+        stages.set_gap(given, moment.expansion);
+        stages.add_held_distortion(given);
+        stages.meet_track(given, travel);
+        stages.set_operator(given, travel, &moment);
+        stages.set_conditions(given, &moment, step);
+        heat.set_laws(given, stages, &moment);
+        stages.contact.stage_into(&stages.gap, step, &stages.conditions, &mut stages.end)?;
+        let pressure = &stages.end.pressure;
         for body in 0..2 {
             for (i, p) in pressure.iter().enumerate() {
                 let law = heat.reference_wear_rates[body][i];
                 let rate = if law == 0.0 { 0.0 } else { law * operators.relative_rate(body, i, *p) };
-                self.work.rates[0][body][i] = rate;
-                self.work.rates[1][body][i] = rate;
+                stages.rates[0][body][i] = rate;
+                stages.rates[1][body][i] = rate;
             }
         }
-        self.leave_first_stage((1.0 - GAMMA) * travel, (1.0 - GAMMA) * step);
+        stages.leave_first_stage(given, (1.0 - GAMMA) * travel, (1.0 - GAMMA) * step);
         if operators.strip_wear == StripWear::Even {
             // The contact was solved on the strip without the last part of its wear, which is added where the step is accepted.
-            let mean = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
-            self.work.end.approach += (1.0 - GAMMA) * step * mean;
+            let mean = operators.cells.integral(&stages.rates[1][1]) / (2.0 * operators.cells.half_width());
+            stages.end.approach += (1.0 - GAMMA) * step * mean;
         }
-        heat.take_pressure(self.state.heat.as_ref(), &self.work.end.pressure, slip);
+        heat.take_pressure(state_of(given), &stages.end.pressure, slip);
         // A factor below 1 in one step excludes growth; the exact criterion is only evaluated otherwise.
-        if self.splitting_unstable(heat, step, slip) {
+        if heat.splitting_unstable(given, stages, step, slip) {
             heat.change_step(0.5 * step);
-            if self.splitting_unstable(heat, 0.5 * step, slip) {
-                return Err(Refusal::Diverges(self.longest_stable(heat, step, slip)));
+            if heat.splitting_unstable(given, stages, 0.5 * step, slip) {
+                return Err(Refusal::Diverges(heat.longest_stable(given, stages, step, slip)));
             }
             heat.change_step(step);
         }
         Ok(())
     }
+}
 
+impl ThermalCoupling {
     /// Whether the map of a step of `step` s has a dominant eigenvalue of modulus 1 or more off the positive axis.
-    fn splitting_unstable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
-        let (growth, along) = self.lag(heat, step, slip);
+    fn splitting_unstable(&mut self, given: &StepData<'_>, stages: &mut ContactStages, step: f64, slip: f64) -> bool {
+        let (growth, along) = self.lag(given, stages, step, slip);
         growth >= 1.0 && along < SAME_DIRECTION
     }
 
     /// Kinetic friction coefficient of the cells at the initial temperatures; returns s v with the Stribeck factor.
-    fn friction_at_start(&self, heat: &mut ThermalCoupling, moment: &mut StageConditions, velocity: f64) -> f64 {
-        let operators = &self.operators;
-        let Some(state) = &self.state.heat else { return 0.0 };
-        let reference = self.mean.state().reference;
-        for (i, contact_temperature) in heat.iterate.contact_temperature.iter_mut().enumerate() {
-            *contact_temperature = 0.5 * (state.temperature[0][i] + state.temperature[1][i]) + reference;
-            heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(*contact_temperature);
-        }
-        let stribeck = self.friction.stribeck(velocity);
+    fn friction_at_start(&mut self, given: &StepData<'_>, moment: &mut StageConditions, velocity: f64) -> f64 {
+        let (operators, state) = (given.operators, state_of(given));
+        self.iterate.take_mean_temperature(&state.temperature, given.reference);
+        self.update_friction(given);
+        let stribeck = given.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
             moment.kinetic_coefficient =
-                weighted(&heat.kinetic_coefficient, &self.state.pressure, &operators.torque_weights);
+                weighted(&self.kinetic_coefficient, &given.state.pressure, &operators.torque_weights);
             moment.follow(moment.sign * stribeck);
         }
         moment.slip(stribeck)
@@ -188,36 +147,36 @@ impl Line {
 
     /// Dominant growth factor of the map from the heat of one step of `step` s to that of the next, by power iteration, and the
     /// cosine between the last flux and its image.
-    fn lag(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> (f64, f64) {
-        let count = heat.iterate.gap.len();
-        let fades = !self.operators.scene.friction_fade.flat;
-        let reference = self.mean.state().reference;
+    fn lag(&mut self, given: &StepData<'_>, stages: &mut ContactStages, step: f64, slip: f64) -> (f64, f64) {
+        let count = self.iterate.gap.len();
+        let fades = !given.operators.scene.friction_fade.flat;
+        let reference = given.reference;
         let (mut product, mut along) = (1.0, 1.0);
         // Start vector not orthogonal to the dominant direction.
-        for (i, flux) in heat.iterate.gap.iter_mut().enumerate() {
-            let closed = if heat.iterate.closed[i] { 1.0 } else { 0.0 };
+        for (i, flux) in self.iterate.gap.iter_mut().enumerate() {
+            let closed = if self.iterate.closed[i] { 1.0 } else { 0.0 };
             *flux = closed * ((0.618_033_988_75 * i as f64).fract() - 0.4);
         }
-        normalise(&mut heat.iterate.gap);
+        normalise(&mut self.iterate.gap);
         for application in 0..APPLICATIONS {
-            heat.respond();
-            let gap = &heat.iterate.free_response[1];
+            self.respond();
+            let gap = &self.iterate.free_response[1];
             let disturbance = Disturbance { gap, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
-            let (state, rate) = (&self.work.end, &mut self.work.rate);
-            if self.contact.stage_response_into(step, &self.conditions, state, &disturbance, rate).is_err() {
+            let (state, rate) = (&stages.end, &mut stages.rate);
+            if stages.contact.stage_response_into(step, &stages.conditions, state, &disturbance, rate).is_err() {
                 return (0.0, 1.0);
             }
-            let returned = &mut heat.iterate.sums[0];
+            let returned = &mut self.iterate.sums[0];
             for i in 0..count {
-                let slip = slip * heat.parameters.ratio[i];
-                returned[i] = slip * heat.kinetic_coefficient[i] * rate.pressure[i];
+                let slip = slip * self.parameters.ratio[i];
+                returned[i] = slip * self.kinetic_coefficient[i] * rate.pressure[i];
                 if fades {
-                    let end = 0.5 * (heat.temperature[1][0][i] + heat.temperature[1][1][i]) + reference;
-                    let slope = slope_over(&self.friction, heat.iterate.contact_temperature[i], end);
-                    returned[i] += slip * slope * heat.iterate.free_response[0][i] * state.pressure[i];
+                    let end = 0.5 * (self.temperature[1][0][i] + self.temperature[1][1][i]) + reference;
+                    let slope = slope_over(given.friction, self.iterate.contact_temperature[i], end);
+                    returned[i] += slip * slope * self.iterate.free_response[0][i] * state.pressure[i];
                 }
             }
-            along = heat.iterate.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
+            along = self.iterate.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
             let factor = normalise(returned);
             if factor == 0.0 {
                 return (0.0, 1.0);
@@ -226,25 +185,23 @@ impl Line {
             if application >= APPLICATIONS - OBSERVED {
                 product *= factor;
             }
-            std::mem::swap(&mut heat.iterate.gap, &mut heat.iterate.sums[0]);
+            std::mem::swap(&mut self.iterate.gap, &mut self.iterate.sums[0]);
         }
         (product.powf(1.0 / OBSERVED as f64), along)
     }
 
     /// Longest step (s) below `step` at which the splitting is stable, at the pressure of the step tried.
-    fn longest_stable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> f64 {
+    fn longest_stable(&mut self, given: &StepData<'_>, stages: &mut ContactStages, step: f64, slip: f64) -> f64 {
         let (mut stable, mut unstable) = ((1e-9 * step).ln(), step.ln());
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (stable + unstable);
             let half = 0.5 * middle.exp();
-            heat.change_step(half);
-            *(if self.splitting_unstable(heat, half, slip) { &mut unstable } else { &mut stable }) = middle;
+            self.change_step(half);
+            *(if self.splitting_unstable(given, stages, half, slip) { &mut unstable } else { &mut stable }) = middle;
         }
         stable.exp()
     }
-}
 
-impl ThermalCoupling {
     /// Surface influence matrices and heat partition of an implicit Euler step of another length.
     fn change_step(&mut self, step: f64) {
         let velocity = self.velocity;
@@ -266,8 +223,7 @@ impl ThermalCoupling {
     }
 
     /// Heats both bodies over the step by the friction heat of `pressure`.
-    fn take_pressure(&mut self, state: Option<&super::state::HeatState>, pressure: &[f64], slip: f64) {
-        let Some(state) = state else { return };
+    fn take_pressure(&mut self, state: &HeatState, pressure: &[f64], slip: f64) {
         for (closed, p) in self.iterate.closed.iter_mut().zip(pressure) {
             *closed = *p > 0.0;
         }

@@ -7,7 +7,7 @@
 //! Theory: docs/theory.md, section 6.4.
 
 use super::ThermalCoupling;
-use super::state::HeatState;
+use crate::line::heat::state::HeatState;
 use conduction::line::GAMMA;
 
 /// Linear extrapolation to gamma h from value and slope at 0.

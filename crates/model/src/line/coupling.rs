@@ -1,0 +1,227 @@
+//! Thermal coupling of both bodies over a step with resolved heat: fluxes, temperatures and thermal distortion together with the
+//! contact.
+//!
+//! At a stage of the step the surface of body i (1: punch, 2: strip) responds to the flux `q_i` into its cells with
+//!
+//! ```text
+//! T_i = b_i + G_i q_i,    u_i = d_i + D_i q_i
+//! q_1 + q_2 = Q = mu s v p,    T_1 - T_2 = (q_2 - q_1)/(2 h_c)    on cells in contact;    q_1 = q_2 = 0 elsewhere
+//! ```
+//!
+//! `b_i`, `d_i` are the free response, `G_i`, `D_i` the surface influence matrices. For a given active set both temperature and
+//! distortion are linear in the pressure, so heat is a thermal compliance added to that of the contact and the stage remains one
+//! contact problem ([`super::heat::partition`]); the cells that exchange heat are found by iteration ([`stage`]).
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.2.
+
+mod accept;
+mod evaluation;
+mod growth_guard;
+mod prepare;
+mod stage;
+mod staggered;
+mod start;
+
+use super::heat::bodies::Bodies;
+use super::heat::partition::HeatPartition;
+use super::heat::partitions::PartitionCache;
+use super::operators::LineOperators;
+use crate::fastest_growth::FastestGrowth;
+use conduction::line::{Surroundings, ThermalBody};
+use contact::wear::line::WearingContact;
+use growth_guard::GrowthGuard;
+use numerics::acceleration::Anderson;
+use scene::Scheme;
+pub use staggered::Refusal;
+
+/// Part of the tolerance allowed for the error in pressure from operators in single precision. Their rounding errors roughen the
+/// distortion on the scale of a cell, and the resulting error in pressure grows with the number of cells.
+const ROUNDING: f64 = 0.02;
+
+/// Number of cells above which products in single precision are faster; smaller operators fit the processor's caches.
+const MANY: usize = 72;
+
+/// Differences stored for the Anderson acceleration of a stage.
+const ACCELERATION_DEPTH: usize = 8;
+
+/// Linearization point of the operators reused from step to step.
+#[derive(Clone, Copy, Debug, Default)]
+struct FrozenCoefficients {
+    /// Sliding velocity, m/s.
+    velocity: f64,
+    /// The step under way has this velocity throughout, so that the operators are exact for it.
+    exact: bool,
+    /// mu s v, m/s.
+    per_pressure: f64,
+    /// Friction coefficient of the shear coupling.
+    friction: f64,
+    /// Sliding speed in the wear law, m/s, and kinetic friction coefficient (without Stribeck factor).
+    speed: f64,
+    kinetic_coefficient: f64,
+}
+
+/// Constants of the coupling.
+#[derive(Clone, Debug)]
+struct Parameters {
+    /// Punch and strip have thermal expansion.
+    expands: [bool; 2],
+    /// Operator split between contact and heat: the bodies have no first stage.
+    staggered: bool,
+    /// Thermal diffusivity of the strip, the body that slides, m2/s.
+    diffusivity: f64,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
+    /// 1/(2 h_c), K m2/W; 0: no exchange.
+    half_resistance: f64,
+}
+
+/// Iterate of the stage under way, N values each, and workspace of the iteration.
+#[derive(Clone, Debug)]
+struct Iterate {
+    /// Pressure, which determines the friction heat of the stage, Pa, and mu s v of the cells, m/s.
+    pressure: Vec<f64>,
+    per_pressure: Vec<f64>,
+    /// Local contact temperature that enters friction and wear, K.
+    contact_temperature: Vec<f64>,
+    /// Cells in the active set: they carry friction heat and exchange heat.
+    closed: Vec<bool>,
+    /// The temperatures of the stage are up to date with its fluxes.
+    temperatures_current: bool,
+    /// Temperature (K) and distortion (m) of the bodies without flux in the stage.
+    free_response: [Vec<f64>; 2],
+    free_distortion: [Vec<f64>; 2],
+    gap: Vec<f64>,
+    difference: Vec<f64>,
+    sums: [Vec<f64>; 2],
+    /// Anderson acceleration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.
+    anderson: Anderson<ACCELERATION_DEPTH>,
+    acceleration_scale: [f64; 3],
+}
+
+impl Iterate {
+    fn new(count: usize) -> Iterate {
+        let zeros = || vec![0.0; count];
+        let pair = || [zeros(), zeros()];
+        Iterate {
+            pressure: zeros(),
+            per_pressure: zeros(),
+            contact_temperature: zeros(),
+            closed: vec![false; count],
+            temperatures_current: false,
+            free_response: pair(),
+            free_distortion: pair(),
+            gap: zeros(),
+            difference: zeros(),
+            sums: pair(),
+            anderson: Anderson::new(3 * count),
+            acceleration_scale: [0.0; 3],
+        }
+    }
+
+    /// Sets the contact temperature of the cells, the mean of both `surfaces` (K above `reference`).
+    fn take_mean_temperature(&mut self, surfaces: &[Vec<f64>; 2], reference: f64) {
+        let cells = surfaces[0].iter().zip(&surfaces[1]);
+        for (contact_temperature, (punch, strip)) in self.contact_temperature.iter_mut().zip(cells) {
+            *contact_temperature = 0.5 * (punch + strip) + reference;
+        }
+    }
+}
+
+/// Thermal coupling of both bodies through the contact: operators, the step under way and its stages.
+#[derive(Clone, Debug)]
+pub struct ThermalCoupling {
+    parameters: Parameters,
+    // Operators.
+    /// Punch and strip; `None`: an insulator.
+    pub bodies: [Option<Box<dyn ThermalBody>>; 2],
+    /// Contact problem of either stage, with the thermal compliance of the stage added to its compliance.
+    pub contacts: [WearingContact; 2],
+    /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
+    pub partitions: PartitionCache,
+    installed: [usize; 2],
+    /// Linearization point of the operators reused from step to step.
+    reference: FrozenCoefficients,
+    growth: GrowthGuard,
+    // Step under way.
+    /// Length, s, and sliding velocities at its ends, m/s.
+    step: f64,
+    velocity: [f64; 2],
+    /// Ambient, far-face temperatures and cooling of the bodies.
+    pub surroundings: [Surroundings; 2],
+    /// Heat paths to the neighbours: flow out of the body at the end of the step, W/m2, and the heat of the step, J/m2.
+    pub external: [(f64, f64); 2],
+    /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
+    unpredicted_rise: [f64; 2],
+    /// Largest number of iterations of a stage.
+    iterations: usize,
+    // Either stage.
+    /// The operators of the stage are exact, so that one solution needs no iteration.
+    exact: [bool; 2],
+    /// Fluxes into punch and strip, W/m2.
+    pub flux: [[Vec<f64>; 2]; 2],
+    /// Temperatures of punch and strip, K above the reference.
+    pub temperature: [[Vec<f64>; 2]; 2],
+    /// Friction heat, W/m2.
+    pub friction: [Vec<f64>; 2],
+    // Stage under way.
+    iterate: Iterate,
+    /// Kinetic friction coefficient of the cells at their temperature (without Stribeck factor).
+    pub kinetic_coefficient: Vec<f64>,
+    /// Wear depth rates of punch and strip at the reference pressure, m/s.
+    pub reference_wear_rates: [Vec<f64>; 2],
+    /// Thermal distortion: displacement of both surfaces, m into the bodies.
+    pub distortion: Vec<f64>,
+}
+
+impl ThermalCoupling {
+    /// Thermal coupling along the contact line of `operators`, at least one of whose bodies conducts.
+    pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
+        let count = operators.count();
+        let pair = || [vec![0.0; count], vec![0.0; count]];
+        let conductance = operators.scene.conductance;
+        let strip = &operators.scene.strip;
+        let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
+        let rounded = f64::from(f32::EPSILON) * count as f64;
+        let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
+        let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
+        let own = if rough { partition().in_single_precision() } else { partition() };
+        let mut bodies = bodies.copies();
+        // The first preparation allocates the workspaces, so that no step does.
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
+        ThermalCoupling {
+            parameters: Parameters {
+                expands: [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0),
+                staggered: operators.scene.scheme == Scheme::Staggered,
+                diffusivity: strip.conductivity / strip.capacity(),
+                ratio: operators.radius_ratio.clone(),
+                half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
+            },
+            bodies,
+            contacts: [operators.contact(), operators.contact()],
+            partitions: PartitionCache::new(&own, count),
+            installed: [usize::MAX; 2],
+            reference: FrozenCoefficients::default(),
+            growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
+            step: 0.0,
+            velocity: [0.0; 2],
+            surroundings: [Surroundings::default(); 2],
+            external: [(0.0, 0.0); 2],
+            unpredicted_rise: [0.0; 2],
+            iterations: 0,
+            exact: [false; 2],
+            flux: [pair(), pair()],
+            temperature: [pair(), pair()],
+            friction: pair(),
+            iterate: Iterate::new(count),
+            kinetic_coefficient: vec![0.0; count],
+            reference_wear_rates: pair(),
+            distortion: vec![0.0; count],
+        }
+    }
+
+    /// Contact temperature (K) of the cells, the mean of both `surfaces` (K above `reference`), in the workspace of the stages.
+    pub fn mean_temperature(&mut self, surfaces: &[Vec<f64>; 2], reference: f64) -> &[f64] {
+        self.iterate.take_mean_temperature(surfaces, reference);
+        &self.iterate.contact_temperature
+    }
+}

@@ -1,0 +1,382 @@
+//! Nonlinear solver of a stage with resolved heat: pressure, heat partition, wear and rigid motion together.
+//!
+//! A step is prepared, its first stage solved, then its last; the types of these three states admit no other order.
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.4.
+
+use super::evaluation::largest;
+use super::{Iterate, ThermalCoupling};
+use crate::line::heat::state::HeatState;
+use crate::line::operators::LineOperators;
+use crate::line::stages::{ContactStages, StepData};
+use crate::line::trajectory::{StageConditions, StageMotion};
+use conduction::line::Stage;
+use contact::wear::line::{Coefficient, StageError, WearTerm};
+use numerics::maximum::maximum;
+
+/// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
+const MAXIMUM_ITERATIONS: usize = 80;
+
+/// Remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which friction and wear
+/// depend, at which the iteration ends: as a part of the step's tolerance, and its bounds. Fluxes and heat balance are exact at
+/// any remaining error.
+const PART: f64 = 1e-3;
+const LEAST: f64 = 1e-9;
+const MOST: f64 = 1e-6;
+
+/// Admissible relative error of the temperatures of both surfaces over that of the pressure.
+const TEMPERATURE: f64 = 10.0;
+
+/// Iteration from which on Anderson acceleration is used.
+const ACCELERATED_FROM: usize = 1;
+
+/// Step whose bodies and operators are prepared ([`ThermalCoupling::prepare`]).
+pub struct Prepared<'a>(pub(super) &'a mut ThermalCoupling);
+
+/// Step whose first stage is solved.
+pub struct FirstSolved<'a>(&'a mut ThermalCoupling);
+
+/// Step both of whose stages are solved.
+pub struct Solved<'a>(pub(super) &'a mut ThermalCoupling);
+
+impl<'a> Prepared<'a> {
+    /// Solves the first stage on the gap in `stages`; the friction coefficient is written to `moment`.
+    ///
+    /// # Errors
+    /// The contact has no equilibrium, or the iteration does not converge.
+    pub fn solve_first(
+        self,
+        given: &StepData<'_>,
+        stages: &mut ContactStages,
+        moment: &mut StageConditions,
+        motion: StageMotion,
+    ) -> Result<FirstSolved<'a>, StageError> {
+        let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
+        heat.begin(Stage::First, state);
+        // A cell in contact at the start of the step exchanges heat throughout it, one that closes within the step from then on.
+        // So the iteration only enlarges the active set, and ends; a cell that opens with heat and closes without it, which has
+        // no consistent state, changes from step to step instead of preventing convergence.
+        let untouched = pressure.iter().all(|p| *p == 0.0);
+        for (closed, p) in heat.iterate.closed.iter_mut().zip(pressure) {
+            *closed = *p > 0.0 || untouched;
+        }
+        heat.predict_first(state, pressure);
+        heat.contacts[0].set_status(stages.contact.status());
+        heat.iterate.take_mean_temperature(&state.temperature, given.reference);
+        heat.solve_stage(Stage::First, given, stages, moment, motion)?;
+        Ok(FirstSolved(heat))
+    }
+}
+
+impl<'a> FirstSolved<'a> {
+    /// Solves the last stage, as [`Prepared::solve_first`].
+    ///
+    /// # Errors
+    /// As [`Prepared::solve_first`].
+    pub fn solve_end(
+        self,
+        given: &StepData<'_>,
+        stages: &mut ContactStages,
+        moment: &mut StageConditions,
+        motion: StageMotion,
+    ) -> Result<Solved<'a>, StageError> {
+        let (heat, state) = (self.0, state_of(given));
+        heat.begin(Stage::End, state);
+        heat.predict_end(state, [&given.state.pressure, &stages.first.pressure]);
+        let [first, end] = &mut heat.contacts;
+        end.set_status(first.status());
+        // Where nothing depends on the temperature it is not evaluated at the first stage.
+        if follows_temperature(given.operators) {
+            heat.iterate.take_mean_temperature(&heat.temperature[0], given.reference);
+        } else {
+            heat.iterate.take_mean_temperature(&state.temperature, given.reference);
+        }
+        heat.solve_stage(Stage::End, given, stages, moment, motion)?;
+        stages.contact.set_status(heat.contacts[1].status());
+        if !heat.iterate.temperatures_current {
+            heat.update_temperatures(Stage::End);
+        }
+        heat.distort_by_contact();
+        Ok(Solved(heat))
+    }
+}
+
+/// Thermal state at the start of the step.
+pub(super) fn state_of<'a>(given: &StepData<'a>) -> &'a HeatState {
+    let Some(state) = &given.state.heat else { unreachable!("a scene with heat along the line has its state") };
+    state
+}
+
+/// Whether friction depends on the temperature.
+fn fades(operators: &LineOperators) -> bool {
+    !operators.scene.friction_fade.flat
+}
+
+/// Whether friction or wear depends on the temperature of the cells.
+fn follows_temperature(operators: &LineOperators) -> bool {
+    operators.wears_by_cell() || fades(operators)
+}
+
+/// Remaining error of a quantity under iteration.
+#[derive(Clone, Copy, Debug, Default)]
+struct RemainingError {
+    last: Option<f64>,
+}
+
+impl RemainingError {
+    /// Remaining error after a `change`, for changes that decrease as a geometric series.
+    fn after(&mut self, change: f64) -> f64 {
+        let last = self.last.replace(change);
+        match last {
+            Some(last) if change < 0.5 * last => change * change / (last - change),
+            _ => change,
+        }
+    }
+}
+
+/// Changes of an iteration: of the pressure and of the contact temperature, relative; residual of the interface law.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    pressure: f64,
+    contact_temperature: f64,
+    interface: f64,
+}
+
+/// Convergence of a stage.
+#[derive(Clone, Copy, Debug)]
+struct Convergence {
+    /// Admissible remaining error.
+    enough: f64,
+    pressure: RemainingError,
+    interface: RemainingError,
+    contact_temperature: RemainingError,
+    /// Ratio of residual to change of an accelerated iteration, whose changes do not form a geometric series.
+    accelerated: Option<f64>,
+}
+
+impl Convergence {
+    fn new(tolerance: f64) -> Convergence {
+        let [pressure, interface, contact_temperature] = [RemainingError::default(); 3];
+        let enough = (PART * tolerance).clamp(LEAST, MOST);
+        Convergence { enough, pressure, interface, contact_temperature, accelerated: None }
+    }
+
+    /// Whether the remaining errors are small enough; the contact of an `exact` stage is solved without iteration.
+    fn reached(&mut self, change: Change, exact: bool) -> bool {
+        let of_series = [self.pressure.after(change.pressure), self.interface.after(change.interface)];
+        let [pressure, interface] =
+            self.accelerated.map_or(of_series, |ratio| [ratio.max(1.0) * change.pressure, change.interface]);
+        let remaining = maximum(pressure, interface / TEMPERATURE);
+        let consistent = self.contact_temperature.after(change.contact_temperature) <= self.enough;
+        consistent && (exact || remaining <= self.enough)
+    }
+}
+
+impl ThermalCoupling {
+    /// Sets the friction coefficient of the cells at their contact temperature.
+    pub(super) fn update_friction(&mut self, given: &StepData<'_>) {
+        let cells = self.kinetic_coefficient.iter_mut().zip(&self.iterate.contact_temperature);
+        cells.for_each(|(coefficient, temperature)| *coefficient = given.friction.kinetic_coefficient(*temperature));
+    }
+
+    /// Solves a stage by fixed-point iteration from the predicted iterate: friction, wear and operators at the iterate, the contact
+    /// for the pressure, then fluxes and temperatures. Where the operators of the stage are exact one solution suffices.
+    fn solve_stage(
+        &mut self,
+        stage: Stage,
+        given: &StepData<'_>,
+        stages: &mut ContactStages,
+        moment: &mut StageConditions,
+        motion: StageMotion,
+    ) -> Result<(), StageError> {
+        let (operators, s) = (given.operators, stage as usize);
+        if stages.track.is_some() {
+            stages.set_operator_of(&mut self.contacts[s], given, motion.travel, moment);
+        }
+        if moment.load == 0.0 {
+            self.iterate.closed.fill(false);
+        }
+        match fades(operators) {
+            true => self.update_friction(given),
+            false => self.kinetic_coefficient.fill(given.friction.kinetic_coefficient(0.0)),
+        }
+        let stribeck = given.friction.stribeck(motion.velocity);
+        let mut slip = moment.slip(stribeck);
+        let mut convergence = Convergence::new(operators.scene.tolerance);
+        self.iterate.temperatures_current = false;
+        self.iterate.anderson.clear();
+        for iteration in 0..MAXIMUM_ITERATIONS {
+            if fades(operators) {
+                moment.kinetic_coefficient =
+                    weighted(&self.kinetic_coefficient, &self.iterate.pressure, &operators.torque_weights);
+                moment.follow(moment.sign * stribeck);
+                slip = moment.slip(stribeck);
+                self.iterate.temperatures_current = false;
+            }
+            self.install_thermal_compliance(stage, slip)?;
+            stages.budget.solutions += 1;
+            stages.set_conditions(given, moment, motion.tau);
+            self.set_laws(given, stages, moment);
+            let accelerated = !self.exact[s] && iteration >= ACCELERATED_FROM;
+            if accelerated {
+                let Iterate { anderson, pressure, contact_temperature, .. } = &mut self.iterate;
+                anderson.begin(&[pressure, &self.flux[s][0], contact_temperature]);
+            }
+            let interface = self.assemble_fluxes(stage, slip);
+            self.assemble_gap(stage, &stages.gap);
+            if !self.exact[s] {
+                self.linearise_wear(given, stages, moment, motion.tau);
+                self.linearise_friction(stage, stages, moment.sign, stribeck);
+            }
+            let found = match stage {
+                Stage::First => &mut stages.first,
+                Stage::End => &mut stages.end,
+            };
+            self.contacts[s].stage_into(&self.iterate.gap, motion.tau, &stages.conditions, found)?;
+            let pressure = self.update_pressure(stage, &found.pressure, convergence.enough);
+            let contact_temperature = match follows_temperature(operators) {
+                true => self.update_contact_temperature(stage, given),
+                false => 0.0,
+            };
+            let settled = self.update_active_set(&found.pressure);
+            let change = Change { pressure, contact_temperature, interface };
+            if convergence.reached(change, self.exact[s]) && settled {
+                self.iterations = self.iterations.max(iteration);
+                self.write_wear_rates(stage, given, stages);
+                return Ok(());
+            }
+            if !settled {
+                self.iterate.anderson.clear();
+                convergence.accelerated = None;
+            } else if accelerated {
+                convergence.accelerated = self.accelerate(stage, given, pressure);
+            }
+        }
+        Err(StageError::NotConverged { stage: motion.tau, iterations: MAXIMUM_ITERATIONS })
+    }
+
+    /// Sets contact temperature and friction of the cells by the surface temperatures of the iterate; returns the largest relative
+    /// change.
+    fn update_contact_temperature(&mut self, stage: Stage, given: &StepData<'_>) -> f64 {
+        self.update_temperatures(stage);
+        let [punch, strip] = &self.temperature[stage as usize];
+        let mut most: f64 = 0.0;
+        for (own, (punch, strip)) in self.iterate.contact_temperature.iter_mut().zip(punch.iter().zip(strip)) {
+            let new = 0.5 * (punch + strip) + given.reference;
+            most = maximum(most, (new - *own).abs() / new.abs().max(1.0));
+            *own = new;
+        }
+        self.update_friction(given);
+        most
+    }
+
+    /// Anderson acceleration of pressure, flux and contact temperature after an iteration that changed the pressure by `change`,
+    /// relative; returns the ratio of residual to change.
+    fn accelerate(&mut self, stage: Stage, given: &StepData<'_>, change: f64) -> Option<f64> {
+        let count = given.operators.count();
+        let Iterate { anderson, pressure, contact_temperature, acceleration_scale, .. } = &mut self.iterate;
+        let most = largest(pressure);
+        let parts = [&mut pressure[..], &mut self.flux[stage as usize][0], contact_temperature];
+        if anderson.is_clear() {
+            *acceleration_scale = parts.each_ref().map(|part| {
+                let most = largest(part);
+                if most > 0.0 { most.recip() } else { 0.0 }
+            });
+        }
+        let scale = *acceleration_scale;
+        let [moved, ..] = anderson.accelerate(parts, |i| scale[i / count])?;
+        if follows_temperature(given.operators) {
+            self.iterate.temperatures_current = false;
+            self.update_friction(given);
+        }
+        Some(if change > 0.0 { moved / (most * change) } else { 1.0 })
+    }
+
+    /// Uses the frozen wear Jacobian (its factors are cached) and moves the difference to the gap.
+    fn linearise_wear(&mut self, given: &StepData<'_>, stages: &mut ContactStages, moment: &StageConditions, tau: f64) {
+        let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
+        if stages.track.is_some() || !stages.conditions.rate.terms.iter().all(uniform) {
+            return;
+        }
+        let operators = given.operators;
+        let reference = operators.coefficients(
+            self.reference.speed,
+            self.reference.kinetic_coefficient,
+            moment.temperature,
+            given.tunables.wear_acceleration,
+        );
+        let reshaping = (0..2).filter(|&body| operators.reshapes(body));
+        for (term, body) in stages.conditions.rate.terms.iter_mut().zip(reshaping) {
+            let residual = tau * (self.reference_wear_rates[body][0] - reference[body]);
+            self.iterate.difference.fill(residual);
+            operators.scale_by_relative_rates(body, &self.iterate.pressure, &mut self.iterate.difference);
+            self.iterate.gap.iter_mut().zip(&self.iterate.difference).for_each(|(gap, worn)| *gap += worn);
+            term.coefficient = Coefficient::Uniform(reference[body]);
+        }
+    }
+
+    /// Uses the friction coefficient of the linearization point in the matrix of the contact, and moves the difference to that of
+    /// each cell to the gap.
+    fn linearise_friction(&mut self, stage: Stage, stages: &mut ContactStages, sign: f64, stribeck: f64) {
+        let signed_friction = &mut stages.conditions.signed_friction;
+        if *signed_friction == 0.0 || self.reference.friction == 0.0 {
+            return;
+        }
+        let known = self.reference.friction.copysign(*signed_friction);
+        let cells = self.kinetic_coefficient.iter().zip(&self.iterate.pressure);
+        for (difference, (kinetic_coefficient, pressure)) in self.iterate.difference.iter_mut().zip(cells) {
+            *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
+        }
+        if largest(&self.iterate.difference) != 0.0 {
+            self.contacts[stage as usize].add_shear_displacement(&self.iterate.difference, &mut self.iterate.gap);
+        }
+        *signed_friction = known;
+    }
+
+    /// Wear depth rates at the reference pressure, by temperature and friction of each cell.
+    pub(super) fn set_laws(&mut self, given: &StepData<'_>, stages: &mut ContactStages, moment: &StageConditions) {
+        let operators = given.operators;
+        let (cells, acceleration) = (&self.iterate.contact_temperature, given.tunables.wear_acceleration);
+        let law = |i: usize| operators.coefficients(moment.speed, self.kinetic_coefficient[i], cells[i], acceleration);
+        let [punch, strip] = &mut self.reference_wear_rates;
+        if !operators.wears_by_cell() {
+            let [of_punch, of_strip] = law(0);
+            punch.fill(of_punch);
+            strip.fill(of_strip);
+            return;
+        }
+        for (i, rates) in punch.iter_mut().zip(strip).enumerate() {
+            [*rates.0, *rates.1] = law(i);
+        }
+        let reshaping = (0..2).filter(|&body| operators.reshapes(body));
+        for (term, body) in stages.conditions.rate.terms.iter_mut().zip(reshaping) {
+            if let Coefficient::PerCell(values) = &mut term.coefficient {
+                let rates = self.reference_wear_rates[body].iter().zip(&operators.radial[body]);
+                values.iter_mut().zip(rates).for_each(|(value, (law, radial))| *value = law * radial);
+            }
+        }
+    }
+
+    /// Writes the wear depth rates of the converged stage.
+    fn write_wear_rates(&self, stage: Stage, given: &StepData<'_>, stages: &mut ContactStages) {
+        let pressure = [&stages.first.pressure, &stages.end.pressure][stage as usize];
+        for (body, rates) in stages.rates[stage as usize].iter_mut().enumerate() {
+            rates.copy_from_slice(&self.reference_wear_rates[body]);
+            if largest(rates) != 0.0 {
+                given.operators.scale_by_relative_rates(body, pressure, rates);
+            }
+        }
+    }
+}
+
+/// Mean of `values` weighted by pressure, or over the contact where the pressure is zero.
+pub(super) fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
+    let (mut sum, mut load, mut plain, mut total) = (0.0, 0.0, 0.0, 0.0);
+    for i in 0..values.len() {
+        sum += weights[i] * pressure[i] * values[i];
+        load += weights[i] * pressure[i];
+        plain += weights[i] * values[i];
+        total += weights[i];
+    }
+    if load > 0.0 { sum / load } else { plain / total }
+}
