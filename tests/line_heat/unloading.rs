@@ -1,4 +1,5 @@
-//! A load taken off within milliseconds: all cells open at once, and what flowed from the hotter body to the colder one stops.
+//! A load taken off within milliseconds: cells open, at once or one after another, and what flowed from the hotter body to the colder
+//! one stops.
 
 use test_support::{Drive, scene};
 
@@ -35,11 +36,56 @@ fn rises(tolerance: f64) -> [f64; 2] {
 #[test]
 fn a_load_taken_off_fast_keeps_the_tolerance() {
     let exact = rises(1e-5);
-    // The error of a step is relative to the hottest surface, which is up to half as hot again as the mean.
     for tolerance in [1e-2, 1e-3] {
         let found = rises(tolerance);
         let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
         println!("{tolerance:e}: {errors:?} of {exact:?}");
-        assert!(errors.iter().all(|error| *error <= 1.5 * tolerance), "{tolerance:e}: {errors:?}");
+        assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
+    }
+}
+
+/// Rise of the contact temperature over the initial one (K) after a long drag and after all but 3 % of the load has been taken
+/// off, of a compliant pad whose hot middle carries the rest.
+fn rises_of_bulging_pad(tolerance: f64) -> [f64; 2] {
+    const LOAD: f64 = 870.0;
+    const RAMP: f64 = 0.05;
+    let changes = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 17.0),
+        ("solver.tolerance", tolerance),
+        ("contact.conductance", 15e3),
+        ("contact.friction_coefficient", 0.31),
+        ("contact.mean_radius", 0.18),
+        ("punch.width", 0.069),
+        ("depth", 0.028),
+        ("punch.height", 0.0067),
+        ("punch.youngs_modulus", 350e6),
+        ("punch.conductivity", 4.9),
+        ("strip.height", 0.022),
+        ("nominal.load", LOAD),
+        ("nominal.velocity", 5.7),
+        ("nominal.duration", 72.0),
+    ];
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
+    let initial = drive.get("contact_temperature");
+    drive.set("sliding_velocity", 5.7).set("normal_load", LOAD);
+    for _ in 0..12 {
+        drive.step(1.5);
+    }
+    let pressed = drive.get("contact_temperature");
+    drive.set("normal_load", LOAD).slope("normal_load", -0.97 * LOAD / RAMP);
+    drive.step(RAMP);
+    assert!(drive.get("contact_fraction") < 0.6, "{}", drive.get("contact_fraction"));
+    [pressed - initial, drive.get("contact_temperature") - initial]
+}
+
+#[test]
+fn cells_that_open_one_after_another_do_not_add_up_their_errors() {
+    let exact = rises_of_bulging_pad(1e-5);
+    for tolerance in [1e-2, 1e-3] {
+        let found = rises_of_bulging_pad(tolerance);
+        let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
+        println!("{tolerance:e}: {errors:?} of {exact:?}");
+        assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
     }
 }

@@ -85,6 +85,8 @@ struct Iterate {
     contact_temperature: Vec<f64>,
     /// Cells in the active set: they carry friction heat and exchange heat.
     closed: Vec<bool>,
+    /// Cells added to it in the stage.
+    added: Vec<bool>,
     /// The temperatures of the stage are up to date with its fluxes.
     temperatures_current: bool,
     /// Temperature (K) and distortion (m) of the bodies without flux in the stage.
@@ -107,6 +109,7 @@ impl Iterate {
             per_pressure: zeros(),
             contact_temperature: zeros(),
             closed: vec![false; count],
+            added: vec![false; count],
             temperatures_current: false,
             free_response: pair(),
             free_distortion: pair(),

@@ -25,12 +25,13 @@ const SMALL: f64 = 0.15;
 const ALLOWANCE: f64 = 2.0;
 
 /// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
-/// deviates by (1/2 - gamma) of its change. That of a cell that opens or closes in between jumps at an unknown time: it keeps its
-/// value up to then, and deviates by all of its change.
+/// deviates by (1/2 - gamma) of its change. A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the
+/// step more or less than it should, and deviates by half of its flux. One that closes counts as smooth: its flux jumps by the
+/// difference of both temperatures over the square root of the step, whose effect no shorter step makes smaller.
 fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
     let status = closed[0].iter().zip(closed[1]);
-    for ((defect, (first, end)), (before, after)) in defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status) {
-        *defect = (end - first) * if before == after { 0.5 - GAMMA } else { 1.0 };
+    for ((defect, (first, end)), (early, late)) in defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status) {
+        *defect = (end - first) * if *early && !late { 0.5 } else { 0.5 - GAMMA };
     }
 }
 

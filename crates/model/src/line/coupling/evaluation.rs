@@ -288,12 +288,17 @@ impl ThermalCoupling {
         }
     }
 
-    /// Adds the cells that carry pressure to the active set of heat exchange; returns whether it already contained them.
+    /// Adds the cells that carry pressure to the active set of heat exchange, and removes those that do not, but for cells that have
+    /// been added in this stage; returns whether the set stays as it was.
+    ///
+    /// So the iteration ends, and a cell that opens with heat and closes without it, which has no consistent state, exchanges heat.
     pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
-        for (closed, p) in self.iterate.closed.iter_mut().zip(pressure) {
-            if *p > 0.0 && !*closed {
-                *closed = true;
+        let cells = self.iterate.closed.iter_mut().zip(&mut self.iterate.added);
+        for ((closed, added), p) in cells.zip(pressure) {
+            let carries = *p > 0.0;
+            if carries != *closed && (carries || !*added) {
+                (*closed, *added) = (carries, *added || carries);
                 settled = false;
                 self.iterate.temperatures_current = false;
             }

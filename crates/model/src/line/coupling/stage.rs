@@ -53,9 +53,7 @@ impl<'a> Prepared<'a> {
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
         heat.begin(Stage::First, state);
-        // A cell in contact at the start of the step exchanges heat throughout it, one that closes within the step from then on.
-        // So the iteration only enlarges the active set, and ends; a cell that opens with heat and closes without it, which has
-        // no consistent state, changes from step to step instead of preventing convergence.
+        // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
         for (closed, p) in heat.iterate.closed.iter_mut().zip(pressure) {
             *closed = *p > 0.0 || untouched;
@@ -205,6 +203,7 @@ impl ThermalCoupling {
         let mut convergence = Convergence::new(operators.scene.tolerance);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
+        self.iterate.added.fill(false);
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades(operators) {
                 moment.kinetic_coefficient =
