@@ -13,7 +13,7 @@
 //! of the tolerance: they are proportional to it, so the error is twice the difference. It is stated as a fraction of
 //! `estimated_step_error`, which is a bound for the steps of this trajectory as for those of the user's run. A finer level does
 //! not reduce it, so it does not enter the choice. Cells are doubled until a level meets the tolerance or another doubling would
-//! cost more than [`BUDGET`]; one more doubling is extrapolated with r.
+//! cost more than [`BUDGET`]; two more doublings are extrapolated with r, the second by r = 2 at most.
 //!
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
 //! budget permits. Errors of temperature and force are then extrapolated with the power of time by which they grew over the last
@@ -326,10 +326,11 @@ impl Progress<'_> {
     fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
         let finest = candidates.iter().rev().find(|candidate| candidate.model_level.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
-        let cells = finest.model_level.cells();
-        // One doubling: further extrapolation by the measured ratio is unreliable.
-        for count in CELLS.into_iter().filter(|&count| count > cells).take(1) {
-            let factor = (cells as f64 / count as f64).powf(ratio.log2());
+        let (cells, mut factor, mut last) = (finest.model_level.cells(), 1.0, finest.model_level.cells());
+        // The second doubling at most by first order: it is further from where the ratio was measured.
+        for (count, ratio) in CELLS.into_iter().filter(|&count| count > cells).zip([ratio, ratio.min(ASSUMED_RATIO)]) {
+            factor *= (last as f64 / count as f64).powf(ratio.log2());
+            last = count;
             let cost = cost::per_step_of(count, cost::states(&level.operators));
             candidates.push(Candidate {
                 model_level: ModelLevel::Line { cells: count, heat: self.heat },

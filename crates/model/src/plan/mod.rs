@@ -49,7 +49,7 @@ const SAFETY: f64 = 0.9;
 pub const UNKNOWN: f64 = 1.0;
 
 /// Largest number of cells chosen where no level is expected to meet the tolerance.
-const MOST_IN_VAIN: usize = 65;
+const MOST_IN_VAIN: usize = 129;
 
 /// Model level with its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
