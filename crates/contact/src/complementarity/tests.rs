@@ -205,6 +205,9 @@ fn refusals_carry_the_numbers() {
     let cells = Cells::graded(0.03, 9).unwrap();
     let rigid = Rigid.compliance(&cells);
     assert_eq!(ContactSolver::new(&cells, rigid.normal).unwrap_err(), ContactError::Rigid);
+    let mut rigid_cell = half_plane(&cells, 0.0);
+    rigid_cell[(4, 4)] = 0.0;
+    assert_eq!(ContactSolver::new(&cells, rigid_cell).unwrap_err(), ContactError::Rigid);
     let mut solver = ContactSolver::new(&cells, half_plane(&cells, 0.0)).unwrap();
     let gap = [0.0; 9];
     let message = solver.solve(&gap, Normal::Load(1.0), Tilt::ResultantAt(0.03)).unwrap_err().to_string();
