@@ -173,6 +173,16 @@ mod tests {
     }
 
     #[test]
+    fn a_stored_difference_fixes_the_scale_until_it_is_discarded() {
+        let mut anderson = Anderson::<2>::new(1);
+        assert!(anderson.is_clear());
+        anderson.begin(&[&[1.0]]);
+        assert!(anderson.accelerate([&mut [0.5]], |_| 1.0).is_none() && !anderson.is_clear());
+        anderson.clear();
+        assert!(anderson.is_clear());
+    }
+
+    #[test]
     fn a_few_modes_that_converge_slowly_or_diverge_are_solved_for() {
         let mut eigenvalues = [0.02, -0.03, 0.01, 0.0, 0.03, -0.01, 0.02, 0.01, -0.02, 0.0, 0.01, -0.01];
         let plain = iterations(&eigenvalues, false);

@@ -113,6 +113,43 @@ fn the_hot_cycle_balances_force_heat_and_wear() {
     for (forward, backward) in forward.pressure.iter().zip(&backward.pressure) {
         assert!((forward + backward - 2.0 * mean).abs() < 1e-5 * mean, "{}", forward + backward);
     }
+    // Archard's law, m/s.
+    let rate = 4e-13 * mean * 0.01;
+    for (forward, backward) in forward.wear_rates[0].iter().zip(&backward.wear_rates[0]) {
+        assert!((0.5 * (forward + backward) / rate - 1.0).abs() < 1e-5, "{forward} {backward} {rate}");
+    }
+}
+
+/// Bodies that do not expand have the pressure of the cold steady state, whatever the heat, and sliding that is too slow to heat
+/// them leaves them at the ambient temperature.
+#[test]
+fn without_expansion_the_hot_state_has_the_cold_pressure() {
+    let changes = [
+        ("nominal.stroke", 0.0),
+        ("nominal.duration", 400.0),
+        ("strip.path", 2.0),
+        ("strip.length", 0.05),
+        ("punch.thermal_expansion", 0.0),
+        ("strip.thermal_expansion", 0.0),
+        ("holder.constraint", 2.0),
+        ("holder.pivot_height", 1e-3),
+        ("strip.wear_coefficient", 1e-13),
+        ("strip.wear_pressure_exponent", 2.0),
+    ];
+    for (velocity, heated) in [(0.05, true), (1e-9, false)] {
+        let scene = made(&[&changes[..], &[("nominal.velocity", velocity)]].concat());
+        let (cells, hot) = hot(&scene).unwrap();
+        let bodies = compliances(&scene, &cells).unwrap();
+        let cold = steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap();
+        let [pressure, expected] = [&hot.state, &cold].map(|state| &state.strokes[0].pressure);
+        let scatter = expected.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), p| (low.min(*p), high.max(*p)));
+        assert!(scatter.1 > 1.2 * scatter.0, "{scatter:?}");
+        for (p, expected) in pressure.iter().zip(expected) {
+            assert!((p / expected - 1.0).abs() < 1e-6, "{velocity} m/s: {p} {expected}");
+        }
+        let rise = hot.heat.contact_temperature[1] - 293.15;
+        assert!(if heated { rise > 1.0 } else { rise.abs() < 1e-3 }, "{velocity} m/s: {rise} K");
+    }
 }
 
 #[test]
@@ -218,6 +255,11 @@ fn unidirectional_stepping_ends_in_the_state_found_directly() {
         assert!((highest / stepped - 1.0).abs() < 2e-3, "{name}");
         assert!((drive.get("friction_force") / (flows.friction / 0.05) - 1.0).abs() < 1e-3, "{name}");
         assert!((drive.get("heat_flow_punch") - flows.punch).abs() < 3e-3 * flows.friction, "{name}");
+        if !name.contains("straight") {
+            let lost = flows.punch_top + flows.strip_base + flows.ambient;
+            assert!((lost / flows.friction - 1.0).abs() < 1e-6, "{name}: {flows:?}");
+            assert!(hot.state.groove.iter().all(|depth| *depth == 0.0), "{name}");
+        }
         assert_eq!(hot.state.kind == SteadyKind::Elastic, name.contains("only"));
     }
 }

@@ -119,18 +119,6 @@ impl Bristle {
         if trial.abs() > limit || meets { (limit.copysign(trial), true) } else { (trial, false) }
     }
 
-    /// Rate of deflection (m/s) at the same deflection, velocity and limit.
-    pub fn rate(&self, z: f64, v: f64, limit: f64) -> f64 {
-        let (force, slips) = self.force(z, v, limit);
-        if !slips {
-            v
-        } else if self.damping > 0.0 {
-            (force - self.stiffness * z) / self.damping
-        } else {
-            0.0
-        }
-    }
-
     /// Advances the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which does not change its sign, and the limit
     /// `limit` (N, 0 where it is negative).
     pub fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
