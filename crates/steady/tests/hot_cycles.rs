@@ -11,7 +11,7 @@ use scene::variables::find;
 use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
-use steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
+use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
 use test_support::{Drive, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
@@ -177,6 +177,29 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
     assert!(matches!(wearing, SteadyError::WearingStripReciprocating), "{wearing}");
+    let grooved = made(&[("strip.wear_coefficient", 1e-14)]);
+    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), Resolution::WITH_HEAT).err().unwrap();
+    assert!(refused.to_string().starts_with("cycles: no steady cycle of a strip that wears"), "{refused}");
+    // The body that conducts is named.
+    for (insulator, text) in [
+        ("strip.conductivity", "only the punch conducts, its top is insulated"),
+        ("punch.conductivity", "only the strip conducts, its base is insulated"),
+    ] {
+        let refused = hot(&made(&[&insulated[..], &[(insulator, 0.0)]].concat())).unwrap_err().to_string();
+        assert!(refused.contains(text), "{refused}");
+    }
+    // A punch that does not wear keeps its shape.
+    let kept = [
+        ("nominal.stroke", 0.0),
+        ("strip.path", 2.0),
+        ("strip.length", 0.05),
+        ("punch.wear_coefficient", 0.0),
+        ("strip.wear_coefficient", 1e-13),
+    ];
+    let scene = made(&kept);
+    let cells = cells_for(&scene, scene.cells).unwrap();
+    let refused = hot_run_in_shape(&scene, &cells, &compliances(&scene, &cells).unwrap()).unwrap_err();
+    assert!(refused.to_string().starts_with("no run-in shape: only the strip wears"), "{refused}");
 }
 
 /// A contact that starts with the shape of the hot steady state wears evenly once it is hot.
@@ -210,7 +233,7 @@ fn unidirectional_stepping_ends_in_the_state_found_directly() {
             "closed path, only the strip wears",
             &[disc[0], disc[1], ("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 1e-13)],
         ),
-        ("straight path", &[("strip.convection", 0.0)]),
+        ("straight path, two punches", &[("strip.convection", 0.0), ("punch.count", 2.0)]),
         (
             "forced air, radiation and a friction table",
             &[

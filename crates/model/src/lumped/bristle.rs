@@ -293,6 +293,15 @@ mod tests {
     }
 
     #[test]
+    fn a_bristle_at_its_limit_dissipates_force_times_velocity_throughout_the_step() {
+        let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
+        let moved = bristle.advance(5e-4, Line::level(0.01), Line::level(500.0), 0.1);
+        for (power, speed) in moved.power.into_iter().zip(moved.speed) {
+            assert!((power - 5.0).abs() < 1e-9 && (speed - 0.01).abs() < 1e-12, "{power} W {speed} m/s");
+        }
+    }
+
+    #[test]
     fn below_the_limit_nothing_creeps() {
         let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
         let mut z = 3e-4;
