@@ -305,6 +305,7 @@ fn spline_slopes(values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lateral::Lateral;
     use super::super::moving_source::Path;
     use super::super::slab::{CoolingPort, Slab};
     use super::*;
@@ -339,6 +340,17 @@ mod tests {
                     assert!(error.abs() < 5e-4, "{path:?} {base:?} v {speed}: {error:e}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn nodes_between_those_computed_are_exact_to_a_thousandth() {
+        let slab = disc(FarBoundary::Held);
+        let lateral = Lateral::new(0.01, slab.conductivity / slab.capacity);
+        let source = MovingSource::new(slab, 0.0275, Path::Closed(0.74)).spreading(Some(lateral));
+        for (node, value) in resistances(&source, -4.0, 20).into_iter().enumerate() {
+            let exact = source.resistance((-4.0 + node as f64 / NODES_PER_UNIT).exp());
+            assert!((value / exact - 1.0).abs() < 1e-3, "node {node}: {value} {exact}");
         }
     }
 

@@ -185,11 +185,6 @@ impl ContactSolver {
         WorkCounter { factorisations: self.factors.factorisations, ..self.counter }
     }
 
-    /// Cells that the next [`Self::solve`] initially assumes in contact.
-    pub fn active(&self) -> &[bool] {
-        &self.active
-    }
-
     /// Sets the cells that the next [`Self::solve`] initially assumes in contact.
     pub fn set_active(&mut self, active: &[bool]) {
         assert_eq!(active.len(), self.active.len(), "one status per cell");

@@ -52,11 +52,6 @@ impl Material {
         Ok(Self { youngs_modulus, poissons_ratio })
     }
 
-    /// Young's modulus E, in Pa.
-    pub fn youngs_modulus(&self) -> f64 {
-        self.youngs_modulus
-    }
-
     /// Poisson's ratio nu.
     pub fn poissons_ratio(&self) -> f64 {
         self.poissons_ratio

@@ -18,11 +18,6 @@ impl Winkler {
         OutOfRange::unless(positive, "foundation stiffness", stiffness, "positive, in Pa/m")?;
         Ok(Self { stiffness })
     }
-
-    /// Stiffness k_w, in Pa/m.
-    pub fn stiffness(&self) -> f64 {
-        self.stiffness
-    }
 }
 
 impl ElasticBody for Winkler {

@@ -173,6 +173,16 @@ mod tests {
     }
 
     #[test]
+    fn a_stored_difference_fixes_the_scale_until_it_is_discarded() {
+        let mut anderson = Anderson::<2>::new(1);
+        assert!(anderson.is_clear());
+        anderson.begin(&[&[1.0]]);
+        assert!(anderson.accelerate([&mut [0.5]], |_| 1.0).is_none() && !anderson.is_clear());
+        anderson.clear();
+        assert!(anderson.is_clear());
+    }
+
+    #[test]
     fn a_few_modes_that_converge_slowly_or_diverge_are_solved_for() {
         let mut eigenvalues = [0.02, -0.03, 0.01, 0.0, 0.03, -0.01, 0.02, 0.01, -0.02, 0.0, 0.01, -0.01];
         let plain = iterations(&eigenvalues, false);
@@ -187,6 +197,18 @@ mod tests {
             assert!(found <= 13, "{one} and another: {found}");
             eigenvalues[8] = -0.02;
         }
+    }
+
+    #[test]
+    fn as_many_slow_modes_as_differences_are_solved_for() {
+        let mut anderson = Anderson::<2>::new(2);
+        let mut x = [0.0; 2];
+        for _ in 0..4 {
+            anderson.begin(&[&x]);
+            x = [0.9 * x[0] + 1.0, -0.99 * x[1] + 1.99];
+            anderson.accelerate([&mut x], |_| 1.0);
+        }
+        assert!((x[0] - 10.0).abs() < 1e-9 && (x[1] - 1.0).abs() < 1e-9, "{x:?}");
     }
 
     /// A linear map for which the plain iteration diverges.

@@ -102,6 +102,7 @@ mod tests {
     fn singular_and_infinite_matrices_are_told() {
         let mut exchanged = [0; 3];
         assert!(!factorise(&mut [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0, 5.0, 3.0], 3, &mut exchanged));
+        assert!(!factorise(&mut [f64::INFINITY], 1, &mut exchanged[..1]));
         assert!(!factorise(&mut [1.0, f64::INFINITY, 3.0, 0.0, 1.0, 0.0, 1.0, 5.0, 3.0], 3, &mut exchanged));
     }
 }

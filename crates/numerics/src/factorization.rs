@@ -203,6 +203,12 @@ mod tests {
     }
 
     #[test]
+    fn a_refusal_names_the_entry() {
+        let refused = check(&[1.0, 2.0, f64::NAN, 4.0, 5.0, 6.0], 2).unwrap_err();
+        assert_eq!(refused.to_string(), "row 0, column 1 of the matrix is NaN, no finite number");
+    }
+
+    #[test]
     fn an_empty_matrix_has_no_eigenvalues() {
         assert_eq!(symmetric_eigen(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));
         assert_eq!(eigenvalues(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));

@@ -11,7 +11,7 @@ use scene::variables::find;
 use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
-use steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
+use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
 use test_support::{Drive, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
@@ -113,6 +113,43 @@ fn the_hot_cycle_balances_force_heat_and_wear() {
     for (forward, backward) in forward.pressure.iter().zip(&backward.pressure) {
         assert!((forward + backward - 2.0 * mean).abs() < 1e-5 * mean, "{}", forward + backward);
     }
+    // Archard's law, m/s.
+    let rate = 4e-13 * mean * 0.01;
+    for (forward, backward) in forward.wear_rates[0].iter().zip(&backward.wear_rates[0]) {
+        assert!((0.5 * (forward + backward) / rate - 1.0).abs() < 1e-5, "{forward} {backward} {rate}");
+    }
+}
+
+/// Bodies that do not expand have the pressure of the cold steady state, whatever the heat, and sliding that is too slow to heat
+/// them leaves them at the ambient temperature.
+#[test]
+fn without_expansion_the_hot_state_has_the_cold_pressure() {
+    let changes = [
+        ("nominal.stroke", 0.0),
+        ("nominal.duration", 400.0),
+        ("strip.path", 2.0),
+        ("strip.length", 0.05),
+        ("punch.thermal_expansion", 0.0),
+        ("strip.thermal_expansion", 0.0),
+        ("holder.constraint", 2.0),
+        ("holder.pivot_height", 1e-3),
+        ("strip.wear_coefficient", 1e-13),
+        ("strip.wear_pressure_exponent", 2.0),
+    ];
+    for (velocity, heated) in [(0.05, true), (1e-9, false)] {
+        let scene = made(&[&changes[..], &[("nominal.velocity", velocity)]].concat());
+        let (cells, hot) = hot(&scene).unwrap();
+        let bodies = compliances(&scene, &cells).unwrap();
+        let cold = steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap();
+        let [pressure, expected] = [&hot.state, &cold].map(|state| &state.strokes[0].pressure);
+        let scatter = expected.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), p| (low.min(*p), high.max(*p)));
+        assert!(scatter.1 > 1.2 * scatter.0, "{scatter:?}");
+        for (p, expected) in pressure.iter().zip(expected) {
+            assert!((p / expected - 1.0).abs() < 1e-6, "{velocity} m/s: {p} {expected}");
+        }
+        let rise = hot.heat.contact_temperature[1] - 293.15;
+        assert!(if heated { rise > 1.0 } else { rise.abs() < 1e-3 }, "{velocity} m/s: {rise} K");
+    }
 }
 
 #[test]
@@ -140,6 +177,29 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
     assert!(matches!(wearing, SteadyError::WearingStripReciprocating), "{wearing}");
+    let grooved = made(&[("strip.wear_coefficient", 1e-14)]);
+    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), Resolution::WITH_HEAT).err().unwrap();
+    assert!(refused.to_string().starts_with("cycles: no steady cycle of a strip that wears"), "{refused}");
+    // The body that conducts is named.
+    for (insulator, text) in [
+        ("strip.conductivity", "only the punch conducts, its top is insulated"),
+        ("punch.conductivity", "only the strip conducts, its base is insulated"),
+    ] {
+        let refused = hot(&made(&[&insulated[..], &[(insulator, 0.0)]].concat())).unwrap_err().to_string();
+        assert!(refused.contains(text), "{refused}");
+    }
+    // A punch that does not wear keeps its shape.
+    let kept = [
+        ("nominal.stroke", 0.0),
+        ("strip.path", 2.0),
+        ("strip.length", 0.05),
+        ("punch.wear_coefficient", 0.0),
+        ("strip.wear_coefficient", 1e-13),
+    ];
+    let scene = made(&kept);
+    let cells = cells_for(&scene, scene.cells).unwrap();
+    let refused = hot_run_in_shape(&scene, &cells, &compliances(&scene, &cells).unwrap()).unwrap_err();
+    assert!(refused.to_string().starts_with("no run-in shape: only the strip wears"), "{refused}");
 }
 
 /// A contact that starts with the shape of the hot steady state wears evenly once it is hot.
@@ -173,7 +233,7 @@ fn unidirectional_stepping_ends_in_the_state_found_directly() {
             "closed path, only the strip wears",
             &[disc[0], disc[1], ("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 1e-13)],
         ),
-        ("straight path", &[("strip.convection", 0.0)]),
+        ("straight path, two punches", &[("strip.convection", 0.0), ("punch.count", 2.0)]),
         (
             "forced air, radiation and a friction table",
             &[
@@ -218,6 +278,11 @@ fn unidirectional_stepping_ends_in_the_state_found_directly() {
         assert!((highest / stepped - 1.0).abs() < 2e-3, "{name}");
         assert!((drive.get("friction_force") / (flows.friction / 0.05) - 1.0).abs() < 1e-3, "{name}");
         assert!((drive.get("heat_flow_punch") - flows.punch).abs() < 3e-3 * flows.friction, "{name}");
+        if !name.contains("straight") {
+            let lost = flows.punch_top + flows.strip_base + flows.ambient;
+            assert!((lost / flows.friction - 1.0).abs() < 1e-6, "{name}: {flows:?}");
+            assert!(hot.state.groove.iter().all(|depth| *depth == 0.0), "{name}");
+        }
         assert_eq!(hot.state.kind == SteadyKind::Elastic, name.contains("only"));
     }
 }

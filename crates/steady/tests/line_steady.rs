@@ -363,7 +363,8 @@ fn states_that_do_not_exist_are_refused() {
     assert_eq!(can_run_in_reciprocating(false, true, true), Err(SteadyError::NothingWears));
     assert_eq!(can_run_in_reciprocating(false, false, false), Err(SteadyError::NothingWears));
     let lifted = punch_run_in(&cells, cells.widths(), &power_rate(1.0), LOAD, Tilt::ResultantAt(1.0));
-    assert!(matches!(lifted, Err(SteadyError::Tipping { .. })));
+    let message = lifted.unwrap_err().to_string();
+    assert!(message.ends_with("the punch tips over, mu H = 1 m is not below 1 m"), "{message}");
     let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(0.0, 1.0), LOAD, Tilt::Fixed(0.0));
     assert_eq!(nothing, Err(SteadyError::NothingWears));
     for load in [0.0, -1.0, f64::NAN] {

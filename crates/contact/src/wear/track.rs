@@ -89,12 +89,6 @@ impl Track {
         }
     }
 
-    /// Ends (m) and mean depth (m) of the stored cells, in their order.
-    pub fn spans(&self) -> impl DoubleEndedIterator<Item = ([f64; 2], f64)> {
-        let edge = |index: i64| index as f64 * self.cell;
-        (self.first..self.first + self.count as i64).map(move |index| ([edge(index), edge(index + 1)], self.at(index)))
-    }
-
     /// Adds the wear `depth` (m) under the contact while its middle moves from `x0` to `x1` (m). A motion longer than the
     /// window is split.
     pub fn wear(&mut self, x0: f64, x1: f64, depth: f64) {

@@ -137,6 +137,24 @@ fn stages_satisfy_every_condition() {
     }
 }
 
+/// At an exponent other than 1 a stage that differs little from the one before is solved with the factors of that one.
+#[test]
+fn stages_near_the_last_factorise_nothing() {
+    let cells = Cells::graded(1.0, 17).unwrap();
+    let mut contact = contact(&cells, &unit_half_plane(), 0.4, vec![0.0; 17]);
+    let conditions = unidirectional(1.0, Tilt::Fixed(0.0), power_rate(1.7));
+    let mut worn = vec![0.0; 17];
+    let mut factorisations = |steps: usize| {
+        let before = contact.counter().factorisations;
+        for _ in 0..steps {
+            implicit_step(&mut contact, &mut worn, 1e-4, &conditions);
+        }
+        contact.counter().factorisations - before
+    };
+    assert!(factorisations(1) > 1);
+    assert!(factorisations(20) <= 1);
+}
+
 #[test]
 fn annular_punch_runs_in() {
     // Radius 1.5 + x, speed in proportion to it, load weighted with the area.

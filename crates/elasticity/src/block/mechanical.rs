@@ -100,11 +100,6 @@ impl Block {
         self.pattern.degrees()
     }
 
-    /// Number of entries of the Cholesky factor.
-    pub fn factor_entries(&self) -> usize {
-        self.pattern.factor_entries()
-    }
-
     /// Normal and shear compliance on the cells between ascending `boundaries` (N + 1 values from -a to a).
     ///
     /// # Errors

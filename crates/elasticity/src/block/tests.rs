@@ -331,7 +331,8 @@ fn refusals_name_variable_value_and_limit() {
     assert!(message(SQUARE, Discretization { order: 13, ..fine }).starts_with("order = 13"));
     assert!(message(SQUARE, Discretization { grading: 1.0, ..fine }).starts_with("grading = 1"));
     let block = Block::new(SQUARE, fine).unwrap();
-    assert!(matches!(block.compliance(&[-1.0, 0.5, 0.5, 1.0]), Err(BlockError::CellsNotAscending { index: 2, .. })));
-    assert!(matches!(block.compliance(&[-1.0, 0.9]), Err(BlockError::CellsDoNotSpanContact { .. })));
+    let message = |boundaries: &[f64]| block.compliance(boundaries).unwrap_err().to_string();
+    assert_eq!(message(&[-1.0, 0.5, 0.5, 1.0]), "cell boundary 2 = 0.5 m, must be above its predecessor 0.5 m");
+    assert_eq!(message(&[-1.0, 0.9]), "cell boundaries from -1 m to 0.9 m, must span the contact from -1 m to 1 m");
     assert!(matches!(block.compliance(&[]), Err(BlockError::CellsDoNotSpanContact { .. })));
 }

@@ -81,11 +81,6 @@ impl Layer {
     pub fn compliance(&self) -> f64 {
         self.compliance
     }
-
-    /// Whether heat displaces its surface.
-    pub fn expands(&self) -> bool {
-        self.expands
-    }
 }
 
 /// Both bodies at one wave number.

@@ -119,18 +119,6 @@ impl Bristle {
         if trial.abs() > limit || meets { (limit.copysign(trial), true) } else { (trial, false) }
     }
 
-    /// Rate of deflection (m/s) at the same deflection, velocity and limit.
-    pub fn rate(&self, z: f64, v: f64, limit: f64) -> f64 {
-        let (force, slips) = self.force(z, v, limit);
-        if !slips {
-            v
-        } else if self.damping > 0.0 {
-            (force - self.stiffness * z) / self.damping
-        } else {
-            0.0
-        }
-    }
-
     /// Advances the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which does not change its sign, and the limit
     /// `limit` (N, 0 where it is negative).
     pub fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
@@ -302,6 +290,15 @@ mod tests {
         // One step over everything gives the same end.
         let once = bristle.advance(0.0, Line::level(0.01), Line::level(500.0), 0.2);
         assert!((once.deflection - 500.0 / 1e6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bristle_at_its_limit_dissipates_force_times_velocity_throughout_the_step() {
+        let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
+        let moved = bristle.advance(5e-4, Line::level(0.01), Line::level(500.0), 0.1);
+        for (power, speed) in moved.power.into_iter().zip(moved.speed) {
+            assert!((power - 5.0).abs() < 1e-9 && (speed - 0.01).abs() < 1e-12, "{power} W {speed} m/s");
+        }
     }
 
     #[test]

@@ -257,14 +257,6 @@ impl Lumped {
         self.mean_temperature(&operators.strip, &self.state.strip, share) + point::strip_entry(operators, &self.state)
     }
 
-    /// Heat accounts of punch and strip since initialisation, J, all faces.
-    pub fn heat_accounts(&self) -> [conduction::line::Account; 2] {
-        [(&self.operators.punch, &self.state.punch), (&self.operators.strip, &self.state.strip)].map(|(body, state)| {
-            let Account { received, ambient, far, stored } = self.flows(body, state);
-            conduction::line::Account { received, stored, ambient, far }
-        })
-    }
-
     /// Heat account of one body, J, all faces.
     fn flows(&self, body: &BodyOperators, state: &BodyState) -> Account {
         let Some(heat) = &body.heat else { return Account::default() };

@@ -179,11 +179,6 @@ impl WearingContact {
         self.solver.compliance(signed_friction)
     }
 
-    /// `target += (C + s mu S) pressure`, with the added compliance, N values each.
-    pub fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
-        self.solver.add_displacement(signed_friction, pressure, target);
-    }
-
     /// `target += S traction`, N values each: displacement by a friction traction without its pressure.
     pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
         self.solver.add_shear_displacement(traction, target);

@@ -22,14 +22,6 @@ impl Coefficient {
         }
     }
 
-    /// All values times a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
-        match self {
-            Self::Uniform(value) => Self::Uniform(value * factor),
-            Self::PerCell(values) => Self::PerCell(values.iter().map(|value| value * factor).collect()),
-        }
-    }
-
     /// Whether every cell has the value 0.
     pub fn is_zero(&self) -> bool {
         match self {

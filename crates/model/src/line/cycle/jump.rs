@@ -108,11 +108,6 @@ impl<'a> Jumps<'a> {
         }
     }
 
-    /// Cycle map of the jumps.
-    pub fn map(&self) -> &CycleMap {
-        self.map
-    }
-
     /// Advances to `cycles` (a whole number) since the start, where the last jump ends, and calls `watch` after every jump.
     ///
     /// # Errors

@@ -249,12 +249,6 @@ impl HeatState {
         *retry_delay > 0.0 && step >= *refused * (1.0 - ROUNDING)
     }
 
-    /// Copies `other`, of the same scene, without allocating.
-    pub fn copy_from(&mut self, other: &HeatState) {
-        self.copy_bodies_from(other);
-        self.copy_contact_from(other);
-    }
-
     /// Copies the states of the bodies alone.
     pub fn copy_bodies_from(&mut self, other: &HeatState) {
         self.bodies.iter_mut().zip(&other.bodies).for_each(|(own, other)| own.copy_from_slice(other));
