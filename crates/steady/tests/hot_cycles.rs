@@ -227,11 +227,22 @@ fn a_run_in_start_is_that_of_the_hot_contact() {
 #[test]
 fn unidirectional_stepping_ends_in_the_state_found_directly() {
     let disc = [("strip.path", 2.0), ("strip.length", 0.05)];
-    let cases: [(&str, &[(&str, f64)]); 4] = [
+    let cases: [(&str, &[(&str, f64)]); 5] = [
         ("closed path, both wear", &[disc[0], disc[1], ("strip.wear_coefficient", 1e-13)]),
         (
             "closed path, only the strip wears",
             &[disc[0], disc[1], ("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 1e-13)],
+        ),
+        (
+            "closed path, neighbours",
+            &[
+                disc[0],
+                disc[1],
+                ("punch.top_thermal", 3.0),
+                ("strip.base_thermal", 3.0),
+                ("punch.external_conductance", 0.5),
+                ("strip.external_conductance", 0.5),
+            ],
         ),
         ("straight path, two punches", &[("strip.convection", 0.0), ("punch.count", 2.0)]),
         (
