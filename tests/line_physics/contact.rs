@@ -141,12 +141,19 @@ fn pivot_moves_the_resultant_to_the_leading_edge() {
         assert!((lever - 0.25 * 0.02 * velocity.signum()).abs() < 2e-4, "{lever}");
         assert!(drive.get("tilt") * velocity > 0.0);
     }
-    let tipping = Drive::attempt(
-        &scene::variables::STARTS,
-        &[BASE, &[("holder.constraint", 2.0), ("holder.pivot_height", 0.12)]].concat(),
-    );
-    let text = tipping.err().unwrap();
-    assert!(text.contains("tips over") && text.contains("0.03"), "{text}");
+    let twice_as_much_at_rest = [
+        ("contact.static_friction_ratio", 1.0),
+        ("contact.friction_table.points", 2.0),
+        ("contact.friction_table.speed[2]", 1.0),
+        ("contact.friction_table.coefficient[1]", 0.5),
+        ("contact.friction_table.coefficient[2]", 0.25),
+    ];
+    for (height, friction) in [(0.12, &[][..]), (0.06, &twice_as_much_at_rest)] {
+        let holder = [("holder.constraint", 2.0), ("holder.pivot_height", height)];
+        let tipping = Drive::attempt(&scene::variables::STARTS, &[BASE, &holder, friction].concat());
+        let text = tipping.err().unwrap();
+        assert!(text.contains("tips over") && text.contains("0.03"), "{text}");
+    }
 }
 
 #[test]

@@ -364,7 +364,7 @@ fn states_that_do_not_exist_are_refused() {
     assert_eq!(can_run_in_reciprocating(false, false, false), Err(SteadyError::NothingWears));
     let lifted = punch_run_in(&cells, cells.widths(), &power_rate(1.0), LOAD, Tilt::ResultantAt(1.0));
     let message = lifted.unwrap_err().to_string();
-    assert!(message.ends_with("the punch tips over, mu H = 1 m is not below 1 m"), "{message}");
+    assert!(message.contains("the punch tips over, mu H = 1 m is not below 0.997"), "{message}");
     let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(0.0, 1.0), LOAD, Tilt::Fixed(0.0));
     assert_eq!(nothing, Err(SteadyError::NothingWears));
     for load in [0.0, -1.0, f64::NAN] {
