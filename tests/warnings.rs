@@ -216,6 +216,22 @@ fn limits_are_told_where_they_are_reached() {
     }
 }
 
+/// With a bristle the lumped level takes the general form of its step.
+#[test]
+fn a_temperature_limit_is_told_with_a_bristle_too() {
+    let starts = |limit: f64| {
+        [
+            ("solver.fidelity", LUMPED),
+            ("contact.stick_stiffness", 1e6),
+            ("contact.temperature_limited", 1.0),
+            ("contact.temperature_limit", limit),
+        ]
+    };
+    let told = in_steps(&starts(295.0), SLIDING, &[], 3);
+    assert_one(&told, &["contact.temperature_limit = 295 K is exceeded", "bit 2"]);
+    assert_eq!(in_steps(&starts(500.0), SLIDING, &[], 3), SILENT);
+}
+
 #[test]
 fn a_bristle_leaves_regularisation_without_effect() {
     let (stick, regular) = (("contact.stick_stiffness", 1e6), ("contact.regularization_velocity", 1e-3));

@@ -246,7 +246,7 @@ fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
         return (0..count).map(at).collect();
     }
     // Out-of-plane spreading costs ten times as much per value: the nodes between follow from a spline through the
-    // logarithms, to 1e-3.
+    // logarithms, to 2e-3.
     let values: Vec<f64> = (0..=count.div_ceil(APART)).map(|node| at(node * APART).ln()).collect();
     let slopes = spline_slopes(&values);
     let between = |node: usize| {
