@@ -21,16 +21,20 @@ const REAL_TIME_RUNS: usize = 3;
 
 /// Check formatting and lints, run the Rust tests, package the scenes and test the FMU from fmpy.
 ///
-/// Every change must pass all of it; --fast is what to run between edits: formatting, lints, the unit tests of every layer,
-/// the golden scenes, the calls in every order that FMI allows or forbids, and the rules of the sources (private words,
-/// factorisations, links), in under two minutes on two cores after `cargo fmu run`.
+/// --fast is what to run between edits: formatting, lints, the unit tests of every layer, the golden scenes, the calls in every
+/// order that FMI allows or forbids, and the rules of the sources (private words, factorisations, links). --slow adds what takes
+/// long: random calls, soak, batches, the examples' numbers, the release folder, the Python package with its wheel, the site.
+/// Continuous integration runs the usual tests, the slow ones and the importers on every change.
 ///
 /// Ends with what was skipped and why, and with one line that counts everything.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Only what takes under two minutes: formatting, lints, unit tests, golden scenes, FMI policy, rules of the sources.
-    #[arg(long, conflicts_with_all = ["importers", "platforms", "all", "only"])]
+    #[arg(long, conflicts_with_all = ["slow", "importers", "platforms", "all", "only"])]
     fast: bool,
+    /// Also random calls for a minute, a short soak, batches, the examples, the release folder, the Python package and the site.
+    #[arg(long)]
+    slow: bool,
     /// Also load the FMU natively with the `fmi` crate, compare the C declarations with its bindings, and drive it with
     /// other importers from Python.
     #[arg(long)]
@@ -54,8 +58,8 @@ pub struct Arguments {
 /// # Errors
 /// Where anything failed.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    if arguments.only && !(arguments.importers || arguments.platforms) {
-        bail!("--only needs the name of a tier: --importers or --platforms");
+    if arguments.only && !(arguments.slow || arguments.importers || arguments.platforms) {
+        bail!("--only needs the name of a tier: --slow, --importers or --platforms");
     }
     let mut tally = Tally::new(arguments.json);
     if arguments.fast {
@@ -66,6 +70,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         tally.skip("everything else", "not requested: --only");
     } else {
         usual(&mut tally);
+    }
+    if arguments.slow || arguments.all {
+        slow(&mut tally);
+    } else {
+        tally.skip("slow tests", "not requested: --slow");
     }
     if arguments.importers || arguments.all {
         tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
@@ -96,17 +105,7 @@ fn fast(tally: &mut Tally) {
         let targets = ["fmi_policy", "links", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in [
-        "integration tests",
-        "fuzzing",
-        "site",
-        "packaging",
-        "fmpy tests",
-        "soak",
-        "Python package",
-        "cost of a step",
-        "real time",
-    ] {
+    for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time", "slow tests"] {
         tally.skip(name, "not requested: --fast");
     }
 }
@@ -122,55 +121,12 @@ fn rust_tests(targets: &[&str]) -> Command {
 fn usual(tally: &mut Tally) {
     lints(tally);
     tally.step("Rust tests", |step| step.run(rust_tests(&[]), Counter::CargoTest));
-    tally.step("fuzzing", |step| {
-        let mut command = Command::new(project::program()?);
-        command.current_dir(project::root()).args(["fuzz", "--seconds", FUZZED]);
-        step.check(command)?;
-        step.pass();
-        Ok(())
-    });
-    tally.step("site", |step| {
-        site::build(&project::target().join("site"))?;
-        step.pass();
-        Ok(())
-    });
     tally.step("packaging", |step| {
-        for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
-            package::build(scene, &package::Options::default())?;
-            step.pass();
-        }
-        Ok(())
-    });
-    tally.step("fmpy tests", |step| {
-        let python = python::environment_for(Tier::Test)?;
-        // FMUs for the check of the heat partition: the stock scene as it is, and at a far stricter tolerance.
-        for (name, tolerance) in [("scene", None), ("fine", Some("--tolerance=1e-5"))] {
-            let file = project::target().join("fmu").join(format!("tables.{name}.json"));
-            std::fs::write(file, native::printed(["tables"].into_iter().chain(tolerance))?)?;
-        }
-        let mut command = Command::new(python);
-        // Requirements of the batch tests: the Python package, the example's own environment, and this program.
-        command
-            .env("PYTHONPATH", package::wheel::unpacked(&[BRAKE])?)
-            .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
-            .env("SLIDING_CONTACT_COMMAND", project::program()?);
-        command
-            .current_dir(project::root())
-            .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])
-            .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
-            .env("SLIDING_CONTACT_RELEASE", released()?)
-            .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
-            .env("PYTHONDONTWRITEBYTECODE", "1");
-        step.run(command, Counter::Pytest)
-    });
-    tally.step("soak", |step| {
-        let mut command = Command::new(project::program()?);
-        command.current_dir(project::root()).args(["soak", "--short"]);
-        step.check(command)?;
+        package_scenes()?;
         step.pass();
         Ok(())
     });
-    tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
+    tally.step("fmpy tests", |step| step.run(fmpy(&["--ignore", "tests/fmpy/slow", "tests/fmpy"])?, Counter::Pytest));
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.step("cost of a step", |step| {
             for cost in bench::measure(&bench::lumped(None)?)? {
@@ -198,6 +154,67 @@ fn usual(tally: &mut Tally) {
             tally.skip(name, "the FMU that is packaged holds the library for Linux on x86-64 only");
         }
     }
+}
+
+/// Checks that take long.
+fn slow(tally: &mut Tally) {
+    tally.step("fuzzing", |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(["fuzz", "--seconds", FUZZED]);
+        step.check(command)?;
+        step.pass();
+        Ok(())
+    });
+    tally.step("site", |step| {
+        site::build(&project::target().join("site"))?;
+        step.pass();
+        Ok(())
+    });
+    tally.step("slow fmpy tests", |step| {
+        package_scenes()?;
+        // FMUs for the check of the heat partition: the stock scene as it is, and at a far stricter tolerance.
+        for (name, tolerance) in [("scene", None), ("fine", Some("--tolerance=1e-5"))] {
+            let file = project::target().join("fmu").join(format!("tables.{name}.json"));
+            std::fs::write(file, native::printed(["tables"].into_iter().chain(tolerance))?)?;
+        }
+        let mut command = fmpy(&["tests/fmpy/slow"])?;
+        // Requirements of the batch tests: the Python package, the example's own environment, and this program.
+        command
+            .env("PYTHONPATH", package::wheel::unpacked(&[BRAKE])?)
+            .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
+            .env("SLIDING_CONTACT_RELEASE", released()?);
+        step.run(command, Counter::Pytest)
+    });
+    tally.step("soak", |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(["soak", "--short"]);
+        step.check(command)?;
+        step.pass();
+        Ok(())
+    });
+    tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
+}
+
+/// Packages the stock FMU and every scene.
+fn package_scenes() -> Result<()> {
+    for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
+        package::build(scene, &package::Options::default())?;
+    }
+    Ok(())
+}
+
+/// Tests of the packaged FMUs from fmpy, those that these arguments of pytest select.
+fn fmpy(selection: &[&str]) -> Result<Command> {
+    let mut command = Command::new(python::environment_for(Tier::Test)?);
+    command
+        .current_dir(project::root())
+        .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short"])
+        .args(selection)
+        .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
+        .env("SLIDING_CONTACT_COMMAND", project::program()?)
+        .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    Ok(command)
 }
 
 /// Tests of the Python package: its functions, doc strings and notebooks from the package as a folder, and its wheel in an empty

@@ -15,7 +15,7 @@ CASES = published.cases.CASES
 def model(*changes):
     command = os.environ.get("SLIDING_CONTACT_COMMAND")
     if command is None:
-        pytest.skip("SLIDING_CONTACT_COMMAND is not set: `cargo fmu test` sets it")
+        pytest.skip("SLIDING_CONTACT_COMMAND is not set: `cargo fmu test --slow` sets it")
     return published.model.Model(Path(command), changes)
 
 

@@ -19,7 +19,7 @@ from component import Component
 BATCH = ROOT / "examples" / "batch"
 sys.path.insert(0, str(BATCH))
 
-# `cargo fmu test` puts the Python package on the path.
+# `cargo fmu test --slow` puts the Python package on the path.
 pytest.importorskip("sliding_contact")
 
 import design as designs  # noqa: E402
@@ -33,7 +33,7 @@ OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_en
 def needed(variable):
     path = os.environ.get(variable)
     if path is None:
-        pytest.skip(f"{variable} is not set: `cargo fmu test` sets it")
+        pytest.skip(f"{variable} is not set: `cargo fmu test --slow` sets it")
     return path
 
 

@@ -17,7 +17,7 @@ MEASURED = "time [s],contact_temperature [degC]\n0.3,40\n0.9,70\n"
 def simulate(folder, *arguments):
     command = os.environ.get("SLIDING_CONTACT_COMMAND")
     if command is None:
-        pytest.skip("SLIDING_CONTACT_COMMAND is not set: `cargo fmu test` sets it")
+        pytest.skip("SLIDING_CONTACT_COMMAND is not set: `cargo fmu test --slow` sets it")
     environment = os.environ | {"CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
     run = subprocess.run([command, "simulate", *arguments], cwd=folder, check=True, capture_output=True, env=environment)
     return run.stdout
@@ -64,5 +64,5 @@ def test_every_format_is_what_it_says(figures):
 def test_axes_are_labelled_with_units_and_measured_points_are_marked(figures):
     text = (figures / "figure.svg").read_text(encoding="utf-8")
     for label in ("time (s)", "sliding velocity (m/s)", "temperature (°C)", "pressure (MPa)", "friction heat", "measured",
-                  "x, along the sliding direction (mm)", "disc_brake, level line, 9 cells", "0 s", "0.5 s", "1 s"):  # fmt: skip
+                  "x, sliding direction (mm)", "disc_brake, level line, 9 cells", "0 s", "0.5 s", "1 s"):  # fmt: skip
         assert label in text, label

@@ -25,7 +25,7 @@ def tables(name):
     folder = Path(os.environ.get("SLIDING_CONTACT_FMU_FOLDER", ROOT / "target" / "fmu"))
     path = folder / f"tables.{name}.json"
     if not path.is_file():
-        pytest.fail(f"{path} is missing: `cargo fmu test` makes it with `cargo fmu tables`")
+        pytest.fail(f"{path} is missing: `cargo fmu test --slow` makes it with `cargo fmu tables`")
     return json.loads(path.read_text(encoding="utf-8"))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")
