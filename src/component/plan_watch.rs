@@ -6,18 +6,35 @@
 use super::{Component, Subject, inputs_of};
 use model::INPUTS;
 use model::lumped::limit;
+use model::plan::prepared::Prepared;
 use scene::message::Number;
 use scene::value;
 
+/// What a run has done of that on which the error of its plan depends.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub(super) struct Course {
+    /// The run has left the validity of the plan, and this has been logged.
+    pub(super) is_beyond: bool,
+    /// The load has been released: the levels differ more then than under load.
+    pub(super) is_released: bool,
+    /// Largest load so far, N.
+    pub(super) largest_load: f64,
+}
+
 impl Component {
     /// Checks whether the step that ended is within the validity of the plan: within the nominal conditions, and below the
-    /// critical speed where the plan was.
-    pub(super) fn watch_plan(&mut self) {
+    /// critical speed where the plan was. `began`: inputs at its beginning.
+    pub(super) fn watch_plan(&mut self, began: &[f64; INPUTS]) {
         let (Some(prepared), Some(model)) = (&self.prepared, &self.model) else { return };
-        if self.beyond_plan {
+        let inputs: [f64; INPUTS] = inputs_of(&self.values);
+        let course = &mut self.course;
+        for load in [began[1], inputs[1]] {
+            course.is_released |= Prepared::is_released(load, course.largest_load);
+            course.largest_load = course.largest_load.max(load);
+        }
+        if course.is_beyond {
             return;
         }
-        let inputs: [f64; INPUTS] = inputs_of(&self.values);
         let scene = &prepared.requested;
         let work = model.friction_work();
         let speed = inputs[0] + scene.mean_radius * inputs[2];
@@ -25,7 +42,7 @@ impl Component {
         if !(unstable || prepared.is_beyond(speed, inputs[1], work)) {
             return;
         }
-        self.beyond_plan = true;
+        course.is_beyond = true;
         let (velocity, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         let planned_work = prepared.planned_work();
         let beyond = format_args!(
@@ -47,7 +64,8 @@ impl Component {
     pub(super) fn add_estimated_error(&mut self) {
         if let Some(prepared) = &self.prepared {
             let steps = value!(self.values, "estimated_step_error");
-            value!(self.values, "estimated_error") = prepared.estimated_error(steps, self.beyond_plan);
+            value!(self.values, "estimated_error") =
+                prepared.estimated_error(steps, self.course.is_beyond, self.course.is_released);
         }
     }
 }

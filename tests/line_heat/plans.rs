@@ -6,6 +6,8 @@ use scene::variables::STARTS;
 use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use std::sync::Arc;
 use test_support::{Drive, LUMPED, reference, scene};
+use verification::applications;
+use verification::applications::trial::{self, Setting};
 
 /// A steel pin in a holder at 0.1 m/s, far below its critical speed: the thermal bulging of a tenth of a second exceeds the
 /// elastic approach, which is immaterial under a given load, so that hours take a few steps.
@@ -202,4 +204,22 @@ fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
     component.step(1.0).unwrap();
     let [whole, steps] = ["estimated_error", "estimated_step_error"].map(|name| component.get(reference(name)));
     assert!(whole == steps && whole < 2e-2, "{whole} {steps}");
+}
+
+/// A pad that its heat has bowed rests on its hottest cells once the load is released: the lumped level is off there by several times
+/// its error under load, and a run that is not released must not be told so.
+#[test]
+fn the_error_after_a_release_is_told_once_the_load_is_released() {
+    let all = applications::all().unwrap();
+    let duty = all.iter().find(|scene| scene.name == "duty_1").unwrap();
+    let truth = trial::fine_run(duty, 33, 2e-3).unwrap();
+    let run = trial::run(duty, Setting::Auto, 1e-1).unwrap();
+    assert_eq!(run.level, "lumped");
+    let so_far = trial::errors_so_far(&run.main, &truth.main);
+    let fall = duty.course.windows(2).position(|pair| pair[1][2] < 0.5 * pair[0][2]).unwrap();
+    let [before, after] = [fall, run.main.len() - 1].map(|point| (trial::largest(so_far[point]), run.estimated[point]));
+    assert!(after.0 > 2.0 * before.0 && after.1 > before.1, "{before:?} {after:?}");
+    for (error, estimate) in [before, after] {
+        assert!((0.2..5.0).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
+    }
 }

@@ -1,16 +1,26 @@
 //! Generated scenes, and plans for them judged by their truth.
 
+use scene::value;
 use verification::planning::judge::{judge, truth};
-use verification::planning::scenes::{Group, generate};
+use verification::planning::scenes::{Generated, Group, generate};
 
 /// Generated scenes of three groups, quick ones among the first.
 const SEEDS: [u64; 3] = [0, 3, 9];
 
+/// The scene with a course that ends with a twentieth of the nominal load, as its plan assumes: levels that meet a tolerance under
+/// load only are no competitors.
+fn with_release(mut scene: Generated) -> Generated {
+    let load = 0.05 * value!(scene.starts, "nominal.load");
+    let [end, velocity, _] = *scene.course.last().unwrap();
+    scene.course.extend([0.002, 0.012, 0.052].map(|part| [(1.0 + part) * end, velocity, load]));
+    scene
+}
+
 #[test]
 fn plans_meet_their_tolerance_at_the_cost_of_the_cheapest_setting() {
     for seed in SEEDS {
-        let scene = generate(seed);
-        let truth = truth(&scene, 17).unwrap();
+        let scene = with_release(generate(seed));
+        let truth = truth(&scene, 33).unwrap();
         for tolerance in [1e-1, 1e-2] {
             let judged = judge(&scene, tolerance, &truth).unwrap();
             let name = scene.name();

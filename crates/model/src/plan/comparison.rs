@@ -152,7 +152,7 @@ pub fn compare(
             Ok(()) => {}
         }
         let judgement = progress.judge(may_grow.then_some(enough))?;
-        let met = judgement.candidates.iter().any(|candidate| candidate.error() <= enough) && judgement.is_known;
+        let met = judgement.candidates.iter().any(|candidate| candidate.meets(enough)) && judgement.is_known;
         let next = progress.cost + DEARER * (progress.cost - before);
         if met || scene.cells > 0 || next > BUDGET || cells == CELLS[CELLS.len() - 1] {
             break;
@@ -270,40 +270,58 @@ impl Progress<'_> {
         let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
             return Err("one contact line has nothing to be compared with".into());
         };
-        let between = self.extrapolated_difference(&before.run, &finest.run);
-        let measured = lines.next().map(|earlier| {
-            let earlier = self.extrapolated_difference(&earlier.run, &before.run);
-            largest(earlier) / largest(between)
-        });
-        // Equality to the last bit counts as the best ratio.
-        let measured = measured.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
-        let ratio = measured.unwrap_or(ASSUMED_RATIO).clamp(RATIO.0, RATIO.1);
-        let own = between.map(|apart| apart / (ratio - 1.0));
+        let earlier = lines.next();
+        let measured = |difference: &dyn Fn(&Run, &Run) -> [f64; 3]| {
+            let between = difference(&before.run, &finest.run);
+            let ratio = earlier.map(|earlier| largest(difference(&earlier.run, &before.run)) / largest(between));
+            // Equality to the last bit counts as the best ratio.
+            let ratio = ratio.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
+            // A difference within the error of the time steps does not show how fast the cells converge.
+            let least = if largest(between) <= self.error_of_steps(finest) { ASSUMED_RATIO } else { RATIO.0 };
+            (between, ratio, ratio.unwrap_or(ASSUMED_RATIO).clamp(least, RATIO.1))
+        };
+        let errors = |difference: &dyn Fn(&Run, &Run) -> [f64; 3], run: &Run| {
+            let (between, _, ratio) = measured(difference);
+            let own = 1.0 / (ratio - 1.0);
+            let apart = difference(run, &finest.run);
+            std::array::from_fn(|output| apart[output] + own * between[output])
+        };
+        let loaded = |run: &Run, finer: &Run| self.extrapolated_difference(run, finer);
+        let whole = |run: &Run, finer: &Run| distance(&run.history, &finer.history);
+        let (between, ratio, bounded) = measured(&loaded);
         let converges = match agreed {
-            Some(agreed) => largest(between) <= agreed || measured.is_some_and(|ratio| ratio >= RATIO.0),
-            None => measured.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
+            Some(agreed) => largest(between) <= agreed || ratio.is_some_and(|ratio| ratio >= RATIO.0),
+            None => ratio.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
         let candidates = self.levels.iter().map(|level| {
-            let apart = self.extrapolated_difference(&level.run, &finest.run);
+            let errors_of_load = errors(&loaded, &level.run);
             Candidate {
                 model_level: level.model_level,
-                errors: std::array::from_fn(|output| apart[output] + own[output]),
+                errors: errors_of_load,
+                released: largest(errors(&whole, &level.run)).max(largest(errors_of_load)),
                 step_ratio: self.step_ratios[kind(level.model_level)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
         });
-        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges && !self.falls_short })
+        let candidates = candidates.collect();
+        Ok(Judgement { candidates, ratio: bounded, is_known: converges && !self.falls_short })
+    }
+
+    /// Error of reduction and time steps of a run.
+    fn error_of_steps(&self, level: &Level) -> f64 {
+        self.step_ratios[kind(level.model_level)] * level.run.step_bound
     }
 
     /// Expected internal steps of the nominal duration.
     fn steps_of(&self, run: &Run) -> f64 {
-        run.steps as f64 / self.course.part(run.history.len())
+        run.loaded_steps as f64 / self.course.part(run.history.len())
     }
 
-    /// Difference of two runs over their common part, for temperature and force extrapolated to the nominal duration.
+    /// Difference of two runs over their common part before the release, for temperature and force extrapolated to the nominal
+    /// duration.
     fn extrapolated_difference(&self, run: &Run, finer: &Run) -> [f64; 3] {
-        let count = run.history.len().min(finer.history.len());
+        let count = run.history.len().min(finer.history.len()).min(self.course.loaded);
         let apart = distance(&run.history[..count], &finer.history[..count]);
         let (part, half) = (self.course.part(count), count / 2);
         if part > 0.99 || half == 0 {
@@ -335,6 +353,7 @@ impl Progress<'_> {
             candidates.push(Candidate {
                 model_level: ModelLevel::Line { cells: count, heat: self.heat },
                 errors: finest.errors.map(|error| error * factor),
+                released: finest.released * factor,
                 step_ratio: finest.step_ratio,
                 cost,
                 run_cost: cost * self.steps_of(&level.run),

@@ -11,6 +11,9 @@ use scene::{Fidelity, Scene};
 /// sinusoid over its mean.
 const PLANNED: f64 = 2.0;
 
+/// Fraction of the largest load so far below which the load counts as released.
+const RELEASED: f64 = 0.5;
+
 /// Prepared scene, built at the end of initialisation.
 #[derive(Clone, Debug)]
 pub struct Prepared {
@@ -57,14 +60,19 @@ impl Prepared {
             || work > PLANNED * self.planned_work()
     }
 
+    /// Whether a load counts as released: below half of the largest one so far (N).
+    pub fn is_released(load: f64, largest: f64) -> bool {
+        load < RELEASED * largest
+    }
+
     /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`]; `step_error` is that of model
-    /// reduction and time steps. `beyond`: the run has left the validity of the plan.
-    pub fn estimated_error(&self, step_error: f64, beyond: bool) -> f64 {
+    /// reduction and time steps. `beyond`: the run has left the validity of the plan. `released`: its load has been released.
+    pub fn estimated_error(&self, step_error: f64, beyond: bool, released: bool) -> f64 {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if !beyond => {
-                let level = plan.estimated_error.unwrap_or(0.0);
+                let level = if released { plan.released_error } else { plan.estimated_error }.unwrap_or(0.0);
                 level.hypot(plan.step_ratio * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,

@@ -22,11 +22,21 @@ const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
 /// Largest number of half-strokes of a reciprocating trajectory. Later ones are extrapolated from their second half.
 const HALF_STROKES: f64 = 24.0;
 
-/// Velocity (m/s) at both ends of a segment, and its length (s).
+/// Load after the release at the end, relative to the nominal one, and the segments of it as fractions of the nominal duration of
+/// unidirectional sliding, the first with the falling load. Reciprocating sliding has a half-stroke of it.
+///
+/// The heated bodies are bowed and their pressure is uneven: under a small load the contact shrinks to its hottest cells, which
+/// levels with a uniform pressure do not show. Most runs of brakes and clutches end, or go on, like this.
+const RELEASED: f64 = 0.05;
+const RELEASE: [f64; 3] = [0.002, 0.01, 0.04];
+
+/// Velocity (m/s) and load (N) at both ends of a segment, and its length (s).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Segment {
     /// Velocity at the start and at the end, m/s.
     pub velocity: [f64; 2],
+    /// Load at the start and at the end, N.
+    pub load: [f64; 2],
     /// Duration, s.
     pub duration: f64,
 }
@@ -36,8 +46,8 @@ pub struct Segment {
 pub struct NominalTrajectory {
     /// Segments, one communication step each.
     pub segments: Vec<Segment>,
-    /// Load, N.
-    pub load: f64,
+    /// Number of segments under the nominal load; those after them are the release.
+    pub loaded: usize,
     /// Nominal duration over that of the segments, at least 1: the factor of wear acceleration by which the segments end with the
     /// worn depth of the whole duration.
     pub repeats: f64,
@@ -52,6 +62,8 @@ pub struct Run {
     pub step_bound: f64,
     /// Internal steps, accepted and rejected.
     pub steps: u64,
+    /// Those of them before the release.
+    pub loaded_steps: u64,
     /// Fraction of the segments that was completed.
     pub covered: f64,
 }
@@ -64,14 +76,22 @@ impl NominalTrajectory {
             return None;
         }
         if scene.nominal_stroke == 0.0 {
-            let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: duration * (ends[1] - ends[0]) };
-            let segments = UNIDIRECTIONAL.windows(2).map(segment).collect();
-            return Some(NominalTrajectory { segments, load, repeats: 1.0 });
+            let segment = |load: [f64; 2], part: f64| Segment { velocity: [speed; 2], load, duration: duration * part };
+            let mut segments: Vec<_> =
+                UNIDIRECTIONAL.windows(2).map(|ends| segment([load; 2], ends[1] - ends[0])).collect();
+            let loaded = segments.len();
+            let mut before = load;
+            for part in RELEASE {
+                segments.push(segment([before, RELEASED * load], part));
+                before = RELEASED * load;
+            }
+            return Some(NominalTrajectory { segments, loaded, repeats: 1.0 });
         }
         let half = scene.nominal_stroke / speed;
         let count = (duration / half).clamp(1.0, HALF_STROKES).round();
         let mut segments = Vec::with_capacity(count as usize * (HALF_STROKE.len() - 1));
-        for n in 0..count as usize {
+        // The last half-stroke is that of the release.
+        for n in 0..=count as usize {
             // Sinusoidal, with the nominal speed as its mean. The strokes of one direction are equal to the last bit, so that
             // operators prepared for one are valid for the next.
             let direction = if n % 2 == 0 { 1.0 } else { -1.0 };
@@ -79,13 +99,16 @@ impl NominalTrajectory {
                 let sine = (PI * part).sin();
                 if sine < 1e-9 { 0.0 } else { direction * 0.5 * PI * speed * sine }
             };
-            segments.extend(
-                HALF_STROKE
-                    .windows(2)
-                    .map(|ends| Segment { velocity: [at(ends[0]), at(ends[1])], duration: half * (ends[1] - ends[0]) }),
-            );
+            let is_released = n == count as usize;
+            let load_at = |part: f64| if is_released && part > 0.0 { RELEASED * load } else { load };
+            segments.extend(HALF_STROKE.windows(2).map(|ends| Segment {
+                velocity: [at(ends[0]), at(ends[1])],
+                load: [load_at(ends[0]), load_at(ends[1])],
+                duration: half * (ends[1] - ends[0]),
+            }));
         }
-        Some(NominalTrajectory { segments, load, repeats: (duration / (half * count)).max(1.0) })
+        let loaded = segments.len() - (HALF_STROKE.len() - 1);
+        Some(NominalTrajectory { segments, loaded, repeats: (duration / (half * count)).max(1.0) })
     }
 
     /// The scene with the wear of the nominal duration, by its wear coefficients: `wear_acceleration` would be rejected where it
@@ -110,26 +133,34 @@ impl NominalTrajectory {
             wear_acceleration: scene.wear_acceleration,
         };
         let ambient = scene.ambient_temperature;
-        let mut inputs: [f64; INPUTS] = [self.segments[0].velocity[0], self.load, 0.0, 0.0, 0.0, ambient, ambient];
+        let mut inputs: [f64; INPUTS] =
+            [self.segments[0].velocity[0], self.segments[0].load[0], 0.0, 0.0, 0.0, ambient, ambient];
         let mut model = Model::new(operators, tunables, &inputs);
         model.limit_attempts(most);
         let mut values = Box::new([0.0; COUNT]);
         let mut run = Run { history: Vec::with_capacity(self.segments.len()), ..Run::default() };
         for segment in &self.segments {
-            let [first, last] = segment.velocity;
             let mut slopes = [0.0; INPUTS];
-            slopes[0] = (last - first) / segment.duration;
-            inputs[0] = first;
-            let varying = (first != last).then_some(&slopes);
+            for (index, [first, last]) in [segment.velocity, segment.load].into_iter().enumerate() {
+                inputs[index] = first;
+                slopes[index] = (last - first) / segment.duration;
+            }
+            let varying = (slopes != [0.0; INPUTS]).then_some(&slopes);
             if let Err(failure) = model.step(&inputs, varying, segment.duration) {
                 if model.out_of_attempts() {
                     run.steps = u64::from(most);
+                    if run.history.len() < self.loaded {
+                        run.loaded_steps = run.steps;
+                    }
                     break;
                 }
                 return Err(failure.to_string());
             }
             let (accepted, rejected) = model.work();
             run.steps = accepted + rejected;
+            if run.history.len() < self.loaded {
+                run.loaded_steps = run.steps;
+            }
             model.write_end(&mut values);
             model.write_account(&mut values);
             let of = |name: usize| values[name];
@@ -144,10 +175,11 @@ impl NominalTrajectory {
         Ok(run)
     }
 
-    /// Fraction of the nominal duration in the first `count` segments.
+    /// Fraction of the nominal duration in the first `count` segments, without the release.
     pub fn part(&self, count: usize) -> f64 {
         let duration = |segments: &[Segment]| segments.iter().map(|segment| segment.duration).sum::<f64>();
-        duration(&self.segments[..count]) / (duration(&self.segments) * self.repeats)
+        let loaded = &self.segments[..self.loaded];
+        duration(&loaded[..count.min(self.loaded)]) / (duration(loaded) * self.repeats)
     }
 }
 

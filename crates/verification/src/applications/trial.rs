@@ -82,7 +82,7 @@ pub struct Run {
 /// # Errors
 /// A refused initialisation or step.
 pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Result<Run, String> {
-    let begin = processor_seconds();
+    let begin = process_seconds();
     let starts = setting.apply(&application.starts, tolerance);
     let mut component = Component::new(Arc::new(starts));
     let (inputs, course) = (application.inputs(), &application.course);
@@ -94,7 +94,7 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
     component.initialise(None)?;
     component.messages().for_each(drop);
     let mut run = Run::default();
-    run.seconds[0] = processor_seconds() - begin;
+    run.seconds[0] = process_seconds() - begin;
     let ambient = starts[reference("ambient_temperature") as usize];
     run.main.push([0.0, ambient, 0.0]);
     run.estimated.push(0.0);
@@ -246,7 +246,7 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most: f64, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
 }
 
-pub use crate::planning::runs::processor_seconds;
+pub use crate::planning::runs::{process_seconds, processor_seconds};
 
 #[cfg(test)]
 mod tests {
