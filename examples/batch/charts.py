@@ -19,6 +19,9 @@ STYLE = {
     "axes.axisbelow": True,
     "legend.frameon": False,
     "legend.fontsize": 8,
+    # Text stays text; without date and random names, the same run gives the same bytes.
+    "svg.fonttype": "none",
+    "svg.hashsalt": "sliding contact",
 }
 
 
@@ -50,15 +53,16 @@ def sensitivities(path, names, results, title):
                 variance.barh(offset, total, thickness, facecolor="none", edgecolor="black", linewidth=0.7, label=label)
             rank.barh(offset, result.rank_correlation[order], thickness, color=colour, label=label)
         variance.set_yticks(place, [names[at] for at in order])
-        variance.set_xlabel("first-order index $S_i$: part of the variance explained [1]\n(bar: 95 % interval)")
+        variance.set_xlabel("first-order index $S_i$: part of the variance explained\n(bar: 95 % interval)")
         variance.set_xlim(left=0.0)
-        rank.set_xlabel("Spearman's rank correlation [1]\n(sign: direction)")
+        rank.set_xlabel("Spearman's rank correlation\n(sign: direction)")
         rank.set_xlim(-1.0, 1.0)
         rank.set_xticks(np.linspace(-1.0, 1.0, 5))
         rank.axvline(0.0, color="black", linewidth=0.6)
-        variance.legend(loc="lower right")
+        # Below the axes, where no bar is.
+        figure.legend(*variance.get_legend_handles_labels(), loc="outside lower center", ncols=4)
         figure.suptitle(title, fontsize=10)
-        figure.savefig(path, dpi=150)
+        figure.savefig(path, metadata={"Date": None})
         plt.close(figure)
 
 
@@ -69,15 +73,17 @@ def wear_life(path, life, unit, title):
     with plt.rc_context(STYLE):
         figure, count = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
         edges = np.geomspace(life[0], life[-1], min(60, max(8, life.size // 20)) + 1) if life[0] < life[-1] else 1
-        count.hist(life, bins=edges, color=BLUE, alpha=0.75)
+        count.hist(life, bins=edges, color=BLUE, alpha=0.75, histtype="stepfilled")
         count.set_xscale("log")
-        count.set_xlabel(f"wear life [{unit}]")
-        count.set_ylabel("scenes [1]", color=BLUE)
+        count.set_xlabel(f"wear life ({unit})")
+        count.set_ylabel("scenes", color=BLUE)
         part = count.twinx()
         part.grid(False)
         part.spines["right"].set_visible(True)
-        part.plot(life, 100.0 * np.arange(1, life.size + 1) / life.size, color=RED)
-        part.set_ylabel("worn out by then [%]", color=RED)
+        # Of many scenes a few hundred points: more cannot be seen.
+        shown = np.unique(np.linspace(0, life.size - 1, 400).astype(int))
+        part.plot(life[shown], 100.0 * (shown + 1) / life.size, color=RED)
+        part.set_ylabel("worn out by then (%)", color=RED)
         part.set_ylim(0, 103)
         for value, label in ((early, "10 %"), (half, "50 %")):
             count.axvline(value, color="black", linewidth=0.8, linestyle="--")
@@ -96,5 +102,5 @@ def wear_life(path, life, unit, title):
         count.xaxis.set_major_formatter(ticks)
         count.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         figure.suptitle(title, fontsize=10)
-        figure.savefig(path, dpi=150)
+        figure.savefig(path, metadata={"Date": None})
         plt.close(figure)

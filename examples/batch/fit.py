@@ -35,7 +35,7 @@ def arguments():
 
 def main():
     options = arguments()
-    picture = options.output / "wear_law.png"
+    picture = options.output / "wear_law.svg"
     scene = Scene.load(options.scene)
     found = scene.fit(options.records, tuple(options.exponents), options.confidence)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -83,13 +83,29 @@ def arguments():
     return options
 
 
-def start_values(path):
-    """Start values of the parameters as numbers by name, from the model description."""
+def model_description(path):
     try:
         with zipfile.ZipFile(path) as archive:
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+            return ElementTree.fromstring(archive.read("modelDescription.xml"))
     except (KeyError, zipfile.BadZipFile, ElementTree.ParseError) as error:
         raise ValueError(f"{path} is no FMU: {error}") from None
+
+
+def level_of(job):
+    """Level and tolerance of a batch, in words."""
+    root, values = model_description(job.fmu), {**start_values(job.fmu), **dict(job.base)}
+    if "solver.fidelity" in job.variables or "solver.tolerance" in job.variables:
+        return "level and tolerance by the design"
+    items = root.find("TypeDefinitions/SimpleType/Enumeration/Item[@name='lumped']/..")
+    name = next(item.get("name") for item in items if float(item.get("value")) == values["solver.fidelity"])
+    default = root.find("DefaultExperiment")
+    tolerance = values["solver.tolerance"] or job.tolerance or float(default.get("tolerance"))
+    return f"level {name}, tolerance {tolerance:g}"
+
+
+def start_values(path):
+    """Start values of the parameters as numbers by name, from the model description."""
+    root = model_description(path)
     parameters = [variable for variable in root.iter("ScalarVariable") if variable.get("causality") == "parameter"]
     texts = {variable.get("name"): variable[0].get("start") for variable in parameters}
     return {name: float({"true": 1, "false": 0}.get(text, text)) for name, text in texts.items()}
@@ -265,12 +281,12 @@ def summarise(options, job, design, distance, scenes, ran):
         label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
     }
     if found and not options.no_plots:
-        title = f"{options.scene or options.fmu.stem}, {Path(options.schedule).stem}: {len(good):,} scenes, {summary['failed']} failed"
-        charts.sensitivities(options.output / "sensitivities.png", job.variables, found, title)
-        summary["files"].append(str(options.output / "sensitivities.png"))
+        title = f"{options.scene or options.fmu.stem}, {Path(options.schedule).stem}: {level_of(job)}; {len(good):,} scenes, {summary['failed']} failed"
+        charts.sensitivities(options.output / "sensitivities.svg", job.variables, found, title)
+        summary["files"].append(str(options.output / "sensitivities.svg"))
         if lasting.size:
-            charts.wear_life(options.output / "wear_life.png", lasting, life_unit, title)
-            summary["files"].append(str(options.output / "wear_life.png"))
+            charts.wear_life(options.output / "wear_life.svg", lasting, life_unit, title)
+            summary["files"].append(str(options.output / "wear_life.svg"))
     parts.write_json(options.output / "summary.json", summary)
     report(options, summary)
     if not len(good):

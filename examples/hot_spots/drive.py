@@ -34,6 +34,7 @@ def main():
     with ring.Unpacked(options.fmu) as unpacked:
         rings = ring.Rings.of(unpacked)
         critical = ring.critical_speed(unpacked)
+        level = unpacked.level()
         runs = [ring.slide(unpacked, factor * critical, options.duration) for factor in SPEEDS]
     summary = {f"{factor:g} V_cr": report.figures(run, rings, critical) for factor, run in zip(SPEEDS, runs, strict=True)}
 
@@ -42,9 +43,9 @@ def main():
 
     paths = [report.write_csv(options.output / f"hot_spots_{index}.csv", run) for index, run in enumerate(runs)]
     paths += [
-        plots.maps(runs, critical, options.output / "pressure.png"),
-        plots.growth(runs, rings, critical, options.output / "growth.svg"),
-        plots.ends(runs, critical, options.output / "hot_spots.svg"),
+        plots.maps(runs, critical, level, options.output / "pressure.svg"),
+        plots.growth(runs, rings, critical, level, options.output / "growth.svg"),
+        plots.ends(runs, critical, level, options.output / "hot_spots.svg"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)

@@ -1,5 +1,8 @@
 """Plots of the rings."""
 
+import sys
+from pathlib import Path
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -8,11 +11,16 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 import numpy as np  # noqa: E402
 import report  # noqa: E402
 
+# One curve through the values at the stations for the package and the examples.
+sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "sliding_contact"))
+
+from _curve import monotone_cubic  # noqa: E402
+
 plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6,
                      "axes.axisbelow": True, "legend.frameon": False, "legend.fontsize": 7.5,
                      # Without date and random names, the same run gives the same bytes.
-                     "svg.hashsalt": "sliding contact"})  # fmt: skip
-DPI = 100
+                     "svg.hashsalt": "sliding contact", "svg.fonttype": "none"})  # fmt: skip
+DPI = 200  # of the maps, whose cells are the pixels of a picture within the drawing
 
 
 def written(figure, path):
@@ -26,8 +34,8 @@ def title(run, critical):
     return f"V = {run.speed:.3g} m/s = {run.speed / critical:.2g} $V_{{cr}}$"
 
 
-def maps(runs, critical, path):
-    """Pressure over its mean, around the ring and over time."""
+def maps(runs, critical, level, path):
+    """Pressure over its mean, around the ring and over time: the values of the stations, each as wide as its part of the ring."""
     figure, axes = plt.subplots(1, len(runs), figsize=(8.8, 4.4), sharey=True, layout="constrained")
     for axis, run in zip(np.atleast_1d(axes), runs, strict=True):
         ratio = run.pressure / run.pressure[:, :-1].mean(axis=1, keepdims=True)
@@ -35,15 +43,15 @@ def maps(runs, critical, path):
         mesh = axis.pcolormesh(1e3 * run.x, run.time, ratio, cmap="inferno", vmin=0.0, vmax=highest, shading="nearest",
                                rasterized=True)  # fmt: skip
         axis.set_title(title(run, critical), fontsize=9)
-        axis.set_xlabel("position around the steel ring x [mm]")
+        axis.set_xlabel("position around the steel ring x (mm)")
         axis.grid(False)
-        figure.colorbar(mesh, ax=axis, label="pressure over mean $p/p_m$ [1]")
-    np.atleast_1d(axes)[0].set_ylabel("time [s]")
-    figure.suptitle("Contact pressure, in the frame of the steel ring", fontsize=10)
+        figure.colorbar(mesh, ax=axis, label="pressure over mean $p/p_m$")
+    np.atleast_1d(axes)[0].set_ylabel("time (s)")
+    figure.suptitle(f"Contact pressure, in the frame of the steel ring; {level}", fontsize=10)
     return written(figure, path)
 
 
-def growth(runs, rings, critical, path):
+def growth(runs, rings, critical, level, path):
     """Amplitudes of the waves over time, with the growth of theory."""
     figure, axes = plt.subplots(1, len(runs), figsize=(8.8, 4.2), sharey=True, layout="constrained")
     colours = plt.cm.viridis(np.linspace(0.0, 0.92, report.WAVES))
@@ -62,24 +70,25 @@ def growth(runs, rings, critical, path):
             axis.axvline(run.time[last], color="#888888", linewidth=0.8)
             axis.annotate("the rings part", (run.time[last], 2.6e-3), (3, 0), textcoords="offset points", color="#666666")
         axis.set_ylim(2e-3, 20.0)
-        axis.set_xlabel("time [s]")
+        axis.set_xlabel("time (s)")
         axis.set_title(title(run, critical), fontsize=9)
-        axis.legend(loc="upper left", ncols=2)
-    np.atleast_1d(axes)[0].set_ylabel("amplitude of the pressure wave over mean pressure [1]")
-    figure.suptitle("Waves around the ring; dashed: growth of theory for two half-planes, through the middle", fontsize=10)
+    handles, labels = np.atleast_1d(axes)[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    np.atleast_1d(axes)[0].set_ylabel("amplitude of the pressure wave over mean pressure")
+    figure.suptitle(f"Waves around the ring, {level};\ndashed: growth of theory for two half-planes, through the middle", fontsize=10)
     return written(figure, path)
 
 
-def ends(runs, critical, path):
+def ends(runs, critical, level, path):
     """Pressure and temperature around the ring at the end."""
     figure, axes = plt.subplots(2, 1, figsize=(7.0, 5.2), sharex=True, layout="constrained")
     for run, colour in zip(runs, ("#0072B2", "#D55E00"), strict=True):
         x = 1e3 * run.x
-        axes[0].plot(x, run.pressure[-1] / 1e6, color=colour, label=title(run, critical))
-        axes[1].plot(x, run.temperature[-1] - 273.15, color=colour, label=title(run, critical))
-    axes[0].set_ylabel("contact pressure [MPa]")
-    axes[1].set_ylabel("contact temperature [°C]")
-    axes[1].set_xlabel("position around the steel ring x [mm]")
+        axes[0].plot(*monotone_cubic(x, run.pressure[-1] / 1e6), color=colour, label=title(run, critical))
+        axes[1].plot(*monotone_cubic(x, run.temperature[-1] - 273.15), color=colour, label=title(run, critical))
+    axes[0].set_ylabel("contact pressure (MPa)")
+    axes[1].set_ylabel("contact temperature (°C)")
+    axes[1].set_xlabel("position around the steel ring x (mm)")
     axes[0].legend()
-    figure.suptitle(f"After {runs[0].time[-1]:g} s, level line", fontsize=10)
+    figure.suptitle(f"After {runs[0].time[-1]:g} s; {level}", fontsize=10)
     return written(figure, path)

@@ -35,6 +35,12 @@ class Unpacked:
     def start(self, name):
         return float(self.variables[name].start)
 
+    def level(self):
+        """Level, cells and tolerance of a run."""
+        item = next(item for item in self.variables["solver.fidelity"].declaredType.items if int(item.value) == int(self.start("solver.fidelity")))
+        tolerance = self.start("solver.tolerance") or float(self.description.defaultExperiment.tolerance)
+        return f"level {item.name}, {self.start('solver.cells'):.0f} cells, tolerance {tolerance:g}"
+
     def references(self, *names):
         return [self.variables[name].valueReference for name in names]
 

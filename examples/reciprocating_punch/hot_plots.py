@@ -3,7 +3,7 @@
 import direct
 import matplotlib.pyplot as plt
 import numpy as np
-from plots import BLUE, GREY, OPEN, ORANGE, TITLES, levels, palette, shown, written
+from plots import BLUE, GREY, OPEN, ORANGE, TITLES, levels, monotone_cubic, palette, shown, written
 
 ZERO_CELSIUS = 273.15
 
@@ -17,8 +17,8 @@ def half_strokes(hot, path):
         for row, colour in zip(rows, palette(rows), strict=True):
             cycle = (history.half_strokes[row] + 1) // 2
             for record, style, label in ((row, "-", f"cycle {cycle}"), (row + 1, ":", None)):
-                column[0].plot(x, history.pressure[record] / history.mean, style, color=colour, label=label)
-                column[1].plot(x, history.temperature[record] - ZERO_CELSIUS, style, color=colour, label=label)
+                column[0].plot(*monotone_cubic(x, history.pressure[record] / history.mean), style, color=colour, label=label)
+                column[1].plot(*monotone_cubic(x, history.temperature[record] - ZERO_CELSIUS), style, color=colour, label=label)
         column[0].set_title(TITLES[name], fontsize=9)
         column[0].set_ylim(-0.1, 5.6)
         column[0].legend(ncols=2, loc="upper center")
@@ -41,7 +41,7 @@ def shapes(cold, hot, path):
             for row, colour in zip(rows, palette(rows), strict=True):
                 worn = direct.without_rigid_motion(history.x, history.worn[row], name)
                 cycle = (history.half_strokes[row] + 1) // 2
-                axis.plot(1e3 * history.x, 1e6 * worn, color=colour, label=f"cycle {cycle}")
+                axis.plot(*monotone_cubic(1e3 * history.x, 1e6 * worn), color=colour, label=f"cycle {cycle}")
             axis.set_title(f"{TITLES[name]}, {label}", fontsize=9)
             axis.legend()
         pair[0].set_ylabel("worn depth less rigid motion [µm]")
@@ -59,7 +59,7 @@ def steady(states, cold, hot, path):
         state = states[name]
         for sign, style, way in ((1, "-", "v > 0"), (-1, "--", "v < 0")):
             label = f"{TITLES[name]}, {way}: direct, without heat"
-            axis.plot(1e3 * state.x, state.pressure[sign] / history.mean, style, color=colour, label=label)
+            axis.plot(*monotone_cubic(1e3 * state.x, state.pressure[sign] / history.mean), style, color=colour, label=label)
             row = -2 if sign > 0 else -1
             cycles = int(history.half_strokes[-1] // 2)
             label = f"with heat, cycle {cycles}" if sign > 0 else None

@@ -1,5 +1,8 @@
 """Plots of the reciprocating punch."""
 
+import sys
+from pathlib import Path
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -8,6 +11,11 @@ import direct  # noqa: E402  (the backend is chosen first)
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import report  # noqa: E402
+
+# One curve through the values at the stations for the package and the examples.
+sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "sliding_contact"))
+
+from _curve import monotone_cubic  # noqa: E402
 
 plt.rcParams.update(
     {
@@ -68,9 +76,9 @@ def pressures(histories, states, path):
                 record += sign < 0
                 cycle = (history.half_strokes[record] + 1) // 2
                 ratio = history.pressure[record] / history.mean
-                axis.plot(1e3 * history.x, ratio, color=colour, label=f"cycle {cycle}")
+                axis.plot(*monotone_cubic(1e3 * history.x, ratio), color=colour, label=f"cycle {cycle}")
             exact = states[name].pressure[sign] / history.mean
-            axis.plot(1e3 * states[name].x, exact, "--", color="black", linewidth=1.0, label="direct steady state")
+            axis.plot(*monotone_cubic(1e3 * states[name].x, exact), "--", color="black", linewidth=1.0, label="direct steady state")
             axis.set_title(f"{TITLES[name]}, v {'>' if sign > 0 else '<'} 0", fontsize=9)
             axis.set_ylim(-0.1, 5.2)
             axis.legend(loc="upper left" if sign > 0 else "upper right")
@@ -108,8 +116,8 @@ def shapes(histories, states, path):
         x = 1e3 * history.x
         for row, colour in zip(rows, palette(rows), strict=True):
             worn = direct.without_rigid_motion(history.x, history.worn[row], name)
-            axis.plot(x, 1e6 * worn, color=colour, label=f"cycle {(history.half_strokes[row] + 1) // 2}")
-        axis.plot(x, 1e6 * states[name].shape, "k--", linewidth=1.0, label="direct steady state")
+            axis.plot(*monotone_cubic(x, 1e6 * worn), color=colour, label=f"cycle {(history.half_strokes[row] + 1) // 2}")
+        axis.plot(*monotone_cubic(x, 1e6 * states[name].shape), "k--", linewidth=1.0, label="direct steady state")
         axis.set_xlabel("position on the punch x [mm]")
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()

@@ -3,7 +3,7 @@
 use crate::batch::example;
 use crate::{output, scenes};
 use anyhow::{Context, Result, bail};
-use std::fs::File;
+use scene_file::records::Records;
 use std::path::PathBuf;
 
 /// Fit the wear law to measured volumes: coefficient and exponents, with confidence intervals.
@@ -55,7 +55,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     };
     let mut passed = vec!["--scene".to_owned(), scene, "--confidence".to_owned(), confidence.to_string()];
     if let Some(records) = &arguments.records {
-        File::open(records).with_context(|| format!("reading {}", records.display()))?;
+        // Before anything is built.
+        let fitted = [Exponent::Pressure, Exponent::Velocity].map(|exponent| arguments.exponents.contains(&exponent));
+        Records::read(records)?.check(fitted).with_context(|| records.display().to_string())?;
         passed.extend(["--records".to_owned(), records.display().to_string()]);
     }
     if let Some(folder) = &arguments.output {

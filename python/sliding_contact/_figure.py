@@ -17,6 +17,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+try:
+    from ._curve import monotone_cubic
+except ImportError:  # run as a program
+    from _curve import monotone_cubic  # type: ignore[import-not-found,no-redef]
+
 # Okabe and Ito's palette: told apart by every eye and in print.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLE: Any = {
@@ -123,17 +128,17 @@ def steady(state: Any) -> Figure:
     for index, stroke in enumerate(state.strokes):
         name = "forward" if stroke.direction == "forward" else "backward"
         line = "-" if index == 0 else "--"
-        pressure.plot(x, 1e-6 * stroke.pressure, label=name, color=COLOURS[index], linestyle=line)
+        pressure.plot(*monotone_cubic(x, 1e-6 * stroke.pressure), label=name, color=COLOURS[index], linestyle=line)
         if heat:
             own = 1e-6 * heat["strokes"][index]["pressure"]
             label = "with heat" if index == 0 else None
             pressure.plot(x[::3], own[::3], label=label, **{**MARKER, "color": COLOURS[index]})
     pressure.axhline(1e-6 * state.mean_pressure, color="black", linewidth=0.6, label="mean")
-    shape.plot(x, 1e6 * state.shape, color=COLOURS[0], label="punch")
+    shape.plot(*monotone_cubic(x, 1e6 * state.shape), color=COLOURS[0], label="punch")
     if heat:
-        shape.plot(x, 1e6 * heat["shape"], color=COLOURS[1], linestyle="--", label="punch, with heat")
+        shape.plot(*monotone_cubic(x, 1e6 * heat["shape"]), color=COLOURS[1], linestyle="--", label="punch, with heat")
     if state.groove.any():
-        shape.plot(x, 1e6 * state.groove, color=COLOURS[2], label="groove of the strip")
+        shape.plot(*monotone_cubic(x, 1e6 * state.groove), color=COLOURS[2], label="groove of the strip")
     pressure.set_ylabel("pressure (MPa)")
     shape.set_ylabel("unloaded surface (µm)")
     if heat:
@@ -143,7 +148,7 @@ def steady(state: Any) -> Figure:
                 name = body if len(heat["strokes"]) == 1 else f"{body}, {stroke['direction']}"
                 line = "-" if index == 0 else "--"
                 values = stroke[f"temperature_{body}"] - 273.15
-                temperature.plot(x, values, color=COLOURS[side], linestyle=line, label=name)
+                temperature.plot(*monotone_cubic(x, values), color=COLOURS[side], linestyle=line, label=name)
         temperature.set_ylabel("surface temperature (°C)")
     for axis in axes[0]:
         axis.set_xlabel("x (mm)")

@@ -11,7 +11,6 @@ are relative, so logarithms are fitted: residual = ln(measured / predicted).
 
 from __future__ import annotations
 
-import csv
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
 COEFFICIENT = "punch.wear_coefficient"
 EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
 VOLUME = "wear_volume_punch"
-# Columns of records, and the variables whose units they may have.
-COLUMNS = {"load": "normal_load", "speed": "sliding_velocity", "distance": "sliding_distance", "volume": VOLUME}
 # The contact line, with the same cells for all parameters: a fit needs predictions that are smooth in them, which a level chosen anew for
 # each would not give. With nine cells the
 # volumes are those of the committed records to 1e-3.
@@ -54,58 +51,12 @@ class Records:
 
     @classmethod
     def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Records":
-        """From a CSV file with a column for each of `COLUMNS`, its unit behind the name: `load [N]` or `load_N`; lines that start with #
-        are notes.
+        """From a CSV file with a column for each of them, its unit behind the name: `load [N]` or `load_N`; lines that start with # are
+        notes.
         """
-        with open(path, newline="", encoding="utf-8") as file:
-            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and not line.startswith("#")]
-        reader = csv.reader(line for _, line in lines)
-        header = [cell.strip() for cell in next(reader, [])]
-        place = f"{path}, line {lines[0][0] if lines else 1}"
-        slopes = {}
-        for column in header:
-            name, unit = _name_and_unit(column)
-            if name not in COLUMNS:
-                raise Error(f"{place}: {column!r} is not accepted; accepted are {_accepted()}")
-            if name in slopes:
-                raise Error(f"{place}: {name} stands in two columns")
-            try:
-                found = _native.ask({"analysis": "unit", "name": COLUMNS[name], "unit": unit}).record
-            except Error as error:
-                raise Error(f"{place}: {column!r}: {str(error).partition(': ')[2]}") from None
-            slopes[name] = found["slope"]
-        missing = [name for name in COLUMNS if name not in slopes]
-        if missing:
-            raise Error(f"{place}: there is no column {missing[0]}; needed are {_accepted()}")
-        columns: dict[str, list[float]] = {name: [] for name in slopes}
-        for row in reader:
-            place = f"{path}, line {lines[reader.line_num - 1][0]}"
-            if len(row) != len(header):
-                raise Error(f"{place}: {len(row)} cells, and the header has {len(header)}")
-            for cell, (name, slope) in zip(row, slopes.items()):
-                try:
-                    value = float(cell)
-                except ValueError:
-                    raise Error(f"{place}: {name} = {cell.strip()!r} is no number") from None
-                if not 0.0 < value < float("inf"):
-                    raise Error(f"{place}: {name} = {cell.strip()} must be finite and above 0")
-                columns[name].append(slope * value)
-        if not columns["load"]:
-            raise Error(f"{path} has no row below its header")
-        return cls(*(np.array(columns[name]) for name in COLUMNS))
-
-
-def _name_and_unit(column: str) -> tuple[str, str]:
-    """Of `load [N]`, `load_N` or `speed_m_per_s`."""
-    if column.endswith("]"):
-        name, _, unit = column[:-1].partition("[")
-        return name.strip(), unit.strip()
-    name, _, unit = column.partition("_")
-    return name, unit.replace("_per_", "/").replace("_", ".")
-
-
-def _accepted() -> str:
-    return "load [N], speed [m/s], distance [m], volume [mm3], or in other units of theirs"
+        # The command refuses with the same reader what is wrong in a file before it builds anything.
+        found = _native.ask({"analysis": "records", "path": os.fspath(path)}).record
+        return cls(*(np.array(found[name]) for name in ("load", "speed", "distance", "volume")))
 
 
 class Model:

@@ -135,19 +135,71 @@ pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
 /// # Errors
 /// As [`read`].
 pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Table> {
+    let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
+    let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();
+    let (mut times, mut values, mut lines) = (Vec::<f64>::new(), Vec::new(), Vec::new());
+    let names = rows(content, path, &known, &mut |cells| {
+        for cell in cells {
+            if cell.name != TIME {
+                values.push(cell.value);
+                continue;
+            }
+            if let Some(last) = times.last().filter(|last| cell.value <= **last) {
+                let place = cell.place();
+                bail!("{place}: the time must increase from row to row, and was {last} s in the row before");
+            }
+            times.push(cell.value);
+        }
+        lines.extend(cells.first().map(|cell| cell.line));
+        Ok(())
+    })?;
+    let names = names.into_iter().filter(|name| name != TIME).collect();
+    Ok(Table { path: path.to_owned(), times, names, values, lines })
+}
+
+/// A cell of a row.
+pub(crate) struct Cell<'a> {
+    /// Name of its quantity.
+    pub(crate) name: &'a str,
+    /// Its value in the SI unit.
+    pub(crate) value: f64,
+    path: &'a Path,
+    line: u64,
+    column: usize,
+    header: &'a str,
+    text: &'a str,
+}
+
+impl Cell<'_> {
+    /// Where it stands and what it says, for messages.
+    pub(crate) fn place(&self) -> String {
+        let Self { path, line, column, header, text, .. } = self;
+        format!("{}, line {line}, column {column} ({header}): {text:?}", path.display())
+    }
+}
+
+/// Gives the rows of a file of `known` quantities to `take`, one after the other; returns the quantities in the order of the file.
+///
+/// # Errors
+/// As [`read`], and those of `take`.
+pub(crate) fn rows(
+    content: impl Read,
+    path: &Path,
+    known: &[&Column],
+    take: &mut dyn FnMut(&[Cell<'_>]) -> Result<()>,
+) -> Result<Vec<String>> {
     let file = path.display();
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
     let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
     let line = headers.position().map_or(1, csv::Position::line);
     if headers.is_empty() {
-        bail!("{file} is empty; its first line must name the columns, as time [s]");
+        let first = known.first().map_or_else(String::new, |column| format!("{} [{}]", column.name, column.unit.name));
+        bail!("{file} is empty; its first line must name the columns, as {first}");
     }
-    let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
-    let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();
     let mut found: Vec<Found> = Vec::with_capacity(headers.len());
     for (at, header) in headers.iter().enumerate() {
         let column =
-            Found::of(header, &known).map_err(|wrong| anyhow!("{file}, line {line}, column {}: {wrong}", at + 1))?;
+            Found::of(header, known).map_err(|wrong| anyhow!("{file}, line {line}, column {}: {wrong}", at + 1))?;
         if let Some(twice) = found.iter().position(|other| other.name == column.name) {
             bail!("{file}, line {line}, column {}: {} stands in column {} already", at + 1, column.name, twice + 1);
         }
@@ -157,31 +209,32 @@ pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Tab
         let there: Vec<&str> = headers.iter().collect();
         bail!("{file}, line {line}: no column {}; found are {}", missing.headers(), there.join(", "));
     }
-    let names = found.iter().filter(|column| column.name != TIME).map(|column| column.name.clone()).collect();
-    let mut table = Table { path: path.to_owned(), times: Vec::new(), names, values: Vec::new(), lines: Vec::new() };
+    let mut is_empty = true;
     for record in reader.records() {
-        let record = record.with_context(|| format!("reading {file}"))?;
+        let record = record.map_err(|error| match error.kind() {
+            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+                let line = pos.as_ref().map_or(0, csv::Position::line);
+                anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}")
+            }
+            _ => anyhow!(error).context(format!("reading {file}")),
+        })?;
         let line = record.position().map_or(0, csv::Position::line);
-        for (at, (cell, column)) in record.iter().zip(&found).enumerate() {
-            let place = || format!("{file}, line {line}, column {} ({}): {cell:?}", at + 1, &headers[at]);
-            let number: f64 = cell.parse().ok().with_context(|| format!("{} is no number", place()))?;
-            let value = quantity::in_si(number, column.symbol, column.unit, column.absolute)
-                .map_err(|wrong| anyhow!("{}: {wrong}", place()))?;
-            if column.name != TIME {
-                table.values.push(value);
-                continue;
-            }
-            if let Some(last) = table.times.last().filter(|last| value <= **last) {
-                bail!("{}: the time must increase from row to row, and was {last} s in the row before", place());
-            }
-            table.times.push(value);
+        let mut cells = Vec::with_capacity(found.len());
+        for (at, (text, column)) in record.iter().zip(&found).enumerate() {
+            let mut cell =
+                Cell { name: &column.name, value: f64::NAN, path, line, column: at + 1, header: &headers[at], text };
+            let number: f64 = text.parse().ok().with_context(|| format!("{} is no number", cell.place()))?;
+            cell.value = quantity::in_si(number, column.symbol, column.unit, column.absolute)
+                .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
+            cells.push(cell);
         }
-        table.lines.push(line);
+        take(&cells)?;
+        is_empty = false;
     }
-    if table.times.is_empty() {
+    if is_empty {
         bail!("{file} has no row below its header");
     }
-    Ok(table)
+    Ok(found.into_iter().map(|column| column.name).collect())
 }
 
 /// A column of a file.
@@ -291,7 +344,7 @@ mod tests {
             ("nothing", "", "is empty; its first line must name the columns"),
             ("notes", "# nothing\n", "is empty"),
             ("semicolons", "time;speed_m_per_s\n0;1\n", "columns are separated by commas, and this header has ';'"),
-            ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),
+            ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
         ] {
             let told = format!("{:#}", table(name, text).unwrap_err());
             assert!(told.contains(wanted), "{told}\nis without {wanted}");

@@ -29,6 +29,7 @@ mod assignment;
 pub mod columns;
 pub mod materials;
 pub mod quantity;
+pub mod records;
 pub mod shipped;
 mod suggest;
 pub mod unit_names;

@@ -33,8 +33,8 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
                 _ => reason,
             })?;
             let si = written.si();
-            if si != 0.0 && si < row.least_chosen {
-                let least = written.shown(row.least_chosen);
+            if si != 0.0 && si.abs() < row.least_magnitude {
+                let least = written.shown(row.least_magnitude);
                 return Err(format!(
                     "{} is below the least value other than 0, {}",
                     written.show(written.number),

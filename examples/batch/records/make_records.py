@@ -32,7 +32,7 @@ def main():
     tests = conditions()
     volumes = wear_law.Model(Scene.load("pin_on_disk"), tests).volumes(TRUTH) * np.exp(noise(SEED))
     print("# Synthetic: made by make_records.py, which holds the truth. Steel pin on a steel disk, conditions around ASTM G99.")
-    print(",".join(wear_law.COLUMNS))
+    print("load [N],speed [m/s],distance [m],volume [mm3]")
     for load, speed, distance, volume in zip(tests.load, tests.speed, tests.distance, volumes):
         print(f"{load:g},{speed:g},{distance:g},{1e9 * volume:.4g}")
 

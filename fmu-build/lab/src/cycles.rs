@@ -144,12 +144,12 @@ impl Presentation for Course {
                 Axis::new("pressure, MPa"),
                 vec![Series::line("", over(&|s| 1e-6 * s.highest_pressure)).with(Mark::LineAndPoints)],
             ),
-            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth, um"), worn)
+            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth, µm"), worn)
                 .with_legend(Legend::UpperLeft),
         ];
         if self.warm {
             let temperature = vec![Series::line("", over(&|s| s.temperature - 273.15)).with(Mark::LineAndPoints)];
-            panels.push(Panel::new("Mean contact temperature", cycles(), Axis::new("temperature, degC"), temperature));
+            panels.push(Panel::new("Mean contact temperature", cycles(), Axis::new("temperature, °C"), temperature));
         }
         Figure::new(format!("{} over its cycles", self.name), panels)
     }
@@ -178,6 +178,6 @@ mod tests {
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
         assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
         assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
-        assert!(course.figure().svg().unwrap().contains("depth, um"));
+        assert!(course.figure().svg().unwrap().contains("depth, µm"));
     }
 }

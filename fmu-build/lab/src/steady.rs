@@ -5,6 +5,7 @@ mod law;
 
 use std::path::PathBuf;
 
+use analyses::curve::{CONTACT_POINTS, monotone_cubic};
 use analyses::steady::{Options, Solved, direction, largest, number, solve};
 use anyhow::{Result, bail};
 use scene::Scene;
@@ -168,6 +169,10 @@ impl Presentation for Solved {
     fn figure(&self) -> Figure {
         let x: Vec<f64> = self.cells.centres().iter().map(|x| 1e3 * x).collect();
         let over = |values: &[f64], unit: f64| x.iter().zip(values).map(|(&x, v)| (x, unit * v)).collect::<Vec<_>>();
+        let curve = |values: &[f64], unit: f64| {
+            let (x, values) = monotone_cubic(&x, values, CONTACT_POINTS);
+            x.into_iter().zip(values).map(|(x, value)| (x, unit * value)).collect::<Vec<_>>()
+        };
         let half_width = 1e3 * self.cells.half_width();
         let axis = || {
             let along = self.scene.geometry == scene::Geometry::Annular;
@@ -179,23 +184,23 @@ impl Presentation for Solved {
         for (index, stroke) in self.state.strokes.iter().enumerate() {
             let name = if stroke.velocity < 0.0 { "backward, v < 0" } else { "forward, v > 0" };
             let mark = if index == 0 { Mark::Line } else { Mark::Dashes };
-            pressures.push(Series::line(name, over(&stroke.pressure, 1e-6)).with(mark));
+            pressures.push(Series::line(name, curve(&stroke.pressure, 1e-6)).with(mark));
         }
-        let [hot_pressures, hot_shape] = heat::series(self, &over);
+        let [hot_pressures, hot_shape] = heat::series(self, &over, &curve);
         pressures.extend(hot_pressures);
         pressures.push(Series::line("mean", vec![(-half_width, mean), (half_width, mean)]).coloured(6));
         let most = self.state.strokes.iter().map(|stroke| 1e-6 * largest(&stroke.pressure)).fold(0.0, f64::max);
         // Contact without wear of the punch is singular at its edges.
         let top = (1.06 * most).min(4.0 * mean);
         let pressure = Axis::new("pressure, MPa").over(-0.04 * top, top);
-        let mut shapes = vec![Series::line("punch", over(&self.state.shape, 1e6))];
+        let mut shapes = vec![Series::line("punch", curve(&self.state.shape, 1e6))];
         if self.state.groove.iter().any(|depth| *depth > 0.0) {
-            shapes.push(Series::line("groove of the strip", over(&self.state.groove, 1e6)).with(Mark::Dashes));
+            shapes.push(Series::line("groove of the strip", curve(&self.state.groove, 1e6)).with(Mark::Dashes));
         }
         shapes.extend(hot_shape);
         let header = vec![
             format!(
-                "{}; load {} N, mean pressure {:.4} MPa, {} cells",
+                "{}; load {} N, mean pressure {:.4} MPa; level line, {} cells",
                 self.kind(),
                 self.scene.nominal_load,
                 mean,
@@ -208,12 +213,12 @@ impl Presentation for Solved {
                 number(self.state.friction_power)
             ),
         ];
-        let shape_axis = Axis::new("depth of the unloaded surface, um");
+        let shape_axis = Axis::new("depth of the unloaded surface, µm");
         let mut panels = vec![
             Panel::new("Pressure", axis(), pressure, pressures).with_legend(Legend::Bottom),
             Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Top),
         ];
-        panels.extend(heat::panel(self, axis(), &over));
+        panels.extend(heat::panel(self, axis(), &curve));
         Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
     }
 }
@@ -254,7 +259,7 @@ mod tests {
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
         // With heat: all friction heat leaves the bodies.
-        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, degC"), "{table}");
+        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, °C"), "{table}");
         let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
         assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));

@@ -254,7 +254,11 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
             "time [s],sliding_velocity [m/s],sliding_velocity [km/h]\n0,1,1\n",
             &["column 3", "stands in column 2 already"],
         ),
-        ("ragged.csv", "time [s],sliding_velocity [m/s],normal_load [N]\n0,1\n", &["line: 2", "2 fields"]),
+        (
+            "ragged.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1\n",
+            &["line 2: 2 cells, and the header has 3"],
+        ),
         ("semicolons.csv", "time [s];sliding_velocity [m/s];normal_load [N]\n0;1;1\n", &["separated by commas", "';'"]),
     ];
     for (name, text, parts) in files {

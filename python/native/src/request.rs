@@ -7,6 +7,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
 use scene_file::columns::{self, Column, Table};
+use scene_file::records::Records;
 use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -79,6 +80,10 @@ pub enum Request {
     Unit {
         name: String,
         unit: String,
+    },
+    /// Records of wear tests, in SI units.
+    Records {
+        path: PathBuf,
     },
     /// The SI value of a text with a unit, as `80 km/h`; of a difference without the zero of units that have one.
     Quantity {
@@ -167,6 +172,10 @@ impl Request {
         let value = match self {
             Self::Names { scenes } => json!(shipped::names(&scenes)),
             Self::Unit { name, unit } => conversion(&name, &unit)?,
+            Self::Records { path } => {
+                let Records { load, speed, distance, volume } = Records::read(&path)?;
+                json!({ "load": load, "speed": speed, "distance": distance, "volume": volume })
+            }
             Self::Quantity { name, text, difference } => {
                 let (unit, absolute) = unit_of(&name)?;
                 let value = quantity::text(&text, unit, absolute && !difference);

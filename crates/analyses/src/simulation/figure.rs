@@ -4,11 +4,11 @@
 use super::measured::Measured;
 use super::quantity::{Shown, rounded};
 use super::run::{Profiles, Recording, energy_residual};
+use crate::curve::{CONTACT_POINTS, monotone_cubic};
 use serde::Serialize;
 
-/// Points of a curve over time at most, and points over the contact: more cannot be seen.
+/// Points of a curve over time at most: more cannot be seen.
 const POINTS: usize = 4000;
-const CONTACT_POINTS: usize = 257;
 
 /// Markers of a measured curve at most.
 const MARKERS: usize = 160;
@@ -167,14 +167,14 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
     if all.is_empty() {
         return Vec::new();
     }
-    let along = if recording.radial { "radius less the mean one" } else { "x, along the sliding direction" };
+    let along = if recording.radial { "radius less the mean one" } else { "x, sliding direction" };
     let half_width = all[0].x[all[0].x.len() - 1].abs();
     let position = Shown::of_difference("m", half_width.clamp(1e-3, 0.5));
     let draw = |label: &str, name: &str, unit: &str, of: &dyn Fn(&Profiles) -> Vec<f64>| {
         let most = all.iter().flat_map(of).fold(0.0_f64, |most, value| most.max(value.abs()));
         let shown = Shown::of(name, unit, most);
         let series = all.iter().enumerate().map(|(colour, own)| {
-            let (x, y) = smooth(&own.x, &of(own), CONTACT_POINTS);
+            let (x, y) = monotone_cubic(&own.x, &of(own), CONTACT_POINTS);
             Series {
                 name: format!("{} s", rounded(own.time)),
                 colour,
@@ -235,50 +235,10 @@ fn thinned(x: &[f64], y: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     kept.iter().map(|&row| (x[row], y[row])).unzip()
 }
 
-/// Monotone cubic interpolation (Fritsch and Carlson) at equally spaced positions: a curve through values at few stations that
-/// has no extremes of its own.
-fn smooth(x: &[f64], y: &[f64], count: usize) -> (Vec<f64>, Vec<f64>) {
-    let last = x.len() - 1;
-    let secant: Vec<f64> = (0..last).map(|at| (y[at + 1] - y[at]) / (x[at + 1] - x[at])).collect();
-    let slope = |at: usize| match at {
-        0 => secant[0],
-        _ if at == last => secant[last - 1],
-        _ if secant[at - 1] * secant[at] <= 0.0 => 0.0,
-        // Harmonic mean: within the monotone region.
-        _ => 2.0 * secant[at - 1] * secant[at] / (secant[at - 1] + secant[at]),
-    };
-    let at = |position: f64| {
-        let cell = x.partition_point(|own| *own <= position).clamp(1, last) - 1;
-        let width = x[cell + 1] - x[cell];
-        let t = (position - x[cell]) / width;
-        let (left, right) = (width * slope(cell), width * slope(cell + 1));
-        let rise = y[cell + 1] - y[cell];
-        y[cell] + t * (left + t * ((3.0 * rise - 2.0 * left - right) + t * (left + right - 2.0 * rise)))
-    };
-    let positions = (0..count).map(|step| x[0] + (x[last] - x[0]) * step as f64 / (count - 1) as f64);
-    positions.map(|position| (position, at(position))).unzip()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tests::shipped;
-
-    #[test]
-    fn a_smoothed_curve_keeps_its_stations_and_has_no_extremes_of_its_own() {
-        let x: Vec<f64> = (0..33).map(f64::from).collect();
-        let y: Vec<f64> = x.iter().map(|x| if *x < 10.0 { 0.0 } else { (0.3 * x).sin().abs() }).collect();
-        let (positions, values) = smooth(&x, &y, 32 * 8 + 1);
-        for station in 0..33 {
-            assert!((positions[8 * station] - x[station]).abs() < 1e-12);
-            assert!((values[8 * station] - y[station]).abs() < 1e-12);
-        }
-        for (at, value) in values.iter().enumerate() {
-            let cell = (at / 8).min(31);
-            let (low, high) = (y[cell].min(y[cell + 1]), y[cell].max(y[cell + 1]));
-            assert!((low - 1e-12..=high + 1e-12).contains(value), "{at}: {value}");
-        }
-    }
 
     #[test]
     fn thinning_keeps_extremes_ends_and_order() {
@@ -342,7 +302,7 @@ mod tests {
         for panel in &figure.profiles {
             let names: Vec<&str> = panel.series.iter().map(|series| series.name.as_str()).collect();
             assert_eq!(names, ["0 s", "0.5 s", "1 s"]);
-            assert_eq!(panel.x, "x, along the sliding direction (mm)");
+            assert_eq!(panel.x, "x, sliding direction (mm)");
             assert!(panel.series.iter().all(|series| series.x[0] == -47.5 && series.x[CONTACT_POINTS - 1] == 47.5));
         }
         let lumped = stop("solver.fidelity=lumped");

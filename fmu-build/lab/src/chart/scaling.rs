@@ -186,7 +186,7 @@ impl Scaling {
             let costs = all().map(|p| 1e6 * p.1).filter(|cost| *cost > 0.0);
             let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(l, m), cost| (l.min(cost), m.max(cost)));
             // Room for the legend below, and for round numbers on a narrow axis.
-            let cost = Axis::logarithmic("time of a step, us").over((0.1 * least).max(1e-3), 2.0 * most.max(1e-2));
+            let cost = Axis::logarithmic("time of a step, µs").over((0.1 * least).max(1e-3), 2.0 * most.max(1e-2));
             let size = Axis::logarithmic(group.label).over((0.6 * smallest).min(0.6 * largest), 1.6 * largest.max(1.0));
             Panel::new(group.title, size, cost, series).with_legend(Legend::LowerRight)
         });

@@ -58,24 +58,24 @@ fn limit(solved: &Solved, hot: &HotState) -> String {
     }
 }
 
-/// Cell values times a factor, as points of a line.
+/// Cell values times a factor, as points of a series.
 type Course<'a> = dyn Fn(&[f64], f64) -> Vec<(f64, f64)> + 'a;
 
-/// Pressure and shape with heat, for the panels of those without.
-pub fn series(solved: &Solved, over: &Course<'_>) -> [Vec<Series>; 2] {
+/// Pressure and shape with heat, for the panels of those without: `over` gives the values of the cells, `curve` a curve through them.
+pub fn series(solved: &Solved, over: &Course<'_>, curve: &Course<'_>) -> [Vec<Series>; 2] {
     let Some(hot) = known(solved) else { return [Vec::new(), Vec::new()] };
     let pressures = hot.state.strokes.iter().enumerate().map(|(index, stroke)| {
         let name = if index == 0 { "with heat" } else { "" };
         Series::line(name, over(&stroke.pressure, 1e-6)).with(Mark::Points).coloured(1 + index)
     });
-    let shape = Series::line("punch, with heat", over(&hot.state.shape, 1e6)).with(Mark::Dashes).coloured(1);
+    let shape = Series::line("punch, with heat", curve(&hot.state.shape, 1e6)).with(Mark::Dashes).coloured(1);
     [pressures.collect(), vec![shape]]
 }
 
 /// Temperatures of the surfaces.
-pub fn panel(solved: &Solved, axis: Axis, over: &Course<'_>) -> Option<Panel> {
+pub fn panel(solved: &Solved, axis: Axis, curve: &Course<'_>) -> Option<Panel> {
     let hot = known(solved)?;
-    let celsius = |values: &[f64]| over(&values.iter().map(|t| t - 273.15).collect::<Vec<f64>>(), 1.0);
+    let celsius = |values: &[f64]| curve(&values.iter().map(|t| t - 273.15).collect::<Vec<f64>>(), 1.0);
     let mut series = Vec::new();
     for (side, name) in ["punch", "strip"].into_iter().enumerate() {
         for (index, stroke) in hot.heat.strokes.iter().enumerate() {
@@ -87,5 +87,5 @@ pub fn panel(solved: &Solved, axis: Axis, over: &Course<'_>) -> Option<Panel> {
         }
     }
     let title = "Temperature of the surfaces";
-    Some(Panel::new(title, axis, Axis::new("temperature, degC"), series).with_legend(Legend::Bottom))
+    Some(Panel::new(title, axis, Axis::new("temperature, °C"), series).with_legend(Legend::Bottom))
 }
