@@ -20,6 +20,7 @@ use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::lumped::limit;
 use model::plan::prepared::Prepared;
+use plan_watch::Course;
 use scene::message::Number;
 use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
 use scene::{Fidelity, Scene, value};
@@ -163,8 +164,8 @@ pub struct Component {
     prepared: Option<Arc<Prepared>>,
     /// The plan compared levels, so its validity is checked after every step.
     planned: bool,
-    /// The run has left the validity of the plan, and this has been logged.
-    beyond_plan: bool,
+    /// What the run has done of that on which the error of the plan depends.
+    course: Course,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
@@ -192,7 +193,7 @@ impl Component {
             declared_tolerance: None,
             prepared: None,
             planned: false,
-            beyond_plan: false,
+            course: Course::default(),
             at_end: false,
             last_step: 0.0,
             reported: 0,
@@ -281,7 +282,7 @@ impl Component {
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
         self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
-        self.beyond_plan = false;
+        self.course = Course::default();
         self.planned = prepared.was_compared();
         self.prepared = Some(prepared);
         self.current = 0;
@@ -472,7 +473,7 @@ impl Component {
             self.report(limits, &began);
         }
         if self.planned {
-            self.watch_plan();
+            self.watch_plan(&began);
         }
         Ok(())
     }

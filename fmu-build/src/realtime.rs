@@ -319,7 +319,7 @@ impl Run {
         );
         let axis = Axis::logarithmic("time, µs");
         let share = Axis::logarithmic("share that takes longer, 1").over(lowest, 1.0);
-        let panel = Panel::new("How many steps take longer", axis, share, series).with_legend(Legend::UpperRight);
+        let panel = Panel::new("How many steps take longer", axis, share, series).with_legend(Legend::LowerLeft);
         let how = if self.case.paced { "one every millisecond of the clock" } else { "back to back" };
         let mut figure = Figure::new(
             format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),

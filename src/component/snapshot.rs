@@ -1,5 +1,6 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
+use super::plan_watch::Course;
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
@@ -18,8 +19,8 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// The run has left the validity of the plan.
-    beyond_plan: bool,
+    /// See [`Course`].
+    course: Course,
     /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
@@ -45,7 +46,7 @@ impl Component {
         into.reported = self.reported;
         into.at_end = self.at_end;
         into.last_step = self.last_step;
-        into.beyond_plan = self.beyond_plan;
+        into.course = self.course;
         into.state = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
@@ -117,9 +118,8 @@ impl Component {
         } else {
             self.model = None;
         }
-        // Outputs keep their last values until they are evaluated again.
-        self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
-        self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
+        // Outputs are evaluated when they are read; without a model they have their start values.
+        *self.values = values;
         self.suspect = true;
         self.slopes = from.slopes;
         self.sloped = super::is_sloped(&from.slopes);
@@ -132,7 +132,7 @@ impl Component {
         self.reported = from.reported;
         self.at_end = from.at_end;
         self.last_step = from.last_step;
-        self.beyond_plan = from.beyond_plan;
+        self.course = from.course;
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -150,7 +150,9 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
-        put(f64::from(u8::from(self.beyond_plan)));
+        put(f64::from(u8::from(self.course.is_beyond)));
+        put(f64::from(u8::from(self.course.is_released)));
+        put(self.course.largest_load);
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -179,7 +181,7 @@ impl Snapshot {
             Some(ModelState::Lumped(mean)) => mean.numbers().len(),
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        8 * (7 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (9 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -198,9 +200,12 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let beyond_plan = next()? != 0.0;
+        let course = Course { is_beyond: next()? != 0.0, is_released: next()? != 0.0, largest_load: next()? };
         let (tolerance, count) = (next()?, next()?);
-        if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
+        if !(0.0..=COUNT as f64).contains(&count)
+            || !(0.0..=2.0).contains(&phase)
+            || !(0.0..256.0).contains(&reported)
+            || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
         {
             return None;
         }
@@ -209,7 +214,7 @@ impl Snapshot {
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
-            beyond_plan,
+            course,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };

@@ -24,7 +24,7 @@ use crate::component::Snapshot;
 use scene::fnv::Fnv;
 
 const MAGIC: [u8; 4] = *b"SCfs";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 /// Bytes before the GUID.
 pub const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;

@@ -91,6 +91,21 @@ fn a_state_holds_inputs_derivatives_parameters_phase_and_times() {
     assert_eq!(importer.free(&mut state), OK);
 }
 
+/// A state from before the first evaluation says what a new instance says, not what an error after it left.
+#[test]
+fn a_restored_state_shows_its_own_outputs() {
+    let outputs = real_outputs();
+    let importer = Importer::at(Stage::Instantiated);
+    let first: Vec<u64> = importer.get_reals(&outputs).unwrap().iter().map(|value| value.to_bits()).collect();
+    let state = saved(&importer);
+    assert_eq!((importer.setup(None, 0.0, None), importer.enter()), (OK, OK));
+    assert_eq!(importer.set_real(&["sliding_velocity"], &[f64::INFINITY]), OK);
+    assert_eq!(importer.get_reals(&outputs), Err(ERROR), "no value at an infinite velocity");
+    assert_eq!(importer.restore(state), OK);
+    let again: Vec<u64> = importer.get_reals(&outputs).unwrap().iter().map(|value| value.to_bits()).collect();
+    assert_eq!(again, first);
+}
+
 #[test]
 fn a_state_is_written_over_and_dies_once() {
     let importer = Importer::at(Stage::Stepping);

@@ -24,6 +24,13 @@ fn is_real(name: &str) -> bool {
     matches!(TABLE[FLAT[reference as usize].0 as usize].kind, Kind::Real { .. })
 }
 
+/// Least magnitude of a Real other than 0.
+fn least_magnitude(name: &str) -> Option<f64> {
+    let reference = crate::importer::reference(name);
+    let row = &TABLE[FLAT[reference as usize].0 as usize];
+    matches!(row.kind, Kind::Real { .. }).then_some(row.least_magnitude)
+}
+
 #[test]
 fn every_parameter_beyond_its_limits_is_refused_by_name_value_and_limit() {
     let phases = [Importer::at(Stage::Instantiated), Importer::at(Stage::Stepping)];
@@ -31,7 +38,13 @@ fn every_parameter_beyond_its_limits_is_refused_by_name_value_and_limit() {
     let mut count = 0;
     for (name, least, largest, is_tunable) in parameters() {
         let values = match is_real(&name) {
-            true => vec![least.next_down(), largest.next_up(), f64::NAN, f64::INFINITY, f64::NEG_INFINITY],
+            true => {
+                let mut values = vec![least.next_down(), largest.next_up(), f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+                values.extend(
+                    least_magnitude(&name).map(f64::next_down).filter(|value| (least..=largest).contains(value)),
+                );
+                values
+            }
             false => vec![least - 1.0, largest + 1.0],
         };
         for value in values {
@@ -40,8 +53,14 @@ fn every_parameter_beyond_its_limits_is_refused_by_name_value_and_limit() {
                 let log = importer.take_log();
                 assert_eq!(status, Status::Discard, "{name} = {value}: {log:?}");
                 let [(Status::Discard, _, text)] = &log[..] else { panic!("{name} = {value}: {log:?}") };
-                let limits =
-                    ["below the minimum ", "above the maximum ", "not a finite number", "not an item of", "0 or 1"];
+                let limits = [
+                    "below the minimum ",
+                    "below the least value other than 0, ",
+                    "above the maximum ",
+                    "not a finite number",
+                    "not an item of",
+                    "0 or 1",
+                ];
                 assert!(text.contains(&format!("{name}: ")), "{name} = {value}: {text}");
                 assert!(limits.iter().any(|limit| text.contains(limit)), "{name} = {value}: {text}");
                 assert!(importer.bytes() == *before, "{name} = {value} changes the state");
@@ -61,7 +80,8 @@ fn check(level: Level) {
         // These choose the level; the cost of 1025 cells is for another test. Of arrays the first two elements.
         let is_skipped = ["solver.fidelity", "solver.cells"].contains(&&name[..])
             || name.ends_with(']') && !["[1]", "[2]"].iter().any(|end| name.ends_with(end));
-        for value in [least, largest] {
+        let tiny = least_magnitude(&name).filter(|value| (least..=largest).contains(value));
+        for value in [Some(least), tiny, Some(largest)].into_iter().flatten() {
             // Their operators take seconds.
             let is_long = level == Level::Hot
                 && [("strip.length", largest), ("contact.mean_radius", largest), ("nominal.duration", least)]

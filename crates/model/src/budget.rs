@@ -10,8 +10,8 @@ pub const MOST_STEPS: u32 = 200_000;
 /// Largest number of contact solutions with heat in a communication step, for few cells.
 const MOST_SOLUTIONS: u64 = 1 << 20;
 
-/// Largest number of contact solutions times the square of the number of cells, for many cells, since the cost of a solution
-/// increases with it.
+/// Largest number of contact solutions times their cost: the square of the number of cells, or four times the number of thermal
+/// states where that is larger (finite elements).
 const MOST_OPERATIONS: u64 = 1 << 30;
 
 /// Number of contact solutions that is permitted in any case: jumps that settle require some thousand.
@@ -28,10 +28,10 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Budget for a contact on `count` cells.
-    pub fn new(count: usize) -> Budget {
-        let square = (count as u64).saturating_mul(count as u64).max(1);
-        Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / square).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
+    /// Budget for a contact on `count` cells between bodies of `states` thermal states.
+    pub fn new(count: usize, states: usize) -> Budget {
+        let cost = (count as u64).saturating_mul(count as u64).max(4 * states as u64).max(1);
+        Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / cost).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
     }
 
     /// Resets the counters at the start of a communication step.
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_step_ends_at_its_limits_and_says_which() {
-        let mut budget = Budget::new(33);
+        let mut budget = Budget::new(33, 200);
         for _ in 0..MOST_STEPS {
             budget.spend(String::new).unwrap();
         }
@@ -80,8 +80,10 @@ mod tests {
         budget.solutions += 1;
         let text = budget.spend(|| "here".into()).unwrap_err().to_string();
         assert!(text.contains(&format!("{most} solutions of the contact (at most {most})")), "{text}");
-        for (count, most) in [(1, 1 << 20), (32, 1 << 20), (256, 1 << 14), (1025, 1 << 14)] {
-            assert_eq!(Budget::new(count).most, most);
+        for (count, states, most) in
+            [(1, 20, 1 << 20), (32, 200, 1 << 20), (5, 8192, 1 << 15), (256, 1000, 1 << 14), (1025, 0, 1 << 14)]
+        {
+            assert_eq!(Budget::new(count, states).most, most);
         }
     }
 }

@@ -28,6 +28,20 @@ impl fmt::Display for Number {
     }
 }
 
+/// A number with all digits that it needs, and with an exponent where it would be a row of zeros.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Exact(pub f64);
+
+impl fmt::Display for Exact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.0.abs();
+        if magnitude != 0.0 && magnitude.is_finite() && !(1e-5..1e16).contains(&magnitude) {
+            return write!(f, "{:e}", self.0);
+        }
+        write!(f, "{}", self.0)
+    }
+}
+
 /// Room for the text of one number, so that messages of a step allocate nothing.
 #[derive(Default)]
 struct Digits {
@@ -73,7 +87,7 @@ pub fn apart(values: [f64; 2], of: &str) -> [String; 2] {
         return texts;
     }
     values.map(|value| {
-        let mut text = value.to_string();
+        let mut text = Exact(value).to_string();
         let _ = unit(&mut text, of);
         text
     })
@@ -114,5 +128,10 @@ mod tests {
         assert_eq!(apart([2.0, 1.0], "m"), ["2 m", "1 m"]);
         assert_eq!(apart([10.000000001, 10.0], "m"), ["10.000000001 m", "10 m"]);
         assert_eq!(apart([10.000000001, 10.0], "1"), ["10.000000001", "10"]);
+        assert_eq!(apart([1.0000000001e-60, 1e-60], "m"), ["1.0000000001e-60 m", "1e-60 m"]);
+        assert_eq!(Exact(5e-324).to_string(), "5e-324");
+        assert_eq!(Exact(1e16).to_string(), "1e16");
+        assert_eq!(Exact(-0.00125).to_string(), "-0.00125");
+        assert_eq!(Exact(f64::INFINITY).to_string(), "inf");
     }
 }

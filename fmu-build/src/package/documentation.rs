@@ -29,7 +29,7 @@ pub const PICTURES: [(&str, &[u8]); 7] = [
     ("realtime.svg", include_bytes!("../../../docs/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
     ("hot_spots.svg", include_bytes!("../../../examples/hot_spots/hot_spots.svg")),
-    ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
+    ("sensitivities.svg", include_bytes!("../../../examples/batch/sensitivities.svg")),
 ];
 
 /// Writes the page for a scene.

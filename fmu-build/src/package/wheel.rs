@@ -99,7 +99,18 @@ pub fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
 fn for_scripts() -> Result<PathBuf> {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command
-        .args(["build", "--package", "sliding-contact-python", "--lib", "--release", "--locked", "--target-dir"])
+        // Beside the program that is built anyway: alone, two libraries beneath would have fewer features, and every layer above
+        // them would be compiled again.
+        .args([
+            "build",
+            "--package",
+            "sliding-contact-python",
+            "--package",
+            "fmu-lab",
+            "--release",
+            "--locked",
+            "--target-dir",
+        ])
         .arg(project::target())
         .current_dir(project::root());
     let beat = Heartbeat::start("Compiling the library of the Python package");

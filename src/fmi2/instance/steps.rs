@@ -6,6 +6,7 @@ use super::Instance;
 use super::problem::{self, Outcome, Problem, argument};
 use crate::fmi2::policy::{self, Fault};
 use crate::fmi2::types::{Boolean, FALSE, LAST_SUCCESSFUL_TIME, Real, StatusKind, TERMINATED};
+use scene::message::Exact;
 
 impl Instance {
     /// `fmi2DoStep`. The step has exactly the given length, and the next one begins at the importer's own
@@ -26,7 +27,10 @@ impl Instance {
                 self.clock.time = end;
                 Ok(())
             }
-            Err(text) => Err(Problem { fault: Fault::Step, text: format!("step of {step} s from {from} s: {text}") }),
+            Err(text) => {
+                let (step, from) = (Exact(step), Exact(from));
+                Err(Problem { fault: Fault::Step, text: format!("step of {step} s from {from} s: {text}") })
+            }
         }
     }
 
@@ -34,15 +38,17 @@ impl Instance {
     fn misfit(&self, from: Real, step: Real) -> Outcome {
         let (time, end) = (self.clock.time, from + step);
         if !(step >= 0.0 && step.is_finite()) {
-            return argument(format!("the step {step} s must be a finite number >= 0"));
+            return argument(format!("the step {} s must be a finite number >= 0", Exact(step)));
         }
         if !((from - time).abs() <= policy::same_time_within(time) && end.is_finite()) {
             return argument(format!(
-                "the communication point {from} s is not the end of the last step, {time} s (within {} s)",
-                policy::same_time_within(time)
+                "the communication point {} s is not the end of the last step, {} s (within {} s)",
+                Exact(from),
+                Exact(time),
+                Exact(policy::same_time_within(time))
             ));
         }
-        let stop = self.clock.stop.unwrap_or(f64::INFINITY);
+        let [step, from, end, stop] = [step, from, end, self.clock.stop.unwrap_or(f64::INFINITY)].map(Exact);
         argument(format!("the step of {step} s from {from} s ends at {end} s, past the stop time {stop} s"))
     }
 

@@ -97,7 +97,7 @@ impl ContactStages {
             rate: ContactRate::new(count),
             still: zeros(),
             reference_approach: (f64::NAN, 0.0),
-            budget: Budget::new(count),
+            budget: Budget::new(count, operators.heat.as_ref().map_or(0, |bodies| bodies.states.iter().sum())),
         }
     }
 

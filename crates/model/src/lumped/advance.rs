@@ -159,7 +159,7 @@ impl Lumped {
         if inputs[1] < 0.0 || last_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
-        let mut budget = Budget::new(1);
+        let mut budget = Budget::new(1, 0);
         let Some(slopes) = slopes else {
             let constant = self.conditions(inputs);
             return self.piece(&InputTrajectory::Constant(constant), step, is_too_long, backup, &mut budget);

@@ -141,8 +141,8 @@ pub struct Row {
     pub elements: u32,
     /// Direct dependence of an output.
     pub depends: Depends,
-    /// Least non-zero value of a parameter for which 0 means an automatic choice; 0: only the bounds apply.
-    pub least_chosen: f64,
+    /// Least magnitude of a parameter other than 0.
+    pub least_magnitude: f64,
     /// Name of the type of a Real; empty: the first of [`types::TYPES`] with its unit.
     pub type_name: &'static str,
     /// Setting that replaces the value 0, which former versions took for it; empty: none.
@@ -354,8 +354,8 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
     match row.bounds() {
         (Some(min), _) if value < min => limited("below the minimum", min),
         (_, Some(max)) if value > max => limited("above the maximum", max),
-        _ if value != 0.0 && value < row.least_chosen => {
-            limited("below the least value other than 0,", row.least_chosen)
+        _ if value != 0.0 && value.abs() < row.least_magnitude => {
+            limited("below the least value other than 0,", row.least_magnitude)
         }
         _ => Ok(()),
     }

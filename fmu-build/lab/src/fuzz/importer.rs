@@ -6,7 +6,7 @@ use std::ffi::CString;
 use std::ptr;
 
 use scene::slot;
-use scene::variables::{COUNT, ValueReference, reference};
+use scene::variables::{COUNT, ValueReference, lookup, reference};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, FmuState, Logger, Status};
 
@@ -92,6 +92,15 @@ impl Importer {
         let mut current = self.log.borrow_mut();
         log.append(&mut current);
         *current = log;
+    }
+
+    /// Whether the last message refuses an output and names an input, or the derivative of an input, as the cause.
+    pub fn has_named_an_input(&self) -> bool {
+        let log = self.log.borrow();
+        let Some((_, text)) = log.last() else { return false };
+        let Some((_, cause)) = text.split_once("is not a finite number: ") else { return false };
+        let cause = cause.strip_prefix("the derivative of ").unwrap_or(cause);
+        (0..model::INPUTS).any(|at| lookup(at as ValueReference).is_some_and(|(row, _)| cause.starts_with(row.name)))
     }
 
     /// `fmi2SetupExperiment`

@@ -46,6 +46,10 @@ static ROWS: [Row; LENGTH] = {
 /// Every variable of the FMU, in the order of the XML.
 pub static TABLE: &[Row] = &ROWS;
 
+/// Least magnitude of a Real other than 0: far below everything physical, and its reciprocal and the powers of that are far within
+/// the range of floating-point numbers.
+const LEAST_MAGNITUDE: f64 = 1e-60;
+
 const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description: &'static str) -> Row {
     Row {
         name,
@@ -57,7 +61,7 @@ const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description
         start: Start::Uniform(0.0),
         elements: 0,
         depends: Depends::OnStates,
-        least_chosen: 0.0,
+        least_magnitude: LEAST_MAGNITUDE,
         type_name: "",
         instead_of_zero: "",
         may_be_shorter: false,
@@ -99,7 +103,7 @@ impl Row {
 
     /// 0, or a value from `least` on.
     const fn zero_or_from(self, least: f64) -> Row {
-        Row { least_chosen: least, ..self }
+        Row { least_magnitude: least, ..self }
     }
 
     /// A Real of the type of this name, shown as that is.
