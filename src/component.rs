@@ -5,8 +5,10 @@
 
 mod inputs;
 mod messages;
+mod outputs;
 mod plan_watch;
 mod rates;
+mod reports;
 mod snapshot;
 
 pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
@@ -18,11 +20,12 @@ use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use model::lumped::limit;
 use model::plan::prepared::Prepared;
+use outputs::group;
 use plan_watch::Course;
+use reports::BOTH_VELOCITIES;
 use scene::message::Number;
-use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
+use scene::variables::{COUNT, ValueReference, reference};
 use scene::{Fidelity, Scene, value};
 use std::sync::Arc;
 
@@ -51,87 +54,7 @@ pub type Values = [f64; COUNT];
 
 const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
-const MAIN: [usize; 3] =
-    [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
-const CONTACT_TEMPERATURE: usize = MAIN[1];
-const PROFILE_OF_TEMPERATURE: core::ops::Range<usize> =
-    reference("profile.temperature") as usize..reference("profile.wear_punch") as usize;
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
-
-/// Bit for both velocities given in a step, beside those of [`limit`].
-const BOTH_VELOCITIES: u8 = 64;
-
-/// Groups of outputs that are evaluated together, as bits.
-mod group {
-    /// Outputs with direct feedthrough, and the worn depths.
-    pub const CONTACT: u8 = 1;
-    /// Outputs that depend on the states only.
-    pub const ACCOUNT: u8 = 2;
-    /// Profiles and the slope of the friction force.
-    pub const REST: u8 = 4;
-    /// The three main outputs, available at the end of a step without another evaluation.
-    pub const MAIN: u8 = 8;
-}
-
-/// Group of every value reference; 0 for inputs and parameters.
-static GROUPS: [u8; COUNT] = {
-    let mut groups = [group::ACCOUNT; COUNT];
-    let contact = [
-        "friction_torque",
-        "effective_radius",
-        "friction_power",
-        "friction_coefficient",
-        "friction_force_kinetic",
-        "friction_force_limit",
-        "critical_speed",
-        "pressure_mean",
-        "pressure_max",
-        "contact_fraction",
-        "tilt",
-        "approach",
-        "contact_temperature_max",
-        "heat_flow_punch",
-        "heat_flow_strip",
-        "heat_flow_punch_top",
-        "heat_flow_strip_base",
-        "heat_flow_ambient",
-        "heat_flow_punch_external",
-        "heat_flow_strip_external",
-        "wear_depth_punch",
-        "wear_depth_strip",
-        "wear_dissipation_power",
-        "sticking",
-        "limit_reached",
-        "wear_limit_reached",
-        "temperature_limit_exceeded",
-        "validity_exceeded",
-    ];
-    let mut index = 0;
-    while index < contact.len() {
-        groups[reference(contact[index]) as usize] = group::CONTACT;
-        index += 1;
-    }
-    let main = ["wear_depth", "contact_temperature", "friction_force"];
-    index = 0;
-    while index < main.len() {
-        groups[reference(main[index]) as usize] = group::MAIN;
-        index += 1;
-    }
-    groups[reference("friction_slope") as usize] = group::REST;
-    index = reference("profile.x") as usize;
-    while index < FIRST_PARAMETER {
-        groups[index] = group::REST;
-        index += 1;
-    }
-    index = 0;
-    while index < COUNT {
-        if index < FIRST_OUTPUT || index >= FIRST_PARAMETER {
-            groups[index] = 0;
-        }
-        index += 1;
-    }
-    groups
-};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
@@ -164,7 +87,7 @@ pub struct Component {
     prepared: Option<Arc<Prepared>>,
     /// The plan compared levels, so its validity is checked after every step.
     planned: bool,
-    /// What the run has done of that on which the error of the plan depends.
+    /// History of the run on which the error of the plan depends.
     course: Course,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
@@ -218,59 +141,6 @@ impl Component {
         *self = Component { declared_tolerance, ..Component::new(self.starts.clone()) };
         (self.prepared, self.messages) = (prepared, messages);
         let _ = self.messages.take();
-    }
-
-    /// Value of the variable `reference` (below [`COUNT`]). Outputs are those of the current inputs; before initialisation they
-    /// are 0, and their last values where the parameters set so far are no valid scene.
-    #[inline]
-    pub fn get(&mut self, reference: ValueReference) -> f64 {
-        let index = reference as usize;
-        let wanted = GROUPS[index];
-        if wanted & !self.current != 0 {
-            self.compute(wanted);
-        }
-        self.values[index]
-    }
-
-    fn compute(&mut self, wanted: u8) {
-        if self.phase == Phase::Initializing && self.stale {
-            self.stale = false;
-            // Rules between several parameters are checked at the end of initialisation.
-            if let Ok(scene) = Scene::new(&self.values, self.outer_tolerance()) {
-                let _ = self.build(&scene);
-            }
-        }
-        if let Some(model) = &mut self.model {
-            let inputs = inputs_of(&self.values);
-            match wanted {
-                group::MAIN if self.at_end => model.write_end(&mut self.values),
-                group::MAIN | group::CONTACT => {
-                    // Values already read must not change: only groups that are not up to date are written.
-                    let main = MAIN.map(|index| self.values[index]);
-                    model.write_contact(&inputs, &mut self.values);
-                    if self.at_end {
-                        model.write_end(&mut self.values);
-                    } else if self.current & group::MAIN != 0 {
-                        for (index, value) in MAIN.into_iter().zip(main) {
-                            self.values[index] = value;
-                        }
-                    }
-                    // The step and the evaluation at frozen states agree to the tolerance of the step's own iteration.
-                    let mean = value!(self.values, "contact_temperature");
-                    let highest = &mut value!(self.values, "contact_temperature_max");
-                    if mean > *highest {
-                        *highest = mean;
-                    }
-                    self.current |= group::MAIN | group::CONTACT;
-                }
-                group::ACCOUNT => {
-                    model.write_account(&mut self.values);
-                    self.add_estimated_error();
-                }
-                _ => model.write_rest(&inputs, &mut self.values),
-            }
-        }
-        self.current |= wanted;
     }
 
     fn build(&mut self, scene: &Scene) -> Result<(), String> {
@@ -357,66 +227,6 @@ impl Component {
         Ok(())
     }
 
-    fn announce(&mut self, scene: &Scene) {
-        let own = value!(self.values, "solver.tolerance") > 0.0;
-        let source = match (own, self.tolerance, self.declared_tolerance) {
-            (true, ..) => "solver.tolerance",
-            (false, Some(_), _) => "the importer",
-            (false, None, Some(_)) => "the scene's DefaultExperiment",
-            (false, None, None) => "the default",
-        };
-        if let (false, Some(given)) = (own, self.tolerance)
-            && given != scene.tolerance
-        {
-            let (least, largest) = (TOLERANCES.start(), TOLERANCES.end());
-            self.messages.add(
-                Subject::Warning,
-                format_args!(
-                    "the importer's tolerance {given:e} is outside {least:e} to {largest}: {:e} is used",
-                    scene.tolerance
-                ),
-            );
-        }
-        let prepared = self.prepared.as_ref().expect("built just before");
-        let mut lines = prepared.lines().into_iter();
-        let first = lines.next().unwrap_or_default();
-        self.messages.add(Subject::Plan, format_args!("tolerance {:e} from {source}; {first}", scene.tolerance));
-        lines.for_each(|text| self.messages.add(Subject::Plan, format_args!("{text}")));
-        let external =
-            [value!(self.values, "strip.external_temperature"), value!(self.values, "punch.external_temperature")];
-        let warnings = scene.warnings().into_iter().chain(scene.warnings_of_external(external));
-        for text in warnings.chain(prepared.operators.warnings()) {
-            self.messages.add(Subject::Warning, format_args!("{text}"));
-        }
-    }
-
-    /// Checks at the end of initialisation that every output is finite and the contact above 0 K.
-    fn check_outputs(&mut self) -> Result<(), String> {
-        self.stale = false;
-        for index in FIRST_OUTPUT..FIRST_PARAMETER {
-            let value = self.get(index as ValueReference);
-            let name = || lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
-            if !value.is_finite() {
-                return Err(format!(
-                    "{} = {value} after initialisation: the model of these parameters has no finite solution",
-                    name()
-                ));
-            }
-            if value < 0.0 && (index == CONTACT_TEMPERATURE || PROFILE_OF_TEMPERATURE.contains(&index)) {
-                return Err(format!(
-                    "{} = {value} K is below 0 K after initialisation: sliding_velocity = {} m/s, normal_load = {} N and \
-                     cooling_velocity = {} m/s are outside the model's validity",
-                    name(),
-                    Number(value!(self.values, "sliding_velocity")),
-                    Number(value!(self.values, "normal_load")),
-                    Number(value!(self.values, "cooling_velocity")),
-                    value = Number(value)
-                ));
-            }
-        }
-        Ok(())
-    }
-
     /// Advances by one communication step of `step` seconds (>= 0).
     ///
     /// # Errors
@@ -476,59 +286,6 @@ impl Component {
             self.watch_plan(&began);
         }
         Ok(())
-    }
-
-    /// Logs limits not logged before, after a step that began at the inputs `began`.
-    fn report(&mut self, limits: u8, began: &[f64; INPUTS]) {
-        let fresh = limits & !self.reported;
-        let texts = [
-            (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
-            (
-                limit::VALIDITY,
-                "the run is outside the model's validity (limit_reached bit 4): load or speed far above nominal, \
-                 contact above 2500 K, half of a body worn off, or a return to a part of the worn track that is no longer stored",
-            ),
-        ];
-        for (bit, text) in texts {
-            if fresh & bit != 0 {
-                self.messages.add(Subject::Warning, format_args!("{text}"));
-            }
-        }
-        let inputs = inputs_of(&self.values);
-        if fresh & limit::TEMPERATURE != 0 {
-            let limit = value!(self.values, "contact.temperature_limit");
-            let text = format_args!(
-                "contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)",
-                limit = Number(limit)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        if fresh & limit::NEGATIVE_LOAD != 0 {
-            let load = began[1].min(inputs[1]);
-            let text = format_args!(
-                "normal_load = {load} N is below 0 N and counts as 0: the contact is open",
-                load = Number(load)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        if fresh & BOTH_VELOCITIES != 0 {
-            let radius = value!(self.values, "contact.mean_radius");
-            let text = format_args!(
-                "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
-                 contact.mean_radius = {radius} m the contact slides at {} m/s",
-                Number(began[0]),
-                Number(began[2]),
-                Number(began[0] + radius * began[2]),
-                radius = Number(radius)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        for bit in [limit::ACCELERATED, limit::UNSTABLE] {
-            if let Some(model) = self.model.as_ref().filter(|_| fresh & bit != 0) {
-                self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));
-            }
-        }
-        self.reported |= limits;
     }
 
     /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.

@@ -106,7 +106,7 @@ mod system {
     use core::ffi::c_void;
     use core::ptr;
 
-    /// What the thread does, and what comes of it.
+    /// Work of the thread, and its result.
     struct Work<F, T> {
         body: Option<F>,
         result: Option<T>,

@@ -1,4 +1,4 @@
-//! What must hold in every scene, on random scenes and input histories: balances, symmetry, units, cuts, replays, independence.
+//! Invariants of every scene, on random scenes and input histories: balances, symmetry, units, cuts, replays, independence.
 //!
 //! A failure names the number of its scene, from which the same scene is made again.
 
@@ -148,7 +148,7 @@ fn heat_is_balanced_worn_volumes_grow_and_pressures_carry_the_load() {
             }
             let pressure = stations(&mut drive, "profile.pressure");
             assert!(pressure.iter().all(|p| *p >= 0.0), "{text}, step {step}: {pressure:?}");
-            // The trapezoid sum over the stations is the integral over the cells; of an annulus it lacks the radius.
+            // The trapezoid sum over the stations is the integral over the cells; of an annulus it has no factor of the radius.
             let mean = pressure.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / 32.0;
             let given = drive.get("pressure_mean");
             if !annular {

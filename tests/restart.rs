@@ -41,7 +41,7 @@ struct Level {
 const LEVELS: [Level; 2] =
     [Level { name: "lumped", fidelity: 2, step: 1.0 }, Level { name: "line", fidelity: 3, step: 40.0 }];
 
-/// What a run saves: the hours so far, each with a digest of every output behind each of its steps, and the state of the FMU.
+/// Saved data of a run: the hours so far, each with a digest of every output behind each of its steps, and the state of the FMU.
 struct Saved {
     digests: Vec<u64>,
     state: Vec<u8>,

@@ -46,7 +46,7 @@ const REQUIREMENTS: [(Tier, &str, &str); 4] = [
 /// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
 const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
 
-/// What the tests of the Python package need beside those.
+/// Further packages for the tests of the Python package.
 const PACKAGE: Requirements = ("package", include_str!("../python/package.txt"));
 
 /// Packages that write the bill of materials of a release.

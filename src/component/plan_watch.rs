@@ -10,7 +10,7 @@ use model::plan::prepared::Prepared;
 use scene::message::Number;
 use scene::value;
 
-/// What a run has done of that on which the error of its plan depends.
+/// History of a run on which the error of its plan depends.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct Course {
     /// The run has left the validity of the plan, and this has been logged.

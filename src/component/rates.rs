@@ -2,7 +2,8 @@
 //!
 //! Theory: docs/theory.md, section 1.3.
 
-use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, GROUPS, group, inputs_of};
+use super::outputs::{GROUPS, group};
+use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, inputs_of};
 use model::levels::Model;
 use scene::variables::{COUNT, ValueReference};
 

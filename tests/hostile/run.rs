@@ -60,7 +60,7 @@ pub enum Call {
 
 /// A row of the table.
 pub struct Case {
-    /// What is hostile.
+    /// The hostile part.
     pub what: &'static str,
     pub levels: &'static [Level],
     /// Name of an example scene; the stock scene if it is empty.
@@ -244,7 +244,7 @@ impl Runner {
     /// Runs a row at a level.
     ///
     /// # Errors
-    /// What is not as the row requires.
+    /// Deviations from the requirements of the row.
     pub fn run(&mut self, case: &Case, level: Level) -> Result<(), String> {
         let (example, scene, from) = (case.example, case.scene, case.from);
         let key = format!("{level:?} {example} {scene:?}");

@@ -10,7 +10,7 @@ use scene::Scene;
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 
-/// What is computed.
+/// Computed quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Number of cycles.

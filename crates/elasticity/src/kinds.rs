@@ -1,4 +1,4 @@
-//! What each kind of elastic body of a scene answers: to tractions on cells, to a uniform pressure, to a wave of pressure.
+//! Response of each kind of elastic body of a scene: to tractions on cells, to a uniform pressure, to a wave of pressure.
 //!
 //! The only place that distinguishes the kinds. A new one is an implementation of [`ElasticBody`] and a line in each function.
 //!

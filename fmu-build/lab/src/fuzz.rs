@@ -82,7 +82,7 @@ pub struct Arguments {
     progress: Option<std::path::PathBuf>,
 }
 
-/// What is fuzzed.
+/// Fuzzed interface.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Target {
     /// Sequences of calls of the C interface.
@@ -143,7 +143,7 @@ fn kind_of(text: &str) -> String {
     kind
 }
 
-/// Place of the last panic outside of the library's own barrier.
+/// Source line of the last panic outside of the library's own barrier.
 static PANIC: Mutex<String> = Mutex::new(String::new());
 
 /// Keeps the place of panics instead of printing them.
@@ -158,7 +158,7 @@ fn keep_panics() {
 /// Runs an execution in this process.
 ///
 /// # Errors
-/// What was found; a panic is one.
+/// Findings; a panic is one.
 fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
     let body = || match target {
         Target::Calls => calls::run(seed, kinds),

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use fmu_build::{columns, output, package, plot, project, python, scenes};
 
-/// What `cargo fmu` computes natively.
+/// Commands of `cargo fmu` that compute natively.
 #[derive(Parser, Debug)]
 #[command(name = "cargo fmu", bin_name = "cargo fmu", version, arg_required_else_help = true)]
 struct CommandLine {

@@ -89,7 +89,7 @@ fn restored_from(importer: &Importer, bytes: &[u8]) -> Status {
     }
 }
 
-/// Place of the phase in the bytes of a state.
+/// Offset of the phase in the bytes of a state.
 fn phase(bytes: &[u8]) -> usize {
     20 + usize::from(u16::from_le_bytes([bytes[6], bytes[7]]))
 }

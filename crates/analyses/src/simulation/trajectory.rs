@@ -25,7 +25,7 @@ const SAME: f64 = 1e-6;
 /// Inputs at given times, linear between them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trajectory {
-    /// What they are, for the table.
+    /// Their description, for the table.
     pub description: String,
     /// The file with the line of every time; `None`: nominal inputs.
     pub file: Option<(PathBuf, Vec<u64>)>,
@@ -191,7 +191,7 @@ impl Trajectory {
         values[interval - 1] + (values[interval] - values[interval - 1]) * ((time - from) / (to - from))
     }
 
-    /// Place of an interval in the file, for messages; empty for nominal inputs.
+    /// Line of an interval in the file, for messages; empty for nominal inputs.
     pub fn place(&self, interval: usize) -> String {
         match &self.file {
             Some((path, lines)) => {

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 /// Default number of cells.
 const CELLS: usize = 65;
 
-/// What is computed.
+/// Computed quantity.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Options {
     /// Cells of the contact line; `None`: the scene's, or 65.

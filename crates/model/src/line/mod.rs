@@ -194,7 +194,7 @@ impl Line {
         self.shown.0 = [f64::NAN; INPUTS];
     }
 
-    /// What is given while the stages of a step are solved, and what solves them.
+    /// Data that are given while the stages of a step are solved, and their solver.
     fn parts(&mut self) -> (StepData<'_>, &mut ContactStages, Option<&mut ThermalCoupling>) {
         let Line { operators, friction, tunables, state, mean, stages, heat, .. } = self;
         let given = StepData { operators, friction, tunables, state, reference: mean.state().reference };

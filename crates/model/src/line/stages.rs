@@ -16,7 +16,7 @@ use contact::{ContactState, Normal, Tilt};
 use nalgebra::DMatrix;
 use scene::Geometry;
 
-/// What is given while the stages of a step are solved: operators, laws, and the state at the start of the step.
+/// Data that are given while the stages of a step are solved: operators, laws, and the state at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepData<'a> {
     pub operators: &'a LineOperators,

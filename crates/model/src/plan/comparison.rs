@@ -43,7 +43,9 @@ const LEAST_STEPS: f64 = 200.0;
 const DEARER: f64 = 2.5;
 
 /// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower
-/// bound is that of a temperature under a pressure that is singular at the edge.
+/// bound is that of a temperature under a pressure that is singular at the edge, the upper one is second order. Where a part of the
+/// zone is not in contact, cells open one by one: the error is of first order in their size and varies from one number of cells to
+/// the next, so that a ratio of two differences is chance, and the assumed one is taken.
 const ASSUMED_RATIO: f64 = 2.0;
 const RATIO: (f64, f64) = (1.5, 4.0);
 
@@ -271,34 +273,37 @@ impl Progress<'_> {
             return Err("one contact line has nothing to be compared with".into());
         };
         let earlier = lines.next();
-        let measured = |difference: &dyn Fn(&Run, &Run) -> [f64; 3]| {
+        let measured = |difference: &dyn Fn(&Run, &Run) -> [f64; 3], segments: usize| {
             let between = difference(&before.run, &finest.run);
             let ratio = earlier.map(|earlier| largest(difference(&earlier.run, &before.run)) / largest(between));
             // Equality to the last bit counts as the best ratio.
             let ratio = ratio.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
             // A difference within the error of the time steps does not show how fast the cells converge.
             let least = if largest(between) <= self.error_of_steps(finest) { ASSUMED_RATIO } else { RATIO.0 };
-            (between, ratio, ratio.unwrap_or(ASSUMED_RATIO).clamp(least, RATIO.1))
+            let parted = [&before.run, &finest.run].iter().any(|run| run.parted.is_some_and(|first| first < segments));
+            let bounded = ratio.filter(|_| !parted).map_or(ASSUMED_RATIO, |ratio| ratio.clamp(least, RATIO.1));
+            (between, ratio, bounded)
         };
-        let errors = |difference: &dyn Fn(&Run, &Run) -> [f64; 3], run: &Run| {
-            let (between, _, ratio) = measured(difference);
+        let errors = |difference: &dyn Fn(&Run, &Run) -> [f64; 3], segments: usize, run: &Run| {
+            let (between, _, ratio) = measured(difference, segments);
             let own = 1.0 / (ratio - 1.0);
             let apart = difference(run, &finest.run);
             std::array::from_fn(|output| apart[output] + own * between[output])
         };
         let loaded = |run: &Run, finer: &Run| self.extrapolated_difference(run, finer);
         let whole = |run: &Run, finer: &Run| distance(&run.history, &finer.history);
-        let (between, ratio, bounded) = measured(&loaded);
+        let (under_load, all) = (self.course.loaded, self.course.segments.len());
+        let (between, ratio, bounded) = measured(&loaded, under_load);
         let converges = match agreed {
             Some(agreed) => largest(between) <= agreed || ratio.is_some_and(|ratio| ratio >= RATIO.0),
             None => ratio.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
         let candidates = self.levels.iter().map(|level| {
-            let errors_of_load = errors(&loaded, &level.run);
+            let errors_of_load = errors(&loaded, under_load, &level.run);
             Candidate {
                 model_level: level.model_level,
                 errors: errors_of_load,
-                released: largest(errors(&whole, &level.run)).max(largest(errors_of_load)),
+                released: largest(errors(&whole, all, &level.run)).max(largest(errors_of_load)),
                 step_ratio: self.step_ratios[kind(level.model_level)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),

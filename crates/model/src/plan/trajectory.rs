@@ -66,6 +66,8 @@ pub struct Run {
     pub loaded_steps: u64,
     /// Fraction of the segments that was completed.
     pub covered: f64,
+    /// First segment at the end of which a part of the contact zone was not in contact.
+    pub parted: Option<usize>,
 }
 
 impl NominalTrajectory {
@@ -165,6 +167,9 @@ impl NominalTrajectory {
             model.write_account(&mut values);
             let of = |name: usize| values[name];
             run.step_bound = of(const { reference("estimated_step_error") } as usize);
+            if run.parted.is_none() && of(const { reference("contact_fraction") } as usize) < 1.0 {
+                run.parted = Some(run.history.len());
+            }
             run.history.push([
                 of(const { reference("wear_depth") } as usize),
                 of(const { reference("contact_temperature") } as usize) - ambient,

@@ -76,7 +76,7 @@ fn change(text: &mut String, random: &mut Random) {
 /// Runs an execution.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut texts = [(*random.pick(&DESIGNS)).to_owned(), (*random.pick(&SCHEDULES)).to_owned()];
@@ -96,7 +96,7 @@ pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 /// Reads a design and a schedule, and does what `cargo fmu batch` does with them before it starts the FMU.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Kinds) -> Verdict {
     let description = DESCRIPTION.as_ref().map_err(Clone::clone)?;
     let told = |error: anyhow::Error, kinds: &mut Kinds| {

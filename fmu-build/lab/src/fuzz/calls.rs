@@ -16,7 +16,7 @@ const MOST: usize = 3;
 /// Runs an execution.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let count = if random.one_in(4) { 1 + random.below(MOST) } else { 1 };

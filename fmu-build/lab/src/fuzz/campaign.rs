@@ -17,7 +17,7 @@ const MOST_OF_A_KIND: usize = 3;
 /// Processes of a target that may be lost before it is given up.
 const MOST_LOST: usize = 50;
 
-/// What a campaign has found.
+/// Findings of a campaign.
 #[derive(Default)]
 struct Report {
     executions: u64,

@@ -1,4 +1,4 @@
-//! What must hold of the outputs after every `fmi2OK`.
+//! Invariants of the outputs after every `fmi2OK`.
 
 use std::sync::LazyLock;
 

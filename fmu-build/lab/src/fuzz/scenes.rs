@@ -17,7 +17,7 @@ static SHIPPED: LazyLock<Vec<String>> = LazyLock::new(|| {
     scenes::names().iter().filter_map(text).collect()
 });
 
-/// What a value may be replaced by, beside numbers.
+/// Replacements of a value, beside numbers.
 const VALUES: [&str; 30] = [
     "true",
     "\"\"",
@@ -115,7 +115,7 @@ fn change(text: &mut String, random: &mut Random) {
 /// Runs an execution.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut text = random.pick(&SHIPPED).clone();
@@ -128,7 +128,7 @@ pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 /// Reads a text.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn check(text: &str, kinds: &mut Kinds) -> Verdict {
     enter("scene_file::parse");
     let read = match scene_file::parse(text) {

@@ -103,7 +103,7 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
 /// Runs an execution.
 ///
 /// # Errors
-/// What was found.
+/// Findings.
 pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     thread_local! {

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// What is running: function and since when.
+/// Running call: function and since when.
 static RUNNING: Mutex<Option<(&'static str, Instant)>> = Mutex::new(None);
 /// Calls so far.
 static CALLS: AtomicU64 = AtomicU64::new(0);
