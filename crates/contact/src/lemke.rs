@@ -278,11 +278,8 @@ mod tests {
 
     #[test]
     fn random_problems_are_solved() {
-        let mut state = 12345u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = test_support::Random(12345);
+        let mut random = || numbers.next() - 0.5;
         for n in [1, 2, 5, 20, 60] {
             let factor = DMatrix::from_fn(n, n, |_, _| random());
             let skew = DMatrix::from_fn(n, n, |_, _| random());

@@ -169,11 +169,8 @@ mod tests {
     use super::*;
 
     fn random_programme(seed: u64, count: usize) -> BoxProgramme {
-        let mut state = seed;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = test_support::Random(seed);
+        let mut random = || numbers.next() - 0.5;
         let factor = DMatrix::from_fn(count, count, |_, _| random());
         BoxProgramme {
             quadratic: &factor * factor.transpose() + DMatrix::identity(count, count) * 0.01,

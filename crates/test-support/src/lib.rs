@@ -1,7 +1,7 @@
 //! Utilities shared by the tests of several crates; never linked into the FMU.
 //!
-//! Only integration tests may use it: it links the released form of every layer, whose types are others than those of a layer
-//! that is compiled for its own unit tests.
+//! Unit tests may use its random numbers only: it links the released form of every layer, whose types are others than those of a
+//! layer that is compiled for its own unit tests.
 
 #![forbid(unsafe_code)]
 

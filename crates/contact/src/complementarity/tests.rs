@@ -24,15 +24,8 @@ fn check(cells: &Cells, compliance: &DMatrix<f64>, gap: &[f64], state: &ContactS
 }
 
 fn wavy(cells: &Cells, seed: u64, height: f64) -> Vec<f64> {
-    let mut state = seed;
-    cells
-        .centres()
-        .iter()
-        .map(|_| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            height * (state >> 11) as f64 / (1u64 << 53) as f64
-        })
-        .collect()
+    let mut random = test_support::Random(seed);
+    cells.centres().iter().map(|_| height * random.next()).collect()
 }
 
 #[test]

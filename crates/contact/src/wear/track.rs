@@ -192,11 +192,10 @@ mod tests {
     fn worn_volume_is_the_integral_of_the_law() {
         let mut track = Track::new(0.5, 3.0);
         let (mut x, mut total) = (0.0, 0.0);
-        let mut state = 7_u64;
+        let mut random = test_support::Random(7);
         for _ in 0..2000 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            let next = 1.5 * ((state >> 33) as f64 / 2f64.powi(31) - 0.5) * 2.0;
-            let depth = 1e-6 * (1.0 + ((state >> 20) & 0xff) as f64 / 256.0);
+            let next = random.between(-1.5, 1.5);
+            let depth = random.between(1e-6, 2e-6);
             track.wear(x, next, depth);
             total += depth * 1.0;
             x = next;

@@ -315,11 +315,8 @@ fn nothing_grows_where_nothing_is_lifted_or_gives_way() {
 
 #[test]
 fn the_table_is_accurate_where_another_wave_takes_over_or_begins() {
-    let mut state = 12345_u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut numbers = test_support::Random(12345);
+    let mut random = || numbers.next();
     for number in 0..45 {
         let mut starts = scene::variables::STARTS;
         let mut set = |name: &str, value: f64| starts[scene::variables::find(name).unwrap() as usize] = value;

@@ -3,16 +3,7 @@ use crate::wear::line::{CellRate, Conditions, WearingContact};
 use crate::{Normal, Tilt};
 use elasticity::{ElasticBody, HalfPlane, Material, Winkler};
 use numerics::sdirk::GAMMA;
-
-/// Uniform numbers in [0, 1) from a seed.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
+use test_support::Random;
 
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
