@@ -38,6 +38,9 @@ PEAKS = ("contact_temperature_max",)
 # A batch of 200 scenes per second and core, and at most 15 % of it lost to Dask.
 WANTED_PACE = 200.0
 WANTED_LOSS = 0.15
+# Every worker has work to the end, and progress shows, where a scene takes seconds; a task takes a second where it takes milliseconds.
+BLOCKS = 32
+MOST_IN_A_BLOCK = 200
 
 
 def arguments():
@@ -55,9 +58,9 @@ def arguments():
     parser.add_argument("--scenes", type=int, default=None, help="default 10,000; with --benchmark 2,000")
     parser.add_argument("--total-order", action="store_true", help="Saltelli's design and total-order indices, by SALib")
     parser.add_argument("--seed", type=int, default=1, help="of the design")
-    parser.add_argument("--block", type=int, default=200, help="scenes per task")
-    parser.add_argument("--step", type=float, help="communication step in seconds; default: 0.1 for a car's brake, else the scene's")
-    parser.add_argument("--every", type=float, help="seconds between the points that peaks are taken from; default: a thousandth, 1 s for a car's brake")
+    parser.add_argument("--block", type=int, help=f"scenes per task; default: 1 to {MOST_IN_A_BLOCK}, {BLOCKS} tasks for every worker")
+    parser.add_argument("--step", type=float, help="communication step in seconds; default: 0.1 for udds, hwfet and stops, else the scene's, and no longer than the schedule's rows are apart")
+    parser.add_argument("--every", type=float, help="seconds between the points that peaks are taken from; default: a thousandth, 1 s for udds, hwfet and stops")
     parser.add_argument("--scheduler", help="address of a Dask scheduler; default: a local cluster")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes of the local cluster")
     parser.add_argument("--no-plots", action="store_true", help="only the parts and the summary")
@@ -74,8 +77,10 @@ def arguments():
     if options.scenes is None:
         options.scenes = 2_000 if options.benchmark else 10_000
     for name in ("scenes", "block", "workers"):
-        if getattr(options, name) < 1:
-            parser.error(f"--{name} {getattr(options, name)} must be at least 1")
+        value = getattr(options, name)
+        if value is not None and value < 1:
+            parser.error(f"--{name} {value} must be at least 1")
+    options.block = options.block or min(MOST_IN_A_BLOCK, max(1, options.scenes // (BLOCKS * options.workers)))
     for name in ("step", "every"):
         value = getattr(options, name)
         if value is not None and not 0.0 < value < float("inf"):
@@ -129,7 +134,7 @@ class Progress:
         part = self.done / self.total
         pace = (self.done - self.before) / max(1e-9, now - self.begin)
         left = (self.total - self.done) / pace if pace else 0.0
-        line = f"  Scenes [{'#' * int(30 * part):30}] {self.done}/{self.total}, {self.failed} failed, {pace:.0f}/s, {left:.0f} s left"
+        line = f"  Scenes [{'#' * int(30 * part):30}] {self.done}/{self.total}, {self.failed} failed, {pace:.3g}/s, {left:.0f} s left"
         print(f"\r\033[K{line}" if self.is_terminal else line, end="" if self.is_terminal else "\n", file=sys.stderr, flush=True)
 
     def close(self):
@@ -147,7 +152,7 @@ def prepare(options):
     schedule, step, distance = schedules.of_name(options.schedule, scene, options.interpolation)
     check(options, design, scene, schedule)
     step = options.step or step
-    every = options.every or (1.0 if options.schedule != "nominal" else step * max(1, int(schedule.times[-1] / step) // 1000))
+    every = options.every or (1.0 if options.schedule in schedules.CYCLES else step * max(1, int(schedule.times[-1] / step) // 1000))
     base = tuple((name, value) for name, value in scene.start_values().items() if starts[name] != value)
     job = parts.Job(
         fmu=str(path.resolve()),

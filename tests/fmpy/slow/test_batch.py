@@ -289,6 +289,19 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
 
 
+def test_inputs_of_a_file_take_the_steps_of_their_scene_and_every_scene_shows(tmp_path):
+    table, inputs = tmp_path / "design.csv", tmp_path / "inputs.csv"
+    table.write_text("name,distribution,low,high\nnormal_load.factor,uniform,0.5,1.5\n")
+    inputs.write_text("time [s],sliding_velocity [mm/s],normal_load [N]\n0,100,10\n7,100,20\n1000,100,10\n")
+    _, step, _ = schedules.of_name(str(inputs), Scene.load("pin_on_disk"))
+    assert step == pytest.approx(7.0, rel=2e-3), "its rows are 7 s apart, its steps 10 s"
+    inputs.write_text("time [s],sliding_velocity [mm/s],normal_load [N]\n0,100,10\n1000,100,10\n")
+    assert schedules.of_name(str(inputs), Scene.load("pin_on_disk"))[1] == 10.0
+    more = ("--scene", "pin_on_disk", "--design", str(table), "--schedule", str(inputs), "--scenes", "3")
+    assert finish(sweep(tmp_path / "pins", *more))["failed"] == 0
+    assert len(parts_of(tmp_path / "pins")) == 3, "a task for every scene where they are few"
+
+
 def test_a_sweep_of_any_scene_is_what_its_own_fmu_gives(fmus, tmp_path):
     """The FMU of another scene runs it, with the values of the scene as parameters."""
     table, scene = tmp_path / "design.csv", tmp_path / "mine.toml"

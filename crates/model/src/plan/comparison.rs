@@ -8,8 +8,8 @@
 //! e(n) = d(n/2, n)/(r - 1),
 //! ```
 //!
-//! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cell
-//! size. The errors of model reduction and time steps are measured on the lumped level and on the coarsest line, by a run at half
+//! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, and where a part of the zone is not in
+//! contact, r is taken as 2: first order in the cell size. The errors of model reduction and time steps are measured on the lumped level and on the coarsest line, by a run at half
 //! of the tolerance: they are proportional to it, so the error is twice the difference. It is stated as a fraction of
 //! `estimated_step_error`, which is a bound for the steps of this trajectory as for those of the user's run. A finer level does
 //! not reduce it, so it does not enter the choice. Cells are doubled until a level meets the tolerance or another doubling would
