@@ -9,11 +9,12 @@
 //! ```
 //!
 //! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, and where a part of the zone is not in
-//! contact, r is taken as 2: first order in the cell size. The errors of model reduction and time steps are measured on the lumped level and on the coarsest line, by a run at half
-//! of the tolerance: they are proportional to it, so the error is twice the difference. It is stated as a fraction of
-//! `estimated_step_error`, which is a bound for the steps of this trajectory as for those of the user's run. A finer level does
-//! not reduce it, so it does not enter the choice. Cells are doubled until a level meets the tolerance or another doubling would
-//! cost more than [`BUDGET`]; two more doublings are extrapolated with r, the second by r = 2 at most.
+//! contact, r is taken as 2: first order in the cell size. The errors of model reduction and time steps are measured on the
+//! lumped level and on the coarsest line, by a run at half of the tolerance: they are proportional to it, so the error is
+//! twice the difference. It is stated as a fraction of `estimated_step_error`, which is a bound for the steps of this
+//! trajectory as for those of the user's run. A finer level does not reduce it, so it does not enter the choice. Cells are
+//! doubled until a level meets the tolerance or another doubling would cost more than [`BUDGET`]; two more doublings are
+//! extrapolated with r, the second by r = 2 at most.
 //!
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
 //! budget permits. Errors of temperature and force are then extrapolated with the power of time by which they grew over the last
