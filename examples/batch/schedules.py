@@ -28,8 +28,8 @@ def of_name(name, scene, interpolation=None):
         if name != "nominal" and not Path(name).is_file():
             raise ValueError(f"the schedule {name!r} is neither a file nor one of nominal, {', '.join(CYCLES)}")
         nominal = scene.trajectory(None if name == "nominal" else name)
-        # Nominal inputs are linear between their rows, as in `simulate`; rows of a file hold unless another interpolation is asked for.
-        interpolation = interpolation or ("linear" if name == "nominal" else "hold")
+        # Linear between their rows, as in `simulate`.
+        interpolation = interpolation or "linear"
         start, time = nominal.time[0], nominal.time - nominal.time[0]
         if start != 0.0:
             print(f"{name}: times are counted from its first row, {start:g} s", file=sys.stderr)

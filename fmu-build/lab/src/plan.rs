@@ -4,7 +4,7 @@ mod campaign;
 mod field;
 mod inputs;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use scene::Fidelity;
@@ -92,6 +92,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     scenes::warn(&file);
+    if let (true, Some(name)) = (arguments.write, arguments.scene.as_deref().filter(|name| !Path::new(name).is_file()))
+    {
+        bail!(
+            "--write changes a scene file, and {name} is a shipped scene: copy examples/{name}/scene.toml and name the copy"
+        );
+    }
     if let Some(inputs) = &arguments.inputs {
         return inputs::execute(&inputs::Request {
             file: arguments.scene.as_deref().map(scenes::locate).transpose()?,

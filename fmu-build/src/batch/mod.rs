@@ -57,8 +57,8 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
     step: f64,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
-    /// beginning of each step, or linear over each step.
-    #[arg(long, value_enum, default_value = "hold")]
+    /// beginning of each step, or linear over each step, as `simulate` takes them.
+    #[arg(long, value_enum, default_value = "linear")]
     interpolation: Reading,
     /// Outputs whose last value is kept.
     #[arg(

@@ -70,6 +70,7 @@ impl Table {
                 Ok(variable) if !variable.unit.is_empty() => column(variable),
                 _ if symbol.is_none() => continue,
                 // A factor, a choice or a number of things has no unit; an unknown name is told as such.
+                Err(unknown) if !name.ends_with(".factor") => bail!("the design's column {header}: {unknown}"),
                 _ => Column::optional(name, &units::ONE),
             };
             if let Some(symbol) = symbol {

@@ -289,14 +289,14 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
 
 
-def test_inputs_of_a_file_take_the_steps_of_their_scene_and_every_scene_shows(tmp_path):
+def test_inputs_of_a_file_take_the_steps_of_simulate_and_every_scene_shows(tmp_path):
     table, inputs = tmp_path / "design.csv", tmp_path / "inputs.csv"
     table.write_text("name,distribution,low,high\nnormal_load.factor,uniform,0.5,1.5\n")
-    inputs.write_text("time [s],sliding_velocity [mm/s],normal_load [N]\n0,100,10\n7,100,20\n1000,100,10\n")
+    inputs.write_text("time [s],sliding_velocity [mm/s],normal_load [N]\n0,100,10\n0.7,100,20\n1000,100,10\n")
     _, step, _ = schedules.of_name(str(inputs), Scene.load("pin_on_disk"))
-    assert step == pytest.approx(7.0, rel=2e-3), "its rows are 7 s apart, its steps 10 s"
+    assert step == pytest.approx(0.7, rel=1e-3), "no longer than its rows are apart"
     inputs.write_text("time [s],sliding_velocity [mm/s],normal_load [N]\n0,100,10\n1000,100,10\n")
-    assert schedules.of_name(str(inputs), Scene.load("pin_on_disk"))[1] == 10.0
+    assert schedules.of_name(str(inputs), Scene.load("pin_on_disk"))[1] == 1.0, "a thousandth"
     more = ("--scene", "pin_on_disk", "--design", str(table), "--schedule", str(inputs), "--scenes", "3")
     assert finish(sweep(tmp_path / "pins", *more))["failed"] == 0
     assert len(parts_of(tmp_path / "pins")) == 3, "a task for every scene where they are few"
@@ -424,7 +424,7 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
     widths[7] = -1.0
     table.write_text("punch.width,contact.geometry,normal_load.factor\n" + "".join(f"{width!r},line,1.25\n" for width in widths.tolist()))
     arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
-    arguments += ["--jobs", "2", "--step", "0.02", "--record", ",".join(OUTPUTS), "--every", "1", "--json"]
+    arguments += ["--jobs", "2", "--step", "0.02", "--interpolation", "hold", "--record", ",".join(OUTPUTS), "--every", "1", "--json"]
     partial = tmp_path / "out.csv.partial"
     process = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
     wait_for(lambda: partial.is_file() and partial.read_bytes().count(b"\n") > 20, process)
@@ -484,6 +484,13 @@ def test_a_batch_in_which_every_scene_fails_fails(tmp_path):
     assert json.loads(done.stdout)["failed"] == 2 and len(rows) == 2
     done, rows = batch(tmp_path, inputs, "punch.width\n-1\n0.1\n")
     assert done.returncode == 0 and [row["status"] for row in rows] == ["initialisation", "ok"]
+
+
+def test_inputs_are_linear_between_their_rows_as_in_simulate(tmp_path):
+    # Speed falling from 10 m/s, load rising to 5 kN on two faces, friction coefficient .4: held rows would carry no load.
+    done, rows = batch(tmp_path, "time [s],sliding_velocity [m/s],normal_load [N]\n0,10,0\n1,0,5000\n", "punch.width [mm]\n95\n")
+    assert done.returncode == 0
+    assert float(rows[0]["dissipated_energy"]) == pytest.approx(2 * 0.4 * 5e4 / 6, rel=0.01)
 
 
 def test_inputs_are_read_by_name_and_converted(tmp_path):
