@@ -1,7 +1,6 @@
 """A design of experiments: variables with their distributions, filled evenly by Sobol's sequence."""
 
 import csv
-import hashlib
 import math
 from dataclasses import dataclass
 
@@ -86,6 +85,10 @@ class Variable:
     def is_factor(self):
         return self.name.endswith(FACTOR)
 
+    def text(self):
+        """Distribution and parameters, to every digit."""
+        return f"{self.distribution}, " + ", ".join(f"{name} {value!r}" for name, value in self.parameters)
+
     def frozen(self):
         """The distribution as scipy has it."""
         given = dict(self.parameters)
@@ -104,22 +107,26 @@ def read_variable(row):
     if not name:
         raise ValueError("the cell of name is empty")
     parameters = []
+    is_factor = name.endswith(FACTOR)
     for column in PARAMETERS:
         cell = (row.get(column) or "").strip()
         if not cell:
             continue
-        is_number = column in NUMBERS or name.endswith(FACTOR)
+        text = f"{cell} {symbol}" if symbol and column not in NUMBERS and is_plain(cell) else cell
         try:
-            if is_number:
-                value = float(cell)
-            else:
-                text = f"{cell} {symbol}" if symbol and is_plain(cell) else cell
-                value = quantity(name, text, column in DIFFERENCES)
+            value = ratio(text) if is_factor or column in NUMBERS else quantity(name, text, column in DIFFERENCES)
         except ValueError as error:
-            told = f"{cell!r} is no number" if is_number else error
-            raise ValueError(f"{name}, {column}: {told}") from None
+            raise ValueError(f"{name}, {column}: {error}") from None
         parameters.append((column, value))
     return Variable(name, (row.get("distribution") or "").strip(), tuple(parameters))
+
+
+def ratio(text):
+    """A number without a unit, plain or in per cent."""
+    number = text.removesuffix("%")
+    if not is_plain(number):
+        raise ValueError(f"{text!r} is no number; accepted are numbers without a unit and per cent, as 0.5 or 50 %")
+    return float(number) / (1.0 if number == text else 100.0)
 
 
 def is_plain(cell):
@@ -192,10 +199,10 @@ class Design:
         """Scenes for rows of numbers from 0 to 1."""
         return np.column_stack([variable.spread(column) for variable, column in zip(self.variables, unit.T)])
 
-    def fingerprint(self):
-        """Of everything but the number of scenes: a larger design continues a smaller one."""
-        text = repr((type(self).__name__, self.variables, self.seed))
-        return hashlib.sha256(text.encode()).hexdigest()
+    def identity(self):
+        """What the scenes depend on, by name, but for their number: a larger design continues a smaller one."""
+        variables = {f"design of {own.name}": own.text() for own in self.variables}
+        return {"total-order": isinstance(self, TotalOrderDesign), "seed": self.seed, **variables}
 
 
 class TotalOrderDesign(Design):

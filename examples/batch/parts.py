@@ -35,19 +35,36 @@ class Job:
     # Values of the scene that differ from the FMU's own: pairs of name and number.
     base: tuple = ()
 
-    def fingerprint(self, design):
-        """Tells batches apart whose rows must not be mixed: the FMU's bytes, the design, the inputs, what is kept."""
+    def identity(self, design):
+        """Tells batches apart whose rows must not be mixed, by name: the FMU, the `identity` of the design, the inputs, what is kept."""
         schedule = self.schedule
-        hashed = hashlib.sha256(Path(self.fmu).read_bytes())
-        hashed.update(design.encode())
-        for array in (schedule.times, schedule.values):
-            hashed.update(array.tobytes())
-        what = (schedule.inputs, schedule.interpolation, self.variables, self.outputs, self.peaks)
-        hashed.update(repr((*what, self.step, self.every, self.tolerance, self.base)).encode())
-        return hashed.hexdigest()
+        rows = digest(schedule.times.tobytes() + schedule.values.tobytes())
+        return {
+            "FMU": f"sha256 {digest(Path(self.fmu).read_bytes())}",
+            **design,
+            "schedule": f"{schedule.times.size} rows to {schedule.times[-1]:g} s, sha256 {rows}",
+            "inputs": ", ".join(schedule.inputs),
+            "interpolation": schedule.interpolation,
+            "step": self.step,
+            "every": self.every,
+            "tolerance": self.tolerance,
+            "outputs": ", ".join(self.outputs),
+            "peaks": ", ".join(self.peaks),
+            **dict(self.base),
+            # Their order decides which column of the sequence each takes.
+            "variables": ", ".join(self.variables),
+        }
 
     def columns(self):
         return [*self.variables, *self.outputs, *(f"{name}.peak" for name in self.peaks)]
+
+
+def digest(content):
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def fingerprint_of(identity):
+    return hashlib.sha256(json.dumps(identity).encode()).hexdigest()
 
 
 def path_of(job, first):
@@ -79,8 +96,7 @@ def missing(job, scenes, fingerprint):
 def _instance(job, scratch):
     """This process's instance of the job's FMU, opened with the first block."""
     if job.fmu not in _open:
-        digest = hashlib.sha256(Path(job.fmu).read_bytes()).hexdigest()[:16]
-        folder = host.unpack(job.fmu, Path(scratch) / f"fmu-{digest}")
+        folder = host.unpack(job.fmu, Path(scratch) / f"fmu-{digest(Path(job.fmu).read_bytes())}")
         _open[job.fmu] = host.Fmu(folder)
     return _open[job.fmu]
 

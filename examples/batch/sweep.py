@@ -41,6 +41,8 @@ WANTED_LOSS = 0.15
 # Every worker has work to the end, and progress shows, where a scene takes seconds; a task takes a second where it takes milliseconds.
 BLOCKS = 32
 MOST_IN_A_BLOCK = 200
+# Differences from another batch that a message names.
+MOST_TOLD = 4
 
 
 def arguments():
@@ -200,22 +202,40 @@ def cut(rows, size, ranges=None):
     return [(first, rows[first : min(first + size, end)]) for begin, end in ranges for first in range(begin, end, size)]
 
 
+def difference(found, given):
+    """What tells the batch that is found in a folder from the given one, by their identities."""
+    if found is None:
+        return "it was made by another version of this script"
+    names = [name for name in {**found, **given} if found.get(name) != given.get(name)]
+    # All names in order: long, and of use where nothing else differs.
+    names.sort(key=lambda name: name == "variables")
+    told = [f"{name} = {found.get(name, 'none')} instead of {given.get(name, 'none')}" for name in names[:MOST_TOLD]]
+    return "; ".join(told) + (f"; and {len(names) - MOST_TOLD} more" if len(names) > MOST_TOLD else "")
+
+
+def counted(scenes):
+    return f"{scenes} scene" if scenes == 1 else f"{scenes} scenes"
+
+
 def run(options):
     import pool
 
     job, design, distance = prepare(options)
     rows = design.rows()
-    fingerprint = job.fingerprint(design.fingerprint())
-    Path(job.folder).mkdir(parents=True, exist_ok=True)
+    identity = job.identity(design.identity())
+    fingerprint = parts.fingerprint_of(identity)
     manifest = options.output / "batch.json"
-    if manifest.is_file() and json.loads(manifest.read_text(encoding="utf-8"))["fingerprint"] != fingerprint:
-        raise ValueError(f"{options.output} holds a batch of another FMU, design or schedule; name another --output")
+    if manifest.is_file():
+        found = json.loads(manifest.read_text(encoding="utf-8"))
+        if found["fingerprint"] != fingerprint:
+            raise ValueError(f"{options.output} holds another batch: {difference(found.get('identity'), identity)}; name another --output")
+    Path(job.folder).mkdir(parents=True, exist_ok=True)
     settings = {name: str(value) for name, value in sorted(vars(options).items()) if name not in ("json", "benchmark")}
-    parts.write_json(manifest, {"fingerprint": fingerprint, "settings": settings})
+    parts.write_json(manifest, {"fingerprint": fingerprint, "identity": identity, "settings": settings})
     blocks = cut(rows, options.block, parts.missing(job, len(rows), fingerprint))
     there = len(rows) - sum(len(block[1]) for block in blocks)
     if there:
-        print(f"{there} of {len(rows)} scenes are there already.", file=sys.stderr)
+        print(f"{there} of {counted(len(rows))} {'is' if there == 1 else 'are'} there already.", file=sys.stderr)
     given_up = {}
     if blocks:
         progress = Progress(len(rows), there)
@@ -296,14 +316,15 @@ def summarise(options, job, design, distance, scenes, ran):
     report(options, summary)
     if not len(good):
         reason = f", the first for: {table['reason'][0]}" if options.json else "; their reasons are above"
-        raise RuntimeError(f"every one of the {len(table)} scenes failed{reason}")
+        what = "the one scene" if len(table) == 1 else f"every one of the {len(table)} scenes"
+        raise RuntimeError(f"{what} failed{reason}")
 
 
 def report(options, summary):
     if options.json:
         print(json.dumps(summary, indent=2))
         return
-    print(f"{summary['scenes']} scenes, {summary['failed']} failed, {summary['ran_now']} run now")
+    print(f"{counted(summary['scenes'])}, {summary['failed']} failed, {summary['ran_now']} run now")
     for reason, count in summary["reasons"].items():
         print(f"  {count} x {reason}")
     print(f"  {'':18} {'10 %':>12} {'median':>12} {'90 %':>12}")
@@ -315,7 +336,9 @@ def report(options, summary):
     for label, indices in summary.get("total_order", {}).items():
         strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
         print(f"  {label}, with interactions: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
-    print(f"  One row per scene in {options.output / 'parts'}; {', '.join(Path(name).name for name in summary['files'])}")
+    if summary.get("sensitivities"):
+        print("  An index near or below 0 % is zero within its interval: noise of the estimator.")
+    print("; ".join([f"  One row per scene in {options.output / 'parts'}", *(Path(name).name for name in summary["files"])]))
 
 
 def benchmark(options):
@@ -337,7 +360,7 @@ def benchmark(options):
                 for way in walls:
                     own = parts.Job(**{**vars(job), "folder": str(folder / f"{way}-{turn}")})
                     Path(own.folder).mkdir()
-                    fingerprint = own.fingerprint(design.fingerprint())
+                    fingerprint = parts.fingerprint_of(own.identity(design.identity()))
                     if way == "processes":
                         seconds, busy = pool.on_processes(own, blocks, fingerprint, options.workers)
                     else:
@@ -374,7 +397,7 @@ def benchmark(options):
         return
     print(f"One scene ({options.schedule}, {steps} steps, instance reused): {1e3 * cpu:.2f} ms of CPU, {1e9 * cpu / steps:.0f} ns a step")
     print(f"  {1.0 / cpu:.0f} scenes per second and core, target {WANTED_PACE:.0f}")
-    print(f"{len(design.rows())} scenes of the design, {options.workers} workers, best of 3 turns:")
+    print(f"{counted(len(design.rows()))} of the design, {options.workers} workers, best of 3 turns:")
     print(f"  plain processes {processes:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['processes'])})")
     print(f"  Dask            {dask:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['dask'])})")
     print(f"  lost to Dask {100 * result['lost_to_dask']:.1f} %, target at most {100 * WANTED_LOSS:.0f} %")

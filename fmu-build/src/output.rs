@@ -1,8 +1,9 @@
 //! Output of the commands: standard output and files.
 
 use crate::project;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use std::fmt;
+use std::fs;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::{ExitCode, exit};
@@ -105,8 +106,7 @@ impl Drop for Heartbeat {
 /// With what is accepted.
 pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
-    project::replaceable(path)?;
-    check_above(path)?;
+    check_file("--output", path)?;
     match path.extension() {
         Some(given) if !endings.iter().any(|ending| given.eq_ignore_ascii_case(ending)) => {
             let written = endings.join(" or .");
@@ -116,12 +116,37 @@ pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     }
 }
 
+/// Refuses a file of this option that could not be written.
+///
+/// # Errors
+/// Where it is a folder, a device or below a file.
+pub fn check_file(option: &str, path: &Path) -> Result<()> {
+    project::replaceable(path).with_context(|| format!("{option} {}", path.display()))?;
+    check_above(option, path)
+}
+
 /// Refuses a path below a file.
-fn check_above(path: &Path) -> Result<()> {
+fn check_above(option: &str, path: &Path) -> Result<()> {
     match path.ancestors().skip(1).find(|above| above.exists()) {
-        Some(above) if above.is_file() => bail!("--output {}: {} is no folder", path.display(), above.display()),
+        Some(above) if above.is_file() => bail!("{option} {}: {} is no folder", path.display(), above.display()),
         _ => Ok(()),
     }
+}
+
+/// Makes the folders above a file that is to be written.
+///
+/// # Errors
+/// Where one cannot be made.
+pub fn make_above(path: &Path) -> Result<()> {
+    match path.parent() {
+        Some(folder) => fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display())),
+        None => Ok(()),
+    }
+}
+
+/// A number of things, by the name of one.
+pub fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Endings of files, which no folder of results has.
@@ -137,7 +162,7 @@ pub fn check_folder(path: Option<&Path>) -> Result<()> {
     if path.is_file() || file && !path.is_dir() {
         bail!("--output {}: several files are written, so a folder must be named", path.display());
     }
-    check_above(path)
+    check_above("--output", path)
 }
 
 #[cfg(test)]
@@ -174,7 +199,7 @@ mod tests {
         assert_eq!(told("r.xlsx").unwrap_err(), "--output r.xlsx: .csv or .parquet is written, not .xlsx");
         assert!(check_ending(None, &["csv"]).is_ok());
         let own = std::env::current_exe().unwrap();
-        let told = |path: &Path| check_ending(Some(path), &["csv"]).unwrap_err().to_string();
+        let told = |path: &Path| format!("{:#}", check_ending(Some(path), &["csv"]).unwrap_err());
         assert!(told(own.parent().unwrap()).contains("name a file"));
         assert!(told(&own.join("below.csv")).contains("is no folder"));
     }

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import os
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Iterator, Union
 
 if TYPE_CHECKING:
     from .results import Simulation
@@ -26,6 +29,16 @@ class StepFailed(Error):
 
 class SceneWarning(UserWarning):
     """Values that are allowed but improbable, or a run that left what the model is valid for."""
+
+
+@contextmanager
+def writing(path: Union[str, "os.PathLike[str]"]) -> Iterator[None]:
+    """Makes the folder of a file that is written within; raises `Error` with file and reason where either fails."""
+    try:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as error:
+        raise Error(f"writing {os.fspath(path)}: {error}") from error
 
 
 for _public in (Error, StepFailed, SceneWarning):

@@ -21,6 +21,7 @@ from typing import Any, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import _native
+from ._errors import writing
 
 INTERFACE_VERSION = 1
 INTERPOLATIONS = ("hold", "sample", "linear")
@@ -97,17 +98,16 @@ def unpack(fmu: Union[str, "os.PathLike[str]"], folder: Union[str, "os.PathLike[
     folder = Path(folder)
     if folder.is_dir():
         return folder
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-    try:
-        with zipfile.ZipFile(fmu) as archive:
+    with zipfile.ZipFile(fmu) as archive, writing(folder):
+        partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+        try:
             archive.extractall(partial)
-        os.rename(partial, folder)
-    except OSError:
-        if not folder.is_dir():
-            raise
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+            os.rename(partial, folder)
+        except OSError:
+            if not folder.is_dir():
+                raise
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)
     return folder
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union
 import numpy as np
 
 from . import _native
-from ._errors import Error
+from ._errors import Error, writing
 
 if TYPE_CHECKING:
     import pandas
@@ -348,5 +348,6 @@ def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -
     # A notebook's backend turns this on when it is first used, which the end of the context undoes.
     matplotlib.interactive(interactive)
     if path is not None:
-        _figure.save(figure, os.fspath(path), ending)
+        with writing(path):
+            _figure.save(figure, os.fspath(path), ending)
     return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import difflib
 import io
@@ -87,21 +88,36 @@ class Scene:
         """A scene of its own with the same values."""
         return Scene(self._scene, self._assignments)
 
-    def set(self, values: Optional[Mapping[str, Value]] = None, **more: Value) -> "Scene":
-        """Gives variables other values, and returns the scene itself.
+    def set(
+        self, values: Union[Mapping[str, Value], str, None] = None, value: Optional[Value] = None, **more: Value
+    ) -> "Scene":
+        """Gives variables other values, `set({name: value})` or `set(name, value)`, and returns the scene itself.
 
-        Numbers are in the SI unit, texts have a unit or are the item of an enumeration. What is refused changes nothing.
+        Numbers are in the SI unit, texts have a unit or are the item of an enumeration. Arrays are lists as in a scene file: where a
+        shorter one is allowed, the elements that it leaves out have the values of the scene file. What is refused changes nothing.
 
         >>> brake = Scene.load("disc_brake").set({"normal_load": "12 kN", "solver.fidelity": "line"})
         >>> brake["normal_load"], brake["solver.fidelity"]
         (12000.0, 'line')
+        >>> brake.set("contact.friction_table.points", 3).set("contact.friction_table.speed", [0, "36 km/h", 20])
+        Scene('disc_brake')...
+        >>> brake["contact.friction_table.speed"][:3].tolist()
+        [0.0, 10.0, 20.0]
         >>> brake.set({"punch.widht": 0.1})
         Traceback (most recent call last):
             ...
         sliding_contact.Error: setting punch.widht=0.1: ...did you mean punch.width?...
         """
-        given = {**(values or {}), **more}
-        self._read([*self._assignments, *(f"{name}={_literal(value)}" for name, value in given.items())])
+        if isinstance(values, str) != (value is not None):
+            raise Error("set takes a dictionary of names and values, or one name and its value")
+        given: dict[str, Any] = {values: value, **more} if isinstance(values, str) else {**(values or {}), **more}
+
+        def is_replaced(assignment: str) -> bool:
+            name = assignment.split("=", 1)[0].strip()
+            return name in given or name.split("[")[0] in given
+
+        kept = [assignment for assignment in self._assignments if not is_replaced(assignment)]
+        self._read([*kept, *(f"{name}={_literal(own)}" for name, own in given.items())])
         return self
 
     def set_numbers(self, values: Mapping[str, float]) -> "Scene":
@@ -142,24 +158,36 @@ class Scene:
         self.set({name: value})
 
     def __getitem__(self, name: str) -> Any:
-        """Value of a variable: in its SI unit, or in the one that the name has in brackets."""
+        """Value of a variable, of an array all its elements: in the SI unit, or in the one that the name has in brackets.
+
+        >>> Scene.load("clutch")["contact.friction_fade.temperature [degC]"].round(6).tolist()
+        [20.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0]
+        """
         plain, unit = split(name)
         value = self._known(plain)["value"]
         return value if unit is None else converted(plain, unit, value)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._variables
+        return name in self._variables or f"{name}[1]" in self._variables
 
     def __repr__(self) -> str:
         return f"Scene({self.name!r})" + "".join(f".set({text!r})" for text in self._assignments)
 
     def _known(self, name: str) -> dict[str, Any]:
-        try:
+        if name in self._variables:
             return self._variables[name]
-        except KeyError:
-            near = difflib.get_close_matches(name, self._variables, 3)
+        array = name.split("[")[0]
+        elements: list[dict[str, Any]] = []
+        while f"{array}[{len(elements) + 1}]" in self._variables:
+            elements.append(self._variables[f"{array}[{len(elements) + 1}]"])
+        if not elements:
+            near = difflib.get_close_matches(name, {key.split("[")[0] for key in self._variables}, 3)
             hint = f"; did you mean {' or '.join(near)}?" if near else "; `variables` has the names"
-            raise Error(f"{name} is no variable of the scene{hint}") from None
+            raise Error(f"{name} is no variable of the scene{hint}")
+        if name != array:
+            raise Error(f"{name}: {array} has the elements 1 to {len(elements)}")
+        # Elements differ by their values alone.
+        return {**elements[0], "value": np.array([own["value"] for own in elements])}
 
     def unit(self, name: str) -> str:
         """SI unit of a variable; "1" of a number."""
@@ -306,12 +334,33 @@ def _literal(value: Value) -> str:
     return repr(float(value))  # type: ignore[arg-type]
 
 
+def _is_text(path: str) -> bool:
+    """Whether a file begins as text in UTF-8; one that cannot be read is left to the native library, which says why."""
+    try:
+        with open(path, "rb") as file:
+            beginning = file.read(4096)
+    except OSError:
+        return True
+    try:
+        # A character may be cut at the end.
+        codecs.getincrementaldecoder("utf-8")().decode(beginning)
+    except UnicodeDecodeError:
+        return False
+    return b"\0" not in beginning
+
+
 def source(table: Optional[Table], name: str) -> Optional[dict[str, Any]]:
     """A table as the native library takes it: the path of a file, or the same text as in one."""
     if table is None:
         return None
+    accepted = "accepted are CSV files, dictionaries and tables of pandas, with columns as in `time [s],contact_temperature [degC]`"
     if isinstance(table, (str, os.PathLike)):
-        return {"path": os.fspath(table)}
+        path = os.fspath(table)
+        if not _is_text(path):
+            raise Error(f"{path} is no text in UTF-8; {accepted}")
+        return {"path": path}
+    if not hasattr(table, "keys"):
+        raise Error(f"{name}: {type(table).__name__} is no table; {accepted}")
     columns = {str(header): table[header] for header in table.keys()}
     count = max((len(values) for values in columns.values() if np.ndim(values) == 1), default=1)
     cells = []

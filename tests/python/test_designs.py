@@ -1,6 +1,8 @@
 """Designs of the batch examples: distributions, units, continuation, sensitivities; in the environment of these examples."""
 
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ sys.path.insert(0, str(BATCH))
 import design as designs  # noqa: E402  (the path is set first)
 import schedules  # noqa: E402
 import sensitivity  # noqa: E402
+import sweep  # noqa: E402
 from sliding_contact import Scene  # noqa: E402
 
 
@@ -31,7 +34,7 @@ def test_a_larger_design_continues_a_smaller_one():
         # Sobol's sequence: each half of the range holds half of the scenes, exactly.
         assert np.count_nonzero(column < middle) == 64
     other = designs.Design.read(BATCH / "brake_design.csv", 100, 4)
-    assert small.fingerprint() == large.fingerprint() != other.fingerprint()
+    assert small.identity() == large.identity() != other.identity()
 
 
 def test_sensitivities_of_a_function_with_known_ones():
@@ -79,7 +82,7 @@ punch.width [mm],uniform,80,,0.11 m,,,,,,,,,
 strip.height,uniform,,,,,,,,10 mm,2 mm,,,
 nominal.velocity,triangular,10 km/h,5,36 km/h,,,,,,,,,
 nominal.load,triang,,,,,,,,1 kN,4 kN,,,0.25
-normal_load.factor,normal,,,,1,0.1,,,,,,,
+normal_load.factor,normal,,,,100 %,0.1,,,,,,,
 ambient_temperature,norm,,,,,,,,20 degC,5 K,,,
 contact.conductance,loguniform,5e3,,1e5,,,,,,,,,
 strip.conductivity,reciprocal,,,,,,,,,,42,56,
@@ -129,7 +132,8 @@ def test_distributions_are_those_of_scipy_in_any_unit(tmp_path):
         ("punch.width,loguniform,0,0.11,,", ["line 3", "low = 0", "above 0"]),
         ("punch.width,normal,,,0.1,0", ["line 3", "scale = 0 must be above 0"]),
         ("ambient_temperature,normal,,,20 degC,5 degC", ["line 3", "scale", "degC", "accepted are K"]),
-        ("normal_load.factor,uniform,heavy,2,,", ["line 3", "normal_load.factor, low", "'heavy' is no number"]),
+        ("normal_load.factor,uniform,heavy,2,,", ["line 3", "normal_load.factor, low", "'heavy' is no number", "as 0.5 or 50 %"]),
+        ("normal_load.factor [kN],uniform,1,2,,", ["line 3", "normal_load.factor, low", "'1 kN' is no number"]),
         ("punch.widht,uniform,0.08,0.11,,", ["line 3", "punch.widht", "did you mean punch.width?"]),
         (",uniform,0.08,0.11,,", ["line 3", "name is empty"]),
         ("punch.width,uniform,0.08", ["line 3", "6 cells"]),
@@ -151,6 +155,29 @@ def test_wrong_headers_of_a_design_are_told(tmp_path):
     ):
         with pytest.raises(ValueError, match=part):
             read(tmp_path, text)
+
+
+def test_the_printed_summary_of_a_sweep(capsys):
+    indices = {"wear of the punch": {"punch.width": 0.99, "punch.density": -0.02}}
+    summary = {"scenes": 1, "failed": 0, "ran_now": 1, "reasons": {}, "results": {}, "files": [], "sensitivities": indices}
+    sweep.report(SimpleNamespace(json=False, output=Path("out")), summary)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "1 scene, 0 failed, 1 run now" and lines[-1].endswith("parts")
+    assert lines[-3:-1] == [
+        "  wear of the punch: punch.width 99 %, punch.density -2 %",
+        "  An index near or below 0 % is zero within its interval: noise of the estimator.",
+    ]
+
+
+def test_what_tells_two_batches_apart_is_named():
+    found = {"seed": 1, "step": 0.1, "variables": "a, b"}
+    assert sweep.difference(found, {**found, "step": 0.2}) == "step = 0.1 instead of 0.2"
+    assert sweep.difference(found, {"variables": "b, a", "seed": 2, "every": 1.0}) == (
+        "seed = 1 instead of 2; step = 0.1 instead of none; every = none instead of 1.0; variables = a, b instead of b, a"
+    )
+    many = {str(number): number for number in range(6)}
+    assert sweep.difference(many, {}).endswith("3 = 3 instead of none; and 2 more")
+    assert "another version" in sweep.difference(None, found)
 
 
 def test_schedules_of_any_scene(tmp_path):

@@ -262,6 +262,67 @@ def test_figures_are_drawn(tmp_path):
     assert deviation.root_mean_square == pytest.approx(np.sqrt(np.mean(exact**2)))
 
 
+def test_files_make_their_folder_and_say_why_they_cannot_be_written(tmp_path):
+    pytest.importorskip("matplotlib")
+    result = Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate()
+    result.plot(tmp_path / "not" / "there" / "stop.svg")
+    assert "<svg" in (tmp_path / "not" / "there" / "stop.svg").read_text()
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.svg").mkdir()
+    for wrong in (tmp_path / "file" / "stop.svg", tmp_path / "folder.svg"):
+        with pytest.raises(Error, match=re.escape(f"writing {wrong}: [Errno")):
+            result.plot(wrong)
+    with pytest.raises(Error, match=re.escape(f"writing {tmp_path / 'file' / 'fmu'}: [Errno")):
+        host.unpack(fmu("disc_brake"), tmp_path / "file" / "fmu")
+
+
+def test_arrays_are_read_and_set_as_in_a_scene_file():
+    table = "contact.friction_table"
+    scene = Scene.load("disc_brake")
+    stock = scene[f"{table}.speed"]
+    assert stock.tolist() == list(range(16)) and f"{table}.speed" in scene and scene.unit(f"{table}.speed") == "m/s"
+    scene.set({f"{table}.points": 3, f"{table}.speed": [0, "18 km/h", 20], f"{table}.coefficient": np.array([0.5, 0.4, 0.3])})
+    assert scene[f"{table}.speed"].tolist() == [0, 5, 20, *stock[3:]] and scene[f"{table}.speed [km/h]"][2] == pytest.approx(72)
+    assert scene[f"{table}.speed[2]"] == 5 and scene[f"{table}.coefficient"][2] == 0.3
+    # A shorter table: what it leaves out is as the scene has it, not as the longer one.
+    scene.set({f"{table}.points": 2}, **{f"{table}.speed": [0, 8], f"{table}.coefficient": [0.5, 0.4]})
+    assert scene[f"{table}.speed"].tolist() == [0, 8, *stock[2:]]
+    scene.set(f"{table}.speed", [0, 9])
+    assert scene[f"{table}.speed"][1] == 9 and scene.copy()[f"{table}.speed"][1] == 9
+    assert Scene.load("hot_spots")["contact.initial_gap [um]"].shape == (33,)
+    for name, value, text in (
+        (f"{table}.speed", list(range(17)), "has 17 elements, but must have 1 to 16"),
+        ("contact.friction_fade.factor", [1.0, 0.9], "has 2 elements, but must have 8"),
+        (f"{table}.speed", 3.0, "must be an array of 16 elements"),
+        (f"{table}.speed", None, "one name and its value"),
+        (f"{table}.speeed", [1], f"did you mean {table}.speed"),
+    ):
+        with pytest.raises(Error, match=re.escape(text)):
+            scene.set(name, value)
+    with pytest.raises(Error, match=re.escape(f"{table}.speed has the elements 1 to 16")):
+        scene[f"{table}.speed[17]"]
+    with pytest.raises(Error, match=re.escape(f"did you mean {table}.speed")):
+        scene[f"{table}.sped"]
+
+
+def test_a_record_that_is_no_table_is_refused_with_what_is_accepted(tmp_path):
+    pytest.importorskip("matplotlib")
+    result = Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate()
+    picture, sheet, latin = (tmp_path / name for name in ("record.png", "record.xlsx", "latin.csv"))
+    result.plot(picture)
+    sheet.write_bytes(b"PK\x03\x04\x14\x00\x06\x00")
+    latin.write_bytes("time [s],contact_temperature [°C]\n0,20\n".encode("latin-1"))
+    for record, told in ((picture, f"{picture} is no text"), (sheet, f"{sheet} is no text"), (latin, f"{latin} is no text"), ([1, 2], "list is no table")):
+        for refused in (lambda: result.compare(record), lambda: result.plot(measured=record)):
+            with pytest.raises(Error) as raised:
+                refused()
+            assert told in str(raised.value) and "accepted are CSV files" in str(raised.value)
+    # A character of two bytes that the first block of a file cuts is text.
+    long = tmp_path / "long.csv"
+    long.write_bytes(b"#" * 4095 + "é\ntime [s],contact_temperature [degC]\n0,20\n".encode())
+    assert result.compare(long)["contact_temperature"].measured == pytest.approx([293.15])
+
+
 def test_a_simulation_stays_in_its_process():
     import pickle
 

@@ -190,7 +190,7 @@ pub(crate) fn rows(
 ) -> Result<Vec<String>> {
     let file = path.display();
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-    let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
+    let headers = whole(reader.headers().cloned(), path)?;
     let line = headers.position().map_or(1, csv::Position::line);
     if headers.is_empty() {
         let first = known.first().map_or_else(String::new, |column| format!("{} [{}]", column.name, column.unit.name));
@@ -211,19 +211,15 @@ pub(crate) fn rows(
     }
     let mut is_empty = true;
     for record in reader.records() {
-        let record = record.map_err(|error| match error.kind() {
-            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-                let line = pos.as_ref().map_or(0, csv::Position::line);
-                anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}")
-            }
-            _ => anyhow!(error).context(format!("reading {file}")),
-        })?;
+        let record = whole(record, path)?;
         let line = record.position().map_or(0, csv::Position::line);
         let mut cells = Vec::with_capacity(found.len());
         for (at, (text, column)) in record.iter().zip(&found).enumerate() {
             let mut cell =
                 Cell { name: &column.name, value: f64::NAN, path, line, column: at + 1, header: &headers[at], text };
-            let number: f64 = text.parse().ok().with_context(|| format!("{} is no number", cell.place()))?;
+            let number: f64 = text.parse().ok().with_context(|| {
+                format!("{} {}", cell.place(), quantity::decimal_comma(text).unwrap_or("is no number"))
+            })?;
             cell.value = quantity::in_si(number, column.symbol, column.unit, column.absolute)
                 .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
             cells.push(cell);
@@ -235,6 +231,34 @@ pub(crate) fn rows(
         bail!("{file} has no row below its header");
     }
     Ok(found.into_iter().map(|column| column.name).collect())
+}
+
+/// A row with as many cells as the header.
+///
+/// # Errors
+/// With file and line, where it has not.
+pub fn whole(record: csv::Result<csv::StringRecord>, path: &Path) -> Result<csv::StringRecord> {
+    let file = path.display();
+    record.map_err(|error| match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            let hint = if len > expected_len { "; numbers have a decimal point, a comma separates cells" } else { "" };
+            anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}{hint}")
+        }
+        csv::ErrorKind::Utf8 { .. } => anyhow!("{file} is no text in UTF-8; a CSV file is needed"),
+        _ => anyhow!(error).context(format!("reading {file}")),
+    })
+}
+
+/// Whether a header is separated by commas.
+///
+/// # Errors
+/// With what separates it.
+pub fn check_separator(headers: &csv::StringRecord) -> Result<(), String> {
+    match [';', '\t'].into_iter().find(|&separator| headers.iter().any(|header| header.contains(separator))) {
+        Some(separator) => Err(format!("columns are separated by commas, and this header has {separator:?}")),
+        None => Ok(()),
+    }
 }
 
 /// A column of a file.
@@ -269,14 +293,18 @@ impl<'a> Found<'a> {
 
 /// The accepted headers; of many those near the given one.
 fn alternatives(header: &str, known: &[&Column]) -> String {
-    if let Some(separator) = [';', '\t'].into_iter().find(|&separator| header.contains(separator)) {
-        return format!("columns are separated by commas, and this header has {separator:?}");
+    if let Err(separated) = check_separator(&csv::StringRecord::from(vec![header])) {
+        return separated;
     }
     let name = header.split('[').next().unwrap_or(header).trim();
     let wrong_unit = known.iter().find(|column| column.name == name);
     if known.len() <= LISTED || wrong_unit.is_some() {
         let listed = known.iter().filter(|column| wrong_unit.is_none_or(|own| own.name == column.name));
-        return format!("accepted are {}", listed.map(|column| column.headers()).collect::<Vec<_>>().join(", "));
+        let near = match wrong_unit {
+            Some(_) => String::new(),
+            None => nearest(name, known.iter().map(|column| column.name.as_str())),
+        };
+        return format!("accepted are {}{near}", listed.map(|column| column.headers()).collect::<Vec<_>>().join(", "));
     }
     let example: Vec<String> = known.iter().take(2).map(|column| column.headers()).collect();
     let near = nearest(name, known.iter().map(|column| column.name.as_str()));
@@ -344,7 +372,14 @@ mod tests {
             ("nothing", "", "is empty; its first line must name the columns"),
             ("notes", "# nothing\n", "is empty"),
             ("semicolons", "time;speed_m_per_s\n0;1\n", "columns are separated by commas, and this header has ';'"),
+            ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
+            ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
             ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
+            (
+                "comma",
+                "time,speed_m_per_s\n0,5,1\n",
+                "line 2: 3 cells, and the header has 2; numbers have a decimal point",
+            ),
         ] {
             let told = format!("{:#}", table(name, text).unwrap_err());
             assert!(told.contains(wanted), "{told}\nis without {wanted}");

@@ -28,6 +28,7 @@
 mod assignment;
 pub mod columns;
 pub mod materials;
+pub mod nominal;
 pub mod quantity;
 pub mod records;
 pub mod shipped;
@@ -125,7 +126,7 @@ pub fn read(path: &Path) -> Result<SceneFile, Problems> {
 /// All [`Problems`] together: text that is not TOML, unknown, repeated or missing keys, values of the
 /// wrong type, unit, range or number, unknown materials and items.
 pub fn parse(text: &str) -> Result<SceneFile, Problems> {
-    let mut reader = Reader { text, leaves: BTreeMap::new(), problems: Vec::new() };
+    let mut reader = Reader { text, leaves: BTreeMap::new(), short: Vec::new(), problems: Vec::new() };
     match DeTable::parse(text) {
         Ok(table) => reader.flatten("", table.get_ref()),
         Err(error) => {
@@ -152,6 +153,8 @@ struct Leaf<'text> {
 struct Reader<'text> {
     text: &'text str,
     leaves: BTreeMap<String, Leaf<'text>>,
+    /// Place, name and number of elements of the arrays that are shorter than those of the FMU.
+    short: Vec<(usize, String, usize)>,
     problems: Vec<Problem>,
 }
 
@@ -215,6 +218,7 @@ impl<'text> Reader<'text> {
         for (key, leaf) in std::mem::take(&mut self.leaves) {
             self.variable(&key, &leaf, &mut starts, &mut given);
         }
+        self.short_tables(&starts);
         given.sort_unstable();
         given.dedup();
         let packaged = Packaged { name: name.unwrap_or_default(), starts, experiment };
@@ -242,6 +246,18 @@ impl<'text> Reader<'text> {
         }
     }
 
+    /// Refuses arrays with fewer elements than their table has points.
+    fn short_tables(&mut self, starts: &[f64; COUNT]) {
+        for (at, key, elements) in std::mem::take(&mut self.short) {
+            let table = key.rsplit_once('.').map_or("", |(table, _)| table);
+            let Some((first, points)) = row_called(&format!("{table}.points")) else { continue };
+            let wanted = starts[first as usize];
+            if (elements as f64) < wanted {
+                self.problem(at, &key, format!("has {elements} elements, but {} = {wanted}", points.name));
+            }
+        }
+    }
+
     fn variable(&mut self, key: &str, leaf: &Leaf, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) {
         let Some((first, row)) = row_called(key) else {
             let reason = format!("there is no such key{}", suggest::nearest(key, known_keys()));
@@ -261,12 +277,16 @@ impl<'text> Reader<'text> {
         let problems: Vec<(usize, String, String)> = match (row.elements, leaf.value.get_ref()) {
             (0, _) => store(0, &leaf.value).into_iter().collect(),
             (count, DeValue::Array(elements))
-                if elements.len() == count as usize || row.may_be_shorter && elements.len() < count as usize =>
+                if elements.len() == count as usize
+                    || row.may_be_shorter && (1..count as usize).contains(&elements.len()) =>
             {
+                if elements.len() < count as usize {
+                    self.short.push((leaf.value.span().start, key.to_owned(), elements.len()));
+                }
                 (0..count).zip(elements.iter()).filter_map(|(element, value)| store(element, value)).collect()
             }
             (count, DeValue::Array(elements)) => {
-                let most = if row.may_be_shorter { "at most " } else { "" };
+                let most = if row.may_be_shorter { "1 to " } else { "" };
                 let reason = format!("has {} elements, but must have {most}{count}", elements.len());
                 vec![(leaf.value.span().start, key.to_owned(), reason)]
             }

@@ -30,7 +30,7 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
             let written = Written::of(value, unit, !row.is_difference())?;
             within(&written, min, max).map_err(|reason| match row.instead_of_zero {
                 setting if !setting.is_empty() && written.si() == 0.0 => format!("{reason}; set {setting} instead"),
-                _ => reason,
+                _ => format!("{reason}{}", written.other_unit(unit)),
             })?;
             let si = written.si();
             if si != 0.0 && si.abs() < row.least_magnitude {
@@ -130,6 +130,9 @@ impl Written {
 
     fn from_text(text: &str, unit: &'static Unit, name: &'static str, absolute: bool) -> Result<Written, String> {
         let text = text.trim();
+        if let Some(hint) = decimal_comma(text) {
+            return Err(format!("{text:?} {hint}"));
+        }
         let (number, symbol) =
             split(text).ok_or_else(|| format!("{text:?} is not a number with a unit, such as {:?}", sample(unit)))?;
         if symbol.is_empty() && name.is_empty() {
@@ -165,7 +168,21 @@ impl Written {
 
     /// A number in the unit that was written, as a text.
     fn show(&self, number: f64) -> String {
-        if self.name.is_empty() { format!("{number}") } else { format!("{number} {}", self.name) }
+        let number = match number.abs() {
+            size if size != 0.0 && !(1e-6..1e9).contains(&size) => format!("{number:e}"),
+            _ => format!("{number}"),
+        };
+        if self.name.is_empty() { number } else { format!("{number} {}", self.name) }
+    }
+
+    /// A number that says no unit may be meant in another one.
+    fn other_unit(&self, unit: &'static Unit) -> String {
+        match (self.unit, unit.display.first()) {
+            (None, Some(display)) if self.number > 0.0 => {
+                format!("; in {} it is written as {:?}", display.name, format!("{} {}", self.number, display.name))
+            }
+            _ => String::new(),
+        }
     }
 
     fn shown(&self, si: f64) -> f64 {
@@ -201,6 +218,14 @@ fn within(written: &Written, min: Option<f64>, max: Option<f64>) -> Result<(), S
 
 fn integer(digits: &str, radix: u32) -> f64 {
     i64::from_str_radix(digits, radix).map_or(f64::NAN, |number| number as f64)
+}
+
+/// A remark about a number that has a comma in place of its decimal point; `None` where it has none.
+pub(crate) fn decimal_comma(text: &str) -> Option<&'static str> {
+    let (before, after) = text.split_once(',')?;
+    let digits = before.ends_with(|symbol: char| symbol.is_ascii_digit())
+        && after.starts_with(|symbol: char| symbol.is_ascii_digit());
+    digits.then_some("has a comma; numbers have a decimal point")
 }
 
 /// Number and unit of a text such as `1.2e3 mm3/(N.m)`, with or without the space.

@@ -1,5 +1,6 @@
 //! The scenes that are shipped: a folder with a `scene.toml` in a folder of every name.
 
+use crate::suggest::{near, nearest, question};
 use crate::{SceneFile, read};
 use anyhow::{Context, Result, bail};
 use scene::Scene;
@@ -15,6 +16,12 @@ pub fn load(scene: Option<&str>, folder: &Path) -> Result<SceneFile> {
         return Ok(SceneFile { packaged: Packaged::stock(), description: String::new(), given: Vec::new() });
     };
     let path = locate(scene, folder)?;
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu")) {
+        bail!("{} is an FMU, and a scene file is needed: the TOML file that it was packaged from", path.display());
+    }
+    if !path.exists() {
+        bail!("the scene {} cannot be read: there is no such file{}", path.display(), beside(&path));
+    }
     read(&path).with_context(|| format!("the scene {}", path.display()))
 }
 
@@ -34,7 +41,20 @@ pub fn locate(scene: &str, folder: &Path) -> Result<PathBuf> {
     if shipped.is_file() {
         return Ok(shipped);
     }
-    bail!("there is no scene {scene:?}; name a scene file or one of {}", names(folder).join(", "))
+    let near = nearest(scene, names(folder).iter().map(String::as_str));
+    bail!("there is no scene {scene:?}; name a scene file or one of {}{near}", names(folder).join(", "))
+}
+
+/// Scene files in the folder of a missing one whose names are near to its own, for messages.
+fn beside(missing: &Path) -> String {
+    let folder = missing.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let stem = |path: &Path| path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+    let stems: Vec<String> = scenes.map(|path| stem(&path)).collect();
+    let near: Vec<String> =
+        near(&stem(missing), stems.iter().map(String::as_str)).iter().map(|stem| format!("{stem}.toml")).collect();
+    question(&near)
 }
 
 /// Names of the shipped scenes, in alphabetical order.

@@ -4,6 +4,17 @@ use strsim::levenshtein;
 
 /// `; did you mean ...?` with the up to three nearest of `known`, or nothing where none is near.
 pub fn nearest<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -> String {
+    question(&near(wanted, known))
+}
+
+/// `; did you mean ...?` with these names; nothing without any.
+pub(crate) fn question(names: &[impl AsRef<str>]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    if names.is_empty() { String::new() } else { format!("; did you mean {}?", names.join(" or ")) }
+}
+
+/// The up to three nearest of `known`.
+pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -> Vec<&'known str> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
     let tolerated = (wanted.chars().count() / 4).max(2);
     let mut near: Vec<(usize, &str)> = known
@@ -16,8 +27,7 @@ pub fn nearest<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -
         .collect();
     near.sort_unstable();
     near.truncate(3);
-    let names: Vec<&str> = near.into_iter().map(|(_, name)| name).collect();
-    if names.is_empty() { String::new() } else { format!("; did you mean {}?", names.join(" or ")) }
+    near.into_iter().map(|(_, name)| name).collect()
 }
 
 #[cfg(test)]

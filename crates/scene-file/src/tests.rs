@@ -135,11 +135,10 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         ("punch.width = \"20000 mm\"", &["punch.width: 20000 mm is outside", "from 0.001 mm to 10000 mm"]),
         ("punch.width = -1", &["-1 m is outside", "from 0.000001 m to 10 m"]),
         ("ambient_temperature = \"-300 degC\"", &["-300 degC is outside", "from -272.15 degC to 9726.85 degC"]),
+        ("punch.width = 40", &["40 m is outside", "from 0.000001 m to 10 m; in mm it is written as \"40 mm\""]),
+        ("punch.width = \"0,04\"", &["\"0,04\" has a comma; numbers have a decimal point"]),
         ("normal_load = -5", &["-5 N is outside", "at least 0 N"]),
-        (
-            "solver.tolerance = 1e-12",
-            &["solver.tolerance: 0.000000000001 is below the least value other than 0, 0.0000000001"],
-        ),
+        ("solver.tolerance = 1e-12", &["solver.tolerance: 1e-12 is below the least value other than 0, 1e-10"]),
         ("normal_load = \"1e306 kN\"", &["line 2", "normal_load: 1e306 kN is no finite number in the SI unit"]),
         ("depth = inf", &["depth: inf is not a finite number"]),
         ("depth = nan", &["depth: NaN is not a finite number"]),
@@ -158,6 +157,11 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         // Arrays.
         ("contact.friction_fade.factor = 1", &["an array of 8 elements"]),
         ("contact.friction_fade.factor = [1, 2]", &["has 2 elements, but must have 8"]),
+        ("contact.friction_table.speed = []", &["has 0 elements, but must have 1 to 16"]),
+        (
+            "contact.friction_table.points = 3\ncontact.friction_table.speed = [0, 1]\ncontact.friction_table.coefficient = [0.4, 0.3, 0.2]",
+            &["contact.friction_table.speed: has 2 elements, but contact.friction_table.points = 3"],
+        ),
         (
             "contact.friction_fade.factor = [1, 1, 1, 1, -1, 1, 1, 1]",
             &["contact.friction_fade.factor[5]: -1 is outside", "from 0 to 1000"],

@@ -103,6 +103,8 @@ pub struct Description {
     pub model_identifier: String,
     /// Whether inputs may be given with their derivatives.
     pub takes_input_derivatives: bool,
+    /// Communication step of the default experiment, as the file has it; empty where it has none.
+    pub step_size: String,
     variables: Vec<Variable>,
     by_name: HashMap<String, usize>,
 }
@@ -119,6 +121,7 @@ impl Description {
             guid: String::new(),
             model_identifier: String::new(),
             takes_input_derivatives: false,
+            step_size: String::new(),
             variables: Vec::new(),
             by_name: HashMap::new(),
         };
@@ -146,6 +149,9 @@ impl Description {
                 "CoSimulation" => {
                     description.model_identifier = attributes.required("modelIdentifier").map_err(broken)?;
                     description.takes_input_derivatives = attributes.get("canInterpolateInputs") == Some("true");
+                }
+                "DefaultExperiment" => {
+                    description.step_size = attributes.get("stepSize").unwrap_or_default().to_owned();
                 }
                 "SimpleType" => current_type = attributes.required("name").map_err(broken)?,
                 "Item" => {

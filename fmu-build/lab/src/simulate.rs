@@ -49,7 +49,8 @@ pub struct Arguments {
     /// output by its name and a unit.
     #[arg(short, long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
-    /// Times of the profiles over the contact, as 0,10,"2 min"; by default start, middle and end.
+    /// Times of the profiles over the contact, as 0,10,"2 min"; by default the first, middle and last at which the load is at least half of
+    /// its largest.
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time, allow_negative_numbers = true)]
     at: Vec<f64>,
     /// Print JSON instead of a table: every variable's range and end, deviations, profiles.
@@ -95,8 +96,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     let written = [("--output", &table), ("--output", &arguments.output), ("--plot", &arguments.plot)];
     for (option, path) in written {
-        write::check_folder(option, path.as_deref())?;
-        refuse_to_replace(option, path.as_deref(), arguments)?;
+        let Some(path) = path else { continue };
+        output::check_file(option, path)?;
+        refuse_to_replace(option, path, arguments)?;
     }
     let mut file = scenes::load(Some(&arguments.scene))?;
     for assignment in &arguments.set {
@@ -115,6 +117,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     progress.finish();
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
+        output::make_above(path)?;
         write::courses(path, &recording)?;
         if let Some(parquet) = parquet {
             crate::python::parquet(path, parquet)?;
@@ -136,6 +139,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => Vec::new(),
     };
     if let Some(path) = &arguments.plot {
+        output::make_above(path)?;
         figure::write(&Figure::new(&packaged.name, &recording, &deviations), path)?;
         files.push(path.display().to_string());
     }
@@ -155,8 +159,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 /// Refuses to write over a file that is read.
-fn refuse_to_replace(option: &str, path: Option<&Path>, arguments: &Arguments) -> Result<()> {
-    let Some((path, own)) = path.and_then(|path| Some((path, fs::canonicalize(path).ok()?))) else { return Ok(()) };
+fn refuse_to_replace(option: &str, path: &Path, arguments: &Arguments) -> Result<()> {
+    let Ok(own) = fs::canonicalize(path) else { return Ok(()) };
     let scene = scenes::locate(&arguments.scene).ok();
     for read in [&arguments.inputs, &arguments.measured, &scene].into_iter().flatten() {
         if fs::canonicalize(read).with_context(|| format!("reading {}", read.display()))? == own {

@@ -1,20 +1,22 @@
 //! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
 
+mod course;
 pub mod example;
 mod pool;
 mod results;
 mod tables;
 pub mod worker;
 
+pub use course::points;
 pub use tables::{Inputs, Table};
-pub use worker::points;
 
 use crate::output::{self, print_line};
 use crate::{package, project, python, scenes};
 use anyhow::{Context, Result, bail};
-use fmu_host::{Causality, Description, Interpolation, Schedule, Span, Worker};
+use course::Course;
+use fmu_host::{Causality, Description, Interpolation, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use results::{Results, Row};
+use results::{Identity, Results, Row};
 use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -24,6 +26,8 @@ use std::time::Instant;
 const REASONS: usize = 10;
 /// Ending of a column that multiplies an input's column of the schedule.
 const FACTOR: &str = ".factor";
+/// Beginning of the columns of nominal conditions.
+const NOMINAL: &str = "nominal.";
 /// Ending of a column with the largest value of an output.
 const PEAK: &str = ".peak";
 
@@ -44,18 +48,24 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "scene"])]
     fmu: Option<PathBuf>,
     /// CSV file with the inputs over time: the column time, and one per input, in the FMU's unit or in the one that the
-    /// header says, as in "sliding_velocity [km/h]".
-    #[arg(long, value_name = "FILE", required_unless_present = "example")]
+    /// header says, as in "sliding_velocity [km/h]". Without it every scene runs at its nominal load and velocity for its nominal
+    /// duration, over the nominal stroke where it has one.
+    #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
-    /// File of results: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is missing.
+    /// File of results, in SI units: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is
+    /// missing; results of another batch are not replaced without --replace.
     #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
     output: Option<PathBuf>,
+    /// Replace the results of another batch.
+    #[arg(long)]
+    replace: bool,
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Communication step in seconds.
-    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
-    step: f64,
+    /// Communication step in seconds. By default about a thousandth of the time of the inputs and no longer than their rows are
+    /// apart; without --inputs that of the scene.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    step: Option<f64>,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step, as `simulate` takes them.
     #[arg(long, value_enum, default_value = "linear")]
@@ -78,7 +88,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_enum,
-        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
+        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "replace", "jobs", "step", "interpolation", "record", "peak", "every"]
     )]
     example: Option<example::Script>,
     /// Arguments of the script.
@@ -112,13 +122,16 @@ impl From<Reading> for Interpolation {
 struct Job {
     /// Of the unpacked FMU.
     folder: PathBuf,
-    inputs: PathBuf,
+    /// `None`: nominal inputs.
+    inputs: Option<PathBuf>,
     columns: Vec<String>,
-    step: Text,
+    /// `None`: as [`Course`] chooses it.
+    step: Option<Text>,
     interpolation: Reading,
     record: Vec<String>,
     peak: Vec<String>,
-    every: Text,
+    /// `None`: the step.
+    every: Option<Text>,
 }
 
 /// A number as the shortest text that is read back as the same number, which not every reader of JSON promises.
@@ -142,8 +155,8 @@ impl Text {
 struct Summary {
     scenes: usize,
     failed: usize,
-    /// The most frequent reasons, with their numbers of scenes.
-    reasons: Vec<(String, usize)>,
+    /// The most frequent reasons.
+    reasons: Vec<results::Reason>,
     ran_now: usize,
     seconds: f64,
     jobs: usize,
@@ -159,9 +172,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(script) = arguments.example {
         return script.run(&arguments.script_arguments, arguments.json);
     }
-    let (Some(design), Some(inputs), Some(output)) = (&arguments.design, &arguments.inputs, &arguments.output) else {
-        bail!("DESIGN, --inputs and --output are needed");
+    let (Some(design), Some(output)) = (&arguments.design, &arguments.output) else {
+        bail!("DESIGN and --output are needed");
     };
+    let inputs = arguments.inputs.as_ref();
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
     if jobs == 0 {
@@ -172,7 +186,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     // Rows are appended to a CSV file in any case, which stands beside the other.
     let rows = &if parquet { output.with_extension("csv") } else { output.clone() };
     let own = fs::canonicalize(rows).ok();
-    if let Some(read) = [design, inputs].into_iter().find(|read| own.is_some() && fs::canonicalize(read).ok() == own) {
+    if let Some(read) =
+        [Some(design), inputs].into_iter().flatten().find(|read| own.is_some() && fs::canonicalize(read).ok() == own)
+    {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
     let table = Table::read(design)?;
@@ -189,26 +205,29 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let converted = table.in_units_of(worker.description()).with_context(|| format!("reading {}", design.display()))?;
     let job = Job {
         folder,
-        inputs: inputs.clone(),
+        inputs: inputs.cloned(),
         columns: converted.columns.clone(),
-        step: arguments.step.into(),
+        step: arguments.step.map(Text::from),
         interpolation: arguments.interpolation,
         record: arguments.record.clone(),
         peak: arguments.peak.clone(),
-        every: arguments.every.unwrap_or(arguments.step).into(),
+        every: arguments.every.map(Text::from),
     };
     check(&job, design, worker.description())?;
+    let header = header(&job, &table, worker.description())?;
     drop(worker);
-    let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
+    let inputs = inputs.map(fs::read).transpose()?;
+    let recorded = format!("{:?}", (&job.record, &job.peak));
+    let steps = format!("{:?}", (&job.step, job.interpolation, &job.every));
     // Not of the rows, which are compared one by one: a longer design continues a shorter one.
-    let columns = table.columns.join(",");
-    let fingerprint = results::fingerprint(&[&fmu, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
-    let header: Vec<String> = std::iter::once("scene".to_owned())
-        .chain(table.columns.iter().chain(&job.record).cloned())
-        .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
-        .chain(["status".to_owned(), "reason".to_owned()])
-        .collect();
-    let mut results = Results::open(rows, &header, &fingerprint, &table.rows)?;
+    let identity = Identity::of(&[
+        ("scene", &fmu),
+        ("columns", table.columns.join(",").as_bytes()),
+        ("inputs", inputs.as_deref().unwrap_or_default()),
+        ("outputs", recorded.as_bytes()),
+        ("steps", steps.as_bytes()),
+    ]);
+    let mut results = Results::open(rows, &header, &identity, &table.rows, arguments.replace)?;
     let pending: Vec<usize> = (0..table.rows.len()).filter(|&scene| !results.has(scene)).collect();
     let ran_now = pending.len();
     if ran_now < table.rows.len() {
@@ -233,23 +252,23 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         python::parquet(rows, output)?;
     }
     let failed = failures.count;
-    let reasons: Vec<(String, usize)> = failures.reasons.into_iter().take(REASONS).collect();
+    let reasons: Vec<results::Reason> = failures.reasons.into_iter().take(REASONS).collect();
     let output = output.clone();
     let summary = Summary { scenes: table.rows.len(), failed, reasons, ran_now, seconds, jobs, output };
     if arguments.json {
         print_line!("{}", serde_json::to_string_pretty(&summary)?);
     } else {
         print_line!(
-            "{} scenes, {failed} failed; {ran_now} run now by {jobs} processes in {seconds:.1} s: {}",
-            summary.scenes,
+            "{}, {failed} failed; {ran_now} run now by {jobs} processes in {seconds:.1} s: {}",
+            output::counted(summary.scenes, "scene"),
             summary.output.display()
         );
-        for (reason, count) in &summary.reasons {
-            print_line!("  {count} x {reason}");
+        for results::Reason { reason, scenes, first } in &summary.reasons {
+            print_line!("  {scenes} x {reason} (first in scene {first})");
         }
     }
     if failed == summary.scenes {
-        bail!("every one of the {failed} scenes failed; the column reason of {} says why", summary.output.display());
+        bail!("{} failed; the column reason of {} says why", all(failed), summary.output.display());
     }
     Ok(())
 }
@@ -264,28 +283,54 @@ fn packaged(scene: &str) -> Result<Vec<u8>> {
     bytes
 }
 
+/// Subject of a message about every scene.
+fn all(scenes: usize) -> String {
+    if scenes == 1 { "the only scene".to_owned() } else { format!("every one of the {scenes} scenes") }
+}
+
+/// Header of the results: the design's own columns as they are, outputs with their units.
+fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<String>> {
+    let with_unit = |name: &str, shown: String| -> Result<String> {
+        let unit = &description.find(name)?.unit;
+        Ok(if unit.is_empty() || unit == "1" { shown } else { format!("{shown} [{unit}]") })
+    };
+    let last = job.record.iter().map(|name| with_unit(name, name.clone()));
+    let largest = job.peak.iter().map(|name| with_unit(name, format!("{name}{PEAK}")));
+    let outputs: Vec<String> = last.chain(largest).collect::<Result<_>>()?;
+    let ends = ["status", "reason"].map(str::to_owned);
+    Ok(std::iter::once("scene".to_owned()).chain(table.columns.iter().cloned()).chain(outputs).chain(ends).collect())
+}
+
 /// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
-    let inputs = Inputs::read(&job.inputs, description)?;
-    let file = job.inputs.display();
-    if inputs.times.len() < 2 {
-        bail!("{file} has one row; a time interval needs at least two");
-    }
-    Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
+    let Course { inputs, .. } = Course::new(job, description, &[])?;
     for text in implausible(&inputs, description, &job.columns) {
-        eprintln!("warning: {}: {text}", job.inputs.display());
+        eprintln!("warning: {}: {text}", inputs.source);
     }
     for column in &job.columns {
-        match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {
-            Some(_) => {}
-            None => {
-                let context = || format!("{}, line 1: the column {column}", design.display());
-                if column.ends_with(FACTOR) {
-                    let factors: Vec<String> = inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect();
-                    bail!("{} is no factor on a column of {file}; accepted are {}", context(), factors.join(", "));
-                }
-                description.find_as(column, Causality::Parameter).with_context(context)?;
-            }
+        let context = || format!("{}, line 1: the column {column}", design.display());
+        let input = column.strip_suffix(FACTOR).unwrap_or(column);
+        let is_driven = inputs.names.iter().any(|name| name == input);
+        if is_driven && input != column {
+            continue;
+        }
+        if column.ends_with(FACTOR) || description.find_as(column, Causality::Input).is_ok() {
+            let factors: Vec<String> = inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect();
+            let fault = if column.ends_with(FACTOR) { "no factor on a column" } else { "an input, which is that" };
+            bail!("{} is {fault} of {}; accepted are {}", context(), inputs.source, factors.join(", "));
+        }
+        description.find_as(column, Causality::Parameter).with_context(context)?;
+        let driven = match column.as_str() {
+            "nominal.load" => "normal_load",
+            "nominal.velocity" => "sliding_velocity",
+            _ => continue,
+        };
+        if job.inputs.is_some() && inputs.names.iter().any(|name| name == driven) {
+            eprintln!(
+                "warning: {}: {column} changes how levels are chosen, and not the inputs of {}; {driven}{FACTOR} multiplies them",
+                design.display(),
+                inputs.source
+            );
         }
     }
     for (option, names) in [("--record", &job.record), ("--peak", &job.peak)] {
@@ -293,14 +338,6 @@ fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
             description.find(name).with_context(|| format!("{option} {name}"))?;
         }
     }
-    let (step, every) = (job.step.value()?, job.every.value()?);
-    if !(step.is_finite() && step > 0.0) {
-        bail!("--step {step} s must be a finite number above 0 s");
-    }
-    let span = Span { start: inputs.start(), stop: inputs.stop(), step };
-    span.steps().with_context(|| format!("--step {step} s, with the last time of {file} as the stop time"))?;
-    let points = worker::points(span, every)?;
-    span.indices(&points).with_context(|| format!("--every {every} s must be a multiple of --step {step} s"))?;
     Ok(())
 }
 
@@ -334,7 +371,7 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
 
 /// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
 fn unpack(fmu: &[u8]) -> Result<PathBuf> {
-    let name = format!("fmu-{}", results::fingerprint(&[fmu]));
+    let name = format!("fmu-{}", results::fingerprint(fmu));
     let folder = project::target().join("batch").join(&name);
     if folder.is_dir() {
         return Ok(folder);

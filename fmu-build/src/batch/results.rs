@@ -2,7 +2,7 @@
 
 use super::worker::{Answer, OK};
 use crate::project;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow};
 use scene::fnv::Fnv;
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -41,18 +41,48 @@ impl Row {
 pub struct Failures {
     /// Number of rows.
     pub count: usize,
-    /// Reasons with their numbers of rows, the most frequent first.
-    pub reasons: Vec<(String, usize)>,
+    /// The most frequent first.
+    pub reasons: Vec<Reason>,
+}
+
+/// A reason of failures.
+#[derive(serde::Serialize, Clone, PartialEq, Eq, Debug)]
+pub struct Reason {
+    /// As the FMU says it.
+    pub reason: String,
+    /// Number of scenes that failed for it.
+    pub scenes: usize,
+    /// The first of them.
+    pub first: usize,
+}
+
+/// Identity of a batch, so that rows of different ones are not mixed: hashes of what they depend on, by name, in one line of text.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Identity(String);
+
+impl Identity {
+    /// Of these parts.
+    pub fn of(parts: &[(&str, &[u8])]) -> Self {
+        let hashed: Vec<String> = parts.iter().map(|(name, part)| format!("{name} {}", fingerprint(part))).collect();
+        Self(hashed.join(", "))
+    }
+
+    /// Names of the parts that differ from those of a text of an identity; all where it is none.
+    fn differences(&self, found: &str) -> String {
+        let found: Vec<&str> = found.split(", ").collect();
+        let parts = self.0.split(", ").filter(|part| !found.contains(part));
+        parts.filter_map(|part| part.split(' ').next()).collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// Rows that are there, and the file beside the output that holds them until all are.
 ///
-/// A finished output has a file `.batch` beside it with the fingerprint of the batch, so that a longer design continues it.
+/// A finished output has a file `.batch` beside it with the identity of the batch, so that a longer design continues it.
 pub struct Results {
     output: PathBuf,
     partial: PathBuf,
     batch: PathBuf,
-    fingerprint: String,
+    identity: Identity,
     header: Vec<String>,
     file: File,
     rows: BTreeMap<usize, Vec<String>>,
@@ -60,10 +90,17 @@ pub struct Results {
 
 impl Results {
     /// Continues what an earlier run left beside or in `output`, or begins. Rows are those of the design where their cells are the same.
+    /// `replace`: what belongs to another batch is replaced.
     ///
     /// # Errors
     /// Where what is there belongs to another batch, or a file cannot be read or written.
-    pub fn open(output: &Path, header: &[String], fingerprint: &str, design: &[Vec<String>]) -> Result<Self> {
+    pub fn open(
+        output: &Path,
+        header: &[String],
+        identity: &Identity,
+        design: &[Vec<String>],
+        replace: bool,
+    ) -> Result<Self> {
         let output = &project::replaceable(output)?;
         let beside = |ending: &str| {
             let mut name = output.as_os_str().to_owned();
@@ -73,33 +110,50 @@ impl Results {
         let (partial, batch) = (beside(".partial"), beside(".batch"));
         let is_own = |scene: usize, cells: &[String]| design.get(scene).is_some_and(|own| cells.starts_with(own));
         let context = || format!("opening {}", partial.display());
-        let first = format!("# {fingerprint}\n");
+        let first = format!("# {}\n", identity.0);
+        let other = |path: &Path, differs: &str| {
+            anyhow!(
+                "{} belongs to another batch: {differs} differ; name another --output, or say --replace",
+                path.display()
+            )
+        };
         let mut rows = BTreeMap::new();
         let mut whole = 0;
+        if replace {
+            for path in [&partial, &batch] {
+                let _ = fs::remove_file(path);
+            }
+        }
+        let known = fs::read_to_string(&batch).ok();
         if partial.exists() {
             let text = fs::read(&partial).with_context(context)?;
             // A run that was killed may have left half a line.
             whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
             if whole > 0 {
                 let Some(rest) = text[..whole].strip_prefix(first.as_bytes()) else {
-                    bail!(
-                        "{} belongs to another FMU, design, schedule or settings; remove it, or name another --output",
-                        partial.display()
-                    );
+                    let found = String::from_utf8_lossy(&text[..whole]);
+                    let line = found.lines().next().unwrap_or_default().trim_start_matches("# ");
+                    return Err(other(&partial, &identity.differences(line)));
                 };
                 for record in csv::ReaderBuilder::new().has_headers(false).from_reader(rest).records() {
                     let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
                     if scene < design.len() && !is_own(scene, &cells) {
-                        bail!(
-                            "{} belongs to another design: its scene {scene} differs; remove it, or name another --output",
-                            partial.display()
-                        );
+                        return Err(other(&partial, &format!("cells of scene {scene}")));
                     }
                     rows.insert(scene, cells);
                 }
                 rows.retain(|&scene, _| scene < design.len());
             }
-        } else if fs::read_to_string(&batch).is_ok_and(|found| found.trim_end() == fingerprint) && output.is_file() {
+        } else if output.is_file() && !replace {
+            let found = known.with_context(|| {
+                format!(
+                    "{} is there and no result of a batch; name another --output, or say --replace",
+                    output.display()
+                )
+            })?;
+            if found.trim_end() != identity.0 {
+                return Err(other(output, &identity.differences(found.trim_end())));
+            }
             let mut reader = csv::Reader::from_path(output).with_context(context)?;
             if reader.headers().with_context(context)?.iter().eq(header) {
                 for record in reader.records() {
@@ -122,8 +176,8 @@ impl Results {
         }
         // A batch that is under way is known by its partial file alone.
         let _ = fs::remove_file(&batch);
-        let fingerprint = fingerprint.to_owned();
-        Ok(Self { output: output.to_owned(), partial, batch, fingerprint, header: header.to_vec(), file, rows })
+        let identity = identity.clone();
+        Ok(Self { output: output.to_owned(), partial, batch, identity, header: header.to_vec(), file, rows })
     }
 
     /// Whether the scene's row is there.
@@ -158,17 +212,18 @@ impl Results {
         }
         writer.into_inner()?.sync_all().with_context(context)?;
         fs::rename(&whole, &self.output).with_context(context)?;
-        fs::write(&self.batch, format!("{}\n", self.fingerprint)).with_context(context)?;
+        fs::write(&self.batch, format!("{}\n", self.identity.0)).with_context(context)?;
         fs::remove_file(&self.partial).with_context(context)?;
         let status = self.header.len() - 3;
-        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
-        for cells in self.rows.values().filter(|cells| cells[status] != OK) {
-            *reasons.entry(&cells[status + 1]).or_default() += 1;
+        let mut reasons: BTreeMap<&str, Reason> = BTreeMap::new();
+        for (&first, cells) in self.rows.iter().filter(|(_, cells)| cells[status] != OK) {
+            let reason = &cells[status + 1];
+            let known = reasons.entry(reason).or_insert_with(|| Reason { reason: reason.clone(), scenes: 0, first });
+            known.scenes += 1;
         }
-        let mut reasons: Vec<(String, usize)> =
-            reasons.into_iter().map(|(reason, count)| (reason.to_owned(), count)).collect();
-        reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        Ok(Failures { count: reasons.iter().map(|(_, count)| count).sum(), reasons })
+        let mut reasons: Vec<Reason> = reasons.into_values().collect();
+        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.scenes));
+        Ok(Failures { count: reasons.iter().map(|reason| reason.scenes).sum(), reasons })
     }
 }
 
@@ -177,15 +232,9 @@ fn cells(record: &csv::StringRecord) -> Result<(usize, Vec<String>)> {
     Ok((record[0].parse()?, record.iter().skip(1).map(str::to_owned).collect()))
 }
 
-/// Fingerprint of a batch, so that rows of different batches are not mixed: FNV-1a over everything, each part with its length.
-pub fn fingerprint(parts: &[&[u8]]) -> String {
-    let mut hash = Fnv::new();
-    for part in parts {
-        for &byte in (part.len() as u64).to_le_bytes().iter().chain(*part) {
-            hash = hash.with(byte);
-        }
-    }
-    format!("{:016x}", hash.0)
+/// FNV-1a of bytes.
+pub fn fingerprint(bytes: &[u8]) -> String {
+    format!("{:016x}", bytes.iter().fold(Fnv::new(), |hash, &byte| hash.with(byte)).0)
 }
 
 #[cfg(test)]
@@ -206,7 +255,9 @@ mod tests {
         let output = folder.join("out.csv");
         let header = ["scene", "punch.width", "wear_depth", "status", "reason"].map(str::to_owned);
         let design = vec![vec!["0.1".to_owned()]; 3];
-        let mut results = Results::open(&output, &header, "a", &design).unwrap();
+        let identity = |inputs: &str| Identity::of(&[("scene", b"brake"), ("inputs", inputs.as_bytes())]);
+        let own = &identity("a");
+        let mut results = Results::open(&output, &header, own, &design, false).unwrap();
         results.add(&row(2, "")).unwrap();
         results.add(&row(0, "too hot, \"by far\"\nsee above")).unwrap();
         drop(results);
@@ -214,20 +265,18 @@ mod tests {
         let whole = fs::read(&partial).unwrap();
         fs::write(&partial, [whole.as_slice(), b"1,0.1,1."].concat()).unwrap();
 
-        assert!(
-            Results::open(&output, &header, "b", &design).is_err_and(|error| error.to_string().contains("another"))
-        );
-        let other = vec![vec!["0.2".to_owned()]; 3];
-        assert!(
-            Results::open(&output, &header, "a", &other)
-                .is_err_and(|error| error.to_string().contains("scene 2 differs"))
-        );
-        let mut results = Results::open(&output, &header, "a", &design).unwrap();
+        let told = |identity: &Identity, design: &[Vec<String>]| {
+            Results::open(&output, &header, identity, design, false).err().unwrap().to_string()
+        };
+        assert!(told(&identity("b"), &design).contains("another batch: inputs differ"));
+        assert!(told(own, &vec![vec!["0.2".to_owned()]; 3]).contains("cells of scene 2 differ"));
+        let mut results = Results::open(&output, &header, own, &design, false).unwrap();
         assert_eq!([0, 1, 2].map(|scene| results.has(scene)), [true, false, true]);
         assert_eq!(fs::read(&partial).unwrap(), whole);
         results.add(&row(1, "")).unwrap();
         let failures = results.finish().unwrap();
-        assert_eq!(failures, Failures { count: 1, reasons: vec![("too hot, \"by far\" see above".to_owned(), 1)] });
+        let reason = Reason { reason: "too hot, \"by far\" see above".to_owned(), scenes: 1, first: 0 };
+        assert_eq!(failures, Failures { count: 1, reasons: vec![reason] });
         assert_eq!(
             fs::read_to_string(&output).unwrap(),
             "scene,punch.width,wear_depth,status,reason\n\
@@ -235,24 +284,29 @@ mod tests {
         );
         assert!(!partial.exists());
 
-        // A longer design continues it; a row of another is computed again, as are all after a change of anything else.
+        // A longer design continues it; a row of another is computed again. Another batch replaces it only where that is said.
         let mut longer = vec![vec!["0.1".to_owned()]; 5];
         longer[1][0] = "0.7".to_owned();
-        let known = |fingerprint: &str| {
-            let results = Results::open(&output, &header, fingerprint, &longer).unwrap();
+        let known = |identity: &Identity, replace: bool| {
+            let results = Results::open(&output, &header, identity, &longer, replace).unwrap();
             let known: Vec<usize> = (0..5).filter(|scene| results.has(*scene)).collect();
             fs::remove_file(&partial).unwrap();
             known
         };
-        assert!(known("b").is_empty());
-        fs::write(folder.join("out.csv.batch"), "a\n").unwrap();
-        assert_eq!(known("a"), [0, 2]);
+        assert_eq!(known(own, false), [0, 2]);
+        assert!(told(own, &longer).contains("no result of a batch"));
+        fs::write(folder.join("out.csv.batch"), format!("{}\n", own.0)).unwrap();
+        assert!(told(&identity("b"), &longer).contains("another batch: inputs differ"));
+        assert!(known(&identity("b"), true).is_empty());
+        assert!(known(own, true).is_empty());
         fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]
     fn fingerprints_tell_parts_apart() {
-        assert_ne!(fingerprint(&[b"ab", b"c"]), fingerprint(&[b"a", b"bc"]));
-        assert_eq!(fingerprint(&[b"ab"]), fingerprint(&[b"ab"]));
+        let of = |scene: &[u8], inputs: &[u8]| Identity::of(&[("scene", scene), ("inputs", inputs)]);
+        assert_ne!(of(b"ab", b"c"), of(b"a", b"bc"));
+        assert_eq!(of(b"ab", b"c").differences(&of(b"ab", b"d").0), "inputs");
+        assert_eq!(of(b"ab", b"c").differences("nothing"), "scene, inputs");
     }
 }

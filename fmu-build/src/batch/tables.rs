@@ -1,5 +1,6 @@
 //! The CSV files that go into a batch.
 
+use super::FACTOR;
 use crate::columns::{self, Column};
 use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
@@ -32,17 +33,17 @@ impl Table {
     /// # Errors
     /// As [`Table::read`].
     pub fn parse(content: impl Read, path: &Path) -> Result<Self> {
-        let context = || format!("reading {}", path.display());
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-        let columns: Vec<String> = reader.headers().with_context(context)?.iter().map(str::to_owned).collect();
+        let headers = columns::whole(reader.headers().cloned(), path)?;
+        let columns: Vec<String> = headers.iter().map(str::to_owned).collect();
+        columns::check_separator(&headers).map_err(|wrong| anyhow!("{}, line 1: {wrong}", path.display()))?;
         if let Some((at, twice)) = columns.iter().enumerate().find(|(at, column)| columns[..*at].contains(column)) {
             bail!("{}: column {} is named {twice:?} like another one", path.display(), at + 1);
         }
         let rows = reader
             .records()
-            .map(|record| Ok(record?.iter().map(str::to_owned).collect()))
-            .collect::<Result<Vec<Vec<String>>, csv::Error>>()
-            .with_context(context)?;
+            .map(|record| Ok(columns::whole(record, path)?.iter().map(str::to_owned).collect()))
+            .collect::<Result<Vec<Vec<String>>>>()?;
         if rows.is_empty() {
             bail!("{} has no row below its header", path.display());
         }
@@ -68,10 +69,11 @@ impl Table {
             name.clone_into(&mut converted.columns[at]);
             let unit = match description.find(name) {
                 Ok(variable) if !variable.unit.is_empty() => column(variable),
+                Err(_) if name.ends_with(FACTOR) => Column::optional(name, &units::ONE),
                 _ if symbol.is_none() => continue,
-                // A factor, a choice or a number of things has no unit; an unknown name is told as such.
-                Err(unknown) if !name.ends_with(".factor") => bail!("the design's column {header}: {unknown}"),
-                _ => Column::optional(name, &units::ONE),
+                // A choice or a number of things has no unit; an unknown name is told as such.
+                Err(unknown) => bail!("the design's column {header}: {unknown}"),
+                Ok(_) => Column::optional(name, &units::ONE),
             };
             if let Some(symbol) = symbol {
                 quantity::in_si(0.0, symbol, unit.unit, unit.absolute)
@@ -96,6 +98,8 @@ impl Table {
 /// Inputs of an FMU over time, in its units.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Inputs {
+    /// File, or description, for messages.
+    pub source: String,
     /// Names, one per column.
     pub names: Vec<String>,
     /// s
@@ -121,7 +125,7 @@ impl Inputs {
         let inputs = description.variables().iter().filter(|variable| variable.causality == Causality::Input);
         let accepted: Vec<Column> = inputs.map(column).collect();
         let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted)?;
-        Ok(Self { names, times, values })
+        Ok(Self { source: path.display().to_string(), names, times, values })
     }
 
     /// First time, s.
@@ -183,11 +187,11 @@ mod tests {
 
     #[test]
     fn units_of_a_design_are_those_of_scene_files() {
-        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 1, 2\nwide, 2, 3 mm\n");
+        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\nwide, 2, 3 mm\n");
         let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
         assert_eq!(table.columns, ["punch.width", "normal_load.factor", "level"]);
         // What is no number fails its scene, and says so there.
-        assert_eq!(table.rows, [["0.04", "1", "2"], ["wide", "2", "3 mm"]]);
+        assert_eq!(table.rows, [["0.04", "0.5", "2"], ["wide", "2", "3 mm"]]);
         let path = file("in_cells", "punch.width\n40 mm\n0.05\n40 kN\n");
         let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
         assert_eq!(table.rows, [["0.04"], ["0.05"], ["40 kN"]]);

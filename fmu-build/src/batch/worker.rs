@@ -1,10 +1,10 @@
 //! A worker process: one instance of the FMU, scenes in on the standard input, answers out on the standard output, one
 //! line of JSON each.
 
-use super::tables::Inputs;
-use super::{FACTOR, Job};
-use anyhow::{Context, Result, bail};
-use fmu_host::{Causality, Failure, Scene, Schedule, Span, Stage, Worker};
+use super::course::Course;
+use super::{FACTOR, Job, NOMINAL};
+use anyhow::{Context, Result};
+use fmu_host::{Causality, Failure, Scene, Schedule, Stage, Worker};
 use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
 /// Status of a scene that did not fail.
@@ -76,63 +76,41 @@ fn say(answer: &Answer) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// Most communication points that largest values are taken from: their times and values are kept in memory.
-const MOST_POINTS: f64 = 1e7;
-
-/// Communication points that largest values are taken from: every so often, and the last.
-///
-/// # Errors
-/// Where the interval is not above 0, or makes more than [`MOST_POINTS`].
-pub fn points(span: Span, every: f64) -> Result<Vec<f64>> {
-    if !(every.is_finite() && every > 0.0) {
-        bail!("--every {every} must be positive");
-    }
-    let count = ((span.stop - span.start) / every + 1e-9).floor();
-    if count.is_nan() || count > MOST_POINTS {
-        bail!(
-            "--every {every} s makes {count:e} points from {} s to {} s; {MOST_POINTS:e} are the most (without --every it is the \
-             --step)",
-            span.start,
-            span.stop
-        );
-    }
-    let count = count as usize;
-    let mut points: Vec<f64> = (0..=count).map(|at| span.start + at as f64 * every).collect();
-    if points[count] < span.stop - 1e-9 * every {
-        points.push(span.stop);
-    }
-    Ok(points)
-}
-
 struct Runner<'a> {
     job: &'a Job,
     worker: Worker,
-    inputs: Inputs,
-    span: Span,
-    points: Vec<f64>,
+    /// Where a scene has none of its own.
+    course: Course,
 }
 
 impl<'a> Runner<'a> {
     fn open(job: &'a Job) -> Result<Self> {
         let worker = Worker::open(&job.folder)?;
-        let inputs = Inputs::read(&job.inputs, worker.description())?;
-        let span = Span { start: inputs.start(), stop: inputs.stop(), step: job.step.value()? };
-        let points = if job.peak.is_empty() { vec![span.stop] } else { points(span, job.every.value()?)? };
-        Ok(Self { job, worker, inputs, span, points })
+        let course = Course::new(job, worker.description(), &[])?;
+        Ok(Self { job, worker, course })
     }
 
     fn run(&mut self, cells: &[String]) -> Result<Vec<String>, Failure> {
-        let Self { job, inputs, .. } = self;
+        let Self { job, .. } = self;
+        let own;
+        let course = if job.inputs.is_none() && job.columns.iter().any(|column| column.starts_with(NOMINAL)) {
+            own = Course::new(job, self.worker.description(), cells).map_err(|wrong| request(format!("{wrong:#}")))?;
+            &own
+        } else {
+            &self.course
+        };
+        let inputs = &course.inputs;
         let mut factors = vec![1.0; inputs.names.len()];
         let mut parameters = Vec::with_capacity(cells.len());
         for (column, cell) in job.columns.iter().zip(cells) {
             let factor = column.strip_suffix(FACTOR).and_then(|name| inputs.names.iter().position(|own| own == name));
             match factor {
                 Some(input) => {
-                    factors[input] = cell.parse().map_err(|_| Failure {
-                        stage: Stage::Request,
-                        reason: format!("{column} = {cell:?} is no number"),
-                    })?;
+                    let factor: f64 = cell.parse().map_err(|_| request(format!("{column} = {cell:?} is no number")))?;
+                    if factor < 0.0 && inputs.names[input] == "normal_load" {
+                        return Err(request(format!("{column} = {cell} must be 0 or above: a load presses")));
+                    }
+                    factors[input] = factor;
                 }
                 None => {
                     let variable = self.worker.description().find_as(column, Causality::Parameter)?;
@@ -148,10 +126,10 @@ impl<'a> Runner<'a> {
             factors: &factors,
             schedule: Schedule::new(&inputs.times, &inputs.values, names.len())?,
             interpolation: job.interpolation.into(),
-            span: self.span,
+            span: course.span,
             tolerance: None,
             outputs: &outputs,
-            points: &self.points,
+            points: &course.points,
         })?;
         let width = outputs.len();
         let mut values = recorded[recorded.len() - width..].to_vec();
@@ -162,26 +140,7 @@ impl<'a> Runner<'a> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn largest_values_are_taken_to_the_very_end() {
-        let span = Span { start: 1.0, stop: 2.0, step: 0.1 };
-        let points = |span, every| points(span, every).unwrap();
-        assert_eq!(points(span, 0.5), [1.0, 1.5, 2.0]);
-        assert_eq!(points(span, 0.4), [1.0, 1.4, 1.8, 2.0]);
-        assert_eq!(points(span, 7.0), [1.0, 2.0]);
-        assert_eq!(points(span, 0.1).len(), 11);
-    }
-
-    #[test]
-    fn intervals_that_no_memory_holds_the_points_of_are_refused() {
-        let span = Span { start: 0.0, stop: 1e3, step: 1e-9 };
-        for every in [1e-9, 1e-300, 5e-324, 0.0, -1.0, f64::NAN] {
-            let told = points(span, every).unwrap_err().to_string();
-            assert!(told.starts_with(&format!("--every {every} ")), "{told}");
-        }
-    }
+/// A scene that cannot be run as it is.
+fn request(reason: String) -> Failure {
+    Failure { stage: Stage::Request, reason }
 }

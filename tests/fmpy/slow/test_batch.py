@@ -261,9 +261,20 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(brake, tmp_pat
         assert row["contact_temperature_max.peak"] == expected[:, 1].max()
     # Once more: all is there.
     assert finish(sweep(broken, *more))["ran_now"] == 0
-    # Another design must not be mixed in.
-    other = sweep(broken, *more, "--seed", "2")
-    assert other.wait(timeout=60) != 0 and "name another --output" in other.communicate()[1]
+    # Another batch must not be mixed in; the message says what is another.
+    wide = str(tmp_path / "wide.csv")
+    Path(wide).write_text(table.read_text().replace("1.5", "1.6"))
+    for change, told in (
+        (("--seed", "2"), "seed = 1 instead of 2"),
+        (("--step", "0.02"), "step = 0.01 instead of 0.02"),
+        (("--interpolation", "linear"), "interpolation = hold instead of linear"),
+        (("--schedule", "udds"), "instead of 1370 rows to 1369 s, sha256"),
+        (("--design", wide), "design of normal_load.factor = uniform, low 0.5, high 1.5 instead of uniform, low 0.5, high 1.6"),
+        (("--fmu", str(file_of(None))), "FMU = sha256 "),
+    ):
+        _, error = sweep(broken, *more, *change).communicate(timeout=60)
+        assert f"error: {broken} holds another batch: " in error and told in error and "name another --output" in error, error
+        assert error.count(" instead of ") == 1 or change[0] == "--fmu", error
 
 
 def test_a_batch_is_widened_and_says_what_failed(tmp_path):
@@ -287,6 +298,8 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
         process = sweep(tmp_path / "failed", *more, "--scenes", "6", *arguments)
         out, error = process.communicate(timeout=120)
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
+    out, error = sweep(tmp_path / "one", *more, "--scenes", "1").communicate(timeout=120)
+    assert "the one scene failed" in error
 
 
 def test_inputs_of_a_file_take_the_steps_of_simulate_and_every_scene_shows(tmp_path):
@@ -377,10 +390,14 @@ def test_the_job_file_runs_a_sweep(tmp_path):
     arguments = ["--fmu", str(file_of("disc_brake")), "--design", str(table), "--scenes", "6", "--block", "3"]
     arguments += ["--schedule", "stops", "--every", "100", "--no-plots", "--json"]
     job = ["sh", str(BATCH / "sweep.slurm"), *arguments]
-    run = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
-    assert run.returncode == 0, run.stderr
-    assert json.loads(run.stdout)["ran_now"] == 6
+    run = subprocess.run(job, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
+    assert run.returncode == 0, run.stdout
+    # The summary is the end of the job's log.
+    summary = run.stdout[run.stdout.index("{\n") :]
+    assert json.loads(summary)["ran_now"] == 6
     assert not list((tmp_path / "sweep").glob("scheduler*"))
+    failed = subprocess.run([*job, "--step", "0"], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    assert failed.returncode != 0 and "--step 0 must be above 0 s" in failed.stderr.splitlines()[-1], failed.stderr
 
 
 def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
@@ -438,7 +455,7 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
     with open(output, newline="") as file:
         rows = list(csv.DictReader(file))
     assert [int(row["scene"]) for row in rows] == list(range(200))
-    assert rows[7]["status"] == "initialisation" and "punch.width: -1 m" in rows[7]["reason"] and rows[7]["wear_depth"] == ""
+    assert rows[7]["status"] == "initialisation" and "punch.width: -1 m" in rows[7]["reason"] and rows[7]["wear_depth [m]"] == ""
     for scene, points in itertools.product((0, 199), (np.arange(0.0, 240.5, 1.0),)):
         expected = host.run_schedule(
             brake,
@@ -449,8 +466,9 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
             step=0.02,
             points=points,
         )
-        assert [float(rows[scene][name]) for name in OUTPUTS] == expected[-1, :-1].tolist()
-        assert float(rows[scene]["contact_temperature_max.peak"]) == expected[:, -1].max()
+        headers = ["wear_depth [m]", "contact_temperature [K]", "friction_force [N]", "dissipated_energy [J]", "limit_reached"]
+        assert [float(rows[scene][name]) for name in headers] == expected[-1, :-1].tolist()
+        assert float(rows[scene]["contact_temperature_max.peak [K]"]) == expected[:, -1].max()
 
 
 def test_the_command_tells_a_wrong_name_before_any_scene_runs(tmp_path):
@@ -464,12 +482,13 @@ def test_the_command_tells_a_wrong_name_before_any_scene_runs(tmp_path):
 
 
 def batch(tmp_path, inputs, design):
-    """A batch of the disc brake from texts: the finished process, and its rows where there are any."""
+    """A batch of the disc brake from texts: the finished process, and its rows where there are any. Without inputs: nominal ones."""
     for name, text in (("inputs.csv", inputs), ("design.csv", design)):
-        (tmp_path / name).write_text(text)
+        if text:
+            (tmp_path / name).write_text(text)
     output = tmp_path / "out.csv"
     command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(tmp_path / "design.csv"), "--fmu", str(file_of("disc_brake"))]
-    command += ["--inputs", str(tmp_path / "inputs.csv"), "-o", str(output), "--jobs", "1", "--json"]
+    command += [*(["--inputs", str(tmp_path / "inputs.csv")] if inputs else []), "-o", str(output), "--jobs", "1", "--json", "--replace"]
     done = subprocess.run(command, capture_output=True, text=True)
     if not output.is_file():
         return done, []
@@ -490,7 +509,38 @@ def test_inputs_are_linear_between_their_rows_as_in_simulate(tmp_path):
     # Speed falling from 10 m/s, load rising to 5 kN on two faces, friction coefficient .4: held rows would carry no load.
     done, rows = batch(tmp_path, "time [s],sliding_velocity [m/s],normal_load [N]\n0,10,0\n1,0,5000\n", "punch.width [mm]\n95\n")
     assert done.returncode == 0
-    assert float(rows[0]["dissipated_energy"]) == pytest.approx(2 * 0.4 * 5e4 / 6, rel=0.01)
+    assert float(rows[0]["dissipated_energy [J]"]) == pytest.approx(2 * 0.4 * 5e4 / 6, rel=0.01)
+
+
+def test_without_inputs_every_scene_runs_at_its_own_nominal_conditions(tmp_path):
+    design = "nominal.duration [s],nominal.load [kN],normal_load.factor\n60,1,1\n60,2,1\n30,1,2\n60,1,-1\n60,1,50 %\n"
+    done, rows = batch(tmp_path, None, design)
+    assert done.returncode == 0, done.stderr
+    work = [float(row["dissipated_energy [J]"] or 0) for row in rows]
+    assert work[0] > 0.0
+    assert work[1] == pytest.approx(2 * work[0], rel=0.02) and work[2] == pytest.approx(work[0], rel=0.02)
+    assert rows[3]["status"] == "request" and "normal_load.factor = -1 must be 0 or above" in rows[3]["reason"]
+    assert work[4] == pytest.approx(0.5 * work[0], rel=0.02)
+
+
+def test_results_of_another_batch_stay(tmp_path):
+    inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
+    inputs.write_text("time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n")
+    table.write_text("punch.width\n0.1\n")
+    command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(table), "--fmu", str(file_of("disc_brake")), "-o", str(output)]
+    run = lambda *more: subprocess.run([*command, *more], capture_output=True, text=True)  # noqa: E731
+    assert run("--inputs", str(inputs)).returncode == 0
+    there = output.read_bytes()
+    for more, differs in ((["--inputs", str(inputs), "--record", "wear_depth"], "outputs"), ([], "inputs")):
+        refused = run(*more)
+        assert refused.returncode != 0 and f"{differs} differ" in refused.stderr and "--replace" in refused.stderr, refused.stderr
+        assert output.read_bytes() == there
+    # The same command finds its rows, and another one replaces them where it is told to.
+    assert "0 run now" in run("--inputs", str(inputs)).stdout
+    assert run("--inputs", str(inputs), "--record", "wear_depth", "--replace").returncode == 0
+    assert output.read_bytes() != there
+    (tmp_path / "out.csv.batch").unlink()
+    assert "no result of a batch" in run("--inputs", str(inputs)).stderr
 
 
 def test_inputs_are_read_by_name_and_converted(tmp_path):
@@ -498,9 +548,11 @@ def test_inputs_are_read_by_name_and_converted(tmp_path):
     si, rows = batch(tmp_path, "time,sliding_velocity,normal_load\n0,2,1000\n60,2,1000\n", design)
     converted, same = batch(tmp_path, "normal_load [kN],sliding_velocity_km_per_h,time [min]\n1,7.2,0\n1,7.2,1\n", design)
     assert si.returncode == converted.returncode == 0 and si.stderr == ""
-    assert rows == same and float(rows[0]["dissipated_energy"]) > 0.0
+    assert rows == same and float(rows[0]["dissipated_energy [J]"]) > 0.0
     for header in ("time,sliding_velocity [mph],normal_load", "time,speed,normal_load", "sliding_velocity,normal_load"):
         done, _ = batch(tmp_path, f"{header}\n0,2,1000\n60,2,1000\n", design)
         assert done.returncode != 0 and "inputs.csv, line 1" in done.stderr, done.stderr
     fast, _ = batch(tmp_path, "time,sliding_velocity,normal_load\n0,97,1000\n1,97,1000\n", design)
     assert "sliding_velocity goes to 97 m/s, more than 10 times nominal.velocity = 3.8" in fast.stderr
+    driven, _ = batch(tmp_path, "time,sliding_velocity,normal_load\n0,2,1000\n1,2,1000\n", "nominal.load\n100\n")
+    assert "nominal.load changes how levels are chosen" in driven.stderr and "normal_load.factor multiplies" in driven.stderr

@@ -30,6 +30,9 @@ const FINER_STEPS: f64 = 0.1;
 /// Error of the finest run relative to the tolerance below which refinement stops; and up to which all errors count as known.
 const ENOUGH: [f64; 2] = [0.1, 1.0 / 3.0];
 
+/// Largest tolerance of a run.
+const MOST: f64 = 0.5;
+
 /// A level on the inputs.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -61,6 +64,14 @@ impl Levels {
         self.finest_error <= ENOUGH[1] * self.tolerance
     }
 
+    /// The least tolerance that the finest run can tell the errors for, rounded up to one digit; `None` where a run can have none such.
+    fn within_reach(&self) -> Option<f64> {
+        let least = self.finest_error / ENOUGH[1];
+        let power = 10.0_f64.powf(least.log10().floor());
+        let rounded = (least / power).ceil() * power;
+        (rounded.is_finite() && rounded <= MOST).then_some(rounded)
+    }
+
     /// The cheapest that meets the tolerance.
     pub fn cheapest(&self) -> Option<&Candidate> {
         let good = self.candidates.iter().filter(|known| self.are_known() && largest(known.errors) <= self.tolerance);
@@ -75,10 +86,12 @@ impl Levels {
         if !self.are_known() {
             bail!(
                 "no level is known to be good: the finest run, {}, has an error of {:.1e} itself, above a third of the tolerance {:e}; \
-                 estimated error: 1",
+                 estimated error: 1{}",
                 self.finest,
                 self.finest_error,
-                self.tolerance
+                self.tolerance,
+                self.within_reach()
+                    .map_or(String::new(), |least| format!(". With --tolerance {least:e} levels are known"))
             );
         }
         self.cheapest().ok_or_else(|| {
@@ -104,8 +117,8 @@ pub fn tolerance(file: &SceneFile, given: Option<f64>) -> Result<f64> {
     let packaged = &file.packaged;
     let own = find("solver.tolerance").map_or(0.0, |reference| packaged.starts[reference as usize]);
     let tolerance = given.unwrap_or(if own > 0.0 { own } else { packaged.experiment.tolerance });
-    if !(tolerance > 0.0 && tolerance <= 0.5) {
-        bail!("the tolerance is {tolerance}, but must be above 0 and at most 0.5");
+    if !(tolerance > 0.0 && tolerance <= MOST) {
+        bail!("the tolerance is {tolerance}, but must be above 0 and at most {MOST}");
     }
     Ok(tolerance)
 }
@@ -289,6 +302,9 @@ mod tests {
         assert!(levels.cheapest().is_some());
         levels.finest_error = 4e-3;
         assert!(levels.cheapest().is_none());
+        assert!(levels.chosen().unwrap_err().to_string().contains("--tolerance 2e-2 levels are known"));
+        levels.finest_error = 0.4;
+        assert!(!levels.chosen().unwrap_err().to_string().contains("--tolerance"));
     }
 
     #[test]

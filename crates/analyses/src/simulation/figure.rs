@@ -95,13 +95,21 @@ impl Figure {
         let mut courses: Vec<Panel> =
             COURSES.iter().filter_map(|course| panel(course.0, course.1, recording, measured)).collect();
         let drawn = |name: &str| COURSES.iter().any(|(_, variables)| variables.iter().any(|(own, _)| *own == name));
-        let others = measured.iter().filter(|own| !drawn(&own.name));
+        // A record may have every variable of the FMU; what is constant on both sides shows nothing.
+        let others = measured.iter().filter(|own| !drawn(&own.name) && varies(own, recording));
         courses.extend(
             others
                 .filter_map(|own| panel(&own.name.replace('_', " "), &[(own.name.as_str(), "")], recording, measured)),
         );
         Self { title, courses, profiles: profiles(recording) }
     }
+}
+
+/// Whether a measured quantity changes, or differs from its calculated course.
+fn varies(own: &Measured, recording: &Recording) -> bool {
+    let calculated = recording.channel(&own.name).into_iter().flat_map(|channel| channel.values.iter().copied());
+    let mut values = own.points.iter().map(|point| point.1).chain(calculated);
+    values.next().is_some_and(|first| values.any(|value| value != first))
 }
 
 /// A small number in the mathematical text of matplotlib: `2e-15` as 2 times a power of ten.

@@ -4,7 +4,7 @@ use super::trajectory::{Trajectory, unit_of};
 use anyhow::{Result, anyhow, bail};
 use model::levels::ModelOperators;
 use scene::variables::{Causality, TABLE, ValueReference, find};
-use scene::{Geometry, STATIONS};
+use scene::{Geometry, STATIONS, Scene};
 use scene_file::SceneFile;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
@@ -117,8 +117,35 @@ fn profiles(time: f64, component: &mut Component) -> Profiles {
     }
 }
 
-/// Runs the scene along the trajectory, with profiles at the times `at`; where it has none, at start, middle and end of a contact
-/// line.
+/// Part of its largest value from which on the load counts as pressing, for the times of profiles.
+const PRESSED: f64 = 0.5;
+
+/// The first, the middle and the last of the points at which the load is at least [`PRESSED`] of its largest: a released contact has no
+/// profiles to see.
+fn pressed(points: &[f64], trajectory: &Trajectory) -> Vec<f64> {
+    let load =
+        trajectory.inputs.iter().find(|(input, _)| Some(*input) == find("normal_load")).map(|(_, values)| values);
+    let at = |time: f64| load.map_or(1.0, |values| trajectory.at(values, trajectory.interval(time), time).abs());
+    let least = PRESSED * largest(points.iter().map(|time| at(*time)));
+    let pressed: Vec<f64> = points.iter().copied().filter(|time| at(*time) >= least).collect();
+    [0.0, 0.5, 1.0].map(|part| pressed[((pressed.len() - 1) as f64 * part).round() as usize]).to_vec()
+}
+
+/// Warnings about inputs that are given and have no effect.
+fn without_effect(trajectory: &Trajectory, scene: &Scene) -> Vec<String> {
+    let given = |name: &str| trajectory.inputs.iter().any(|(input, _)| Some(*input) == find(name));
+    let bodies = [("strip", "base", &scene.strip), ("punch", "top", &scene.punch)].into_iter();
+    let idle = bodies.filter(|(name, _, body)| given(&format!("{name}.external_temperature")) && !body.has_neighbour());
+    idle.map(|(name, face, _)| {
+        format!(
+            "{name}.external_temperature has no effect: {name}.external_conductance is 0 W/K and {name}.{face}_thermal is not external"
+        )
+    })
+    .collect()
+}
+
+/// Runs the scene along the trajectory, with profiles at the times `at`; where it has none, at the first, middle and last time at which
+/// the load is at least half of its largest, for a contact line.
 ///
 /// # Errors
 /// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
@@ -143,7 +170,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         );
     }
     let wanted = match at {
-        [] => [0.0, 0.5, 1.0].map(|part| points[((points.len() - 1) as f64 * part).round() as usize]).to_vec(),
+        [] => pressed(&points, trajectory),
         at => at.to_vec(),
     };
     let mut recording = Recording {
@@ -151,8 +178,12 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         channels: channels(),
         profiles: Vec::new(),
         level,
-        radial: operators.is_some_and(|operators| operators.scene().geometry == Geometry::Annular),
-        warnings: Vec::new(),
+        radial: operators.as_ref().is_some_and(|operators| operators.scene().geometry == Geometry::Annular),
+        warnings: operators
+            .iter()
+            .flat_map(|operators| without_effect(trajectory, operators.scene()))
+            .map(|text| (points[0], text))
+            .collect(),
         internal_steps: (0, 0),
         seconds: [begin.elapsed().as_secs_f64(), 0.0],
         failure: None,

@@ -4,6 +4,10 @@ use super::measured::Measured;
 use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use serde_json::{Map, Value, json};
+use verification::applications::trial::largest;
+
+/// Heat relative to the largest of the balance below which it is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// A run with everything that the table and the JSON state about it.
 pub struct Summary<'a> {
@@ -71,8 +75,11 @@ impl Summary<'_> {
             ("through the punch's top", "heat_lost_punch_top"),
             ("through the strip's base", "heat_lost_strip_base"),
         ]
-        .map(|(word, name)| {
-            let value = self.last(name);
+        .map(|(word, name)| (word, name, self.last(name)));
+        // A flow through an insulated face is the rounding of the others.
+        let least = ROUNDING * largest(parts.map(|(_, _, value)| value));
+        let parts = parts.map(|(word, name, value)| {
+            let value = if value.abs() < least { 0.0 } else { value };
             format!("{} {word}", Shown::of(name, "J", value.abs()).text(value))
         });
         parts.join(", ")

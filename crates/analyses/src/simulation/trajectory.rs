@@ -6,18 +6,12 @@ use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
 use scene_file::columns::Table;
+use scene_file::nominal::{self, Conditions, MOST_POINTS, round};
 use sliding_contact::component::LARGEST_INPUT;
-use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// Communication steps into which the whole time is divided at least, where no step is given.
 const LEAST_STEPS: f64 = 1000.0;
-
-/// Communication steps in a cycle of a reciprocating scene at least.
-const STEPS_IN_CYCLE: f64 = 60.0;
-
-/// Communication points at most: all of them are held in memory.
-const MOST_POINTS: f64 = 2e6;
 
 /// Relative excess of an interval over the longest step that is rounding of its times.
 const SAME: f64 = 1e-6;
@@ -93,51 +87,20 @@ impl Trajectory {
         })
     }
 
-    /// Nominal load and velocity for the nominal duration; of a reciprocating scene the cosine whose mean speed is the nominal
-    /// one, over the nominal stroke.
+    /// The inputs of [`Conditions::inputs`].
     ///
     /// # Errors
-    /// A duration that is no time; a cycle too short for the duration.
+    /// As [`Conditions::inputs`].
     pub fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
-        let (load, velocity, duration) = (scene.nominal_load, scene.nominal_velocity, scene.nominal_duration);
-        if duration <= 0.0 {
-            bail!(
-                "nominal.duration = {duration} s is the time that is simulated without --inputs; it must be above 0 s"
-            );
-        }
-        let of_load = (reference("normal_load"), load);
-        let steady = (reference("angular_velocity"), 0.0);
-        let own = file.packaged.experiment.step;
-        if scene.nominal_stroke == 0.0 || velocity == 0.0 {
-            return Ok(Self {
-                description: format!("nominal: {load} N and {velocity} m/s for {duration} s"),
-                file: None,
-                times: vec![0.0, duration],
-                inputs: [of_load, steady, (reference("sliding_velocity"), velocity)]
-                    .map(|(input, value)| (input, vec![value; 2]))
-                    .to_vec(),
-                step: step.unwrap_or(own.min(duration)),
-            });
-        }
-        let period = 2.0 * scene.nominal_stroke / velocity;
-        let step = step.unwrap_or(own).min(period / STEPS_IN_CYCLE);
-        let count = (duration / step).ceil();
-        if count > MOST_POINTS {
-            bail!(
-                "{:.0} cycles of {period} s in nominal.duration = {duration} s need {count:.0} communication steps, and at most \
-                 {MOST_POINTS:e} are kept; set a shorter nominal.duration, or jump over cycles with `cargo fmu cycles`",
-                duration / period
-            );
-        }
-        let times: Vec<f64> = (0..=count as usize).map(|point| duration * point as f64 / count).collect();
-        let speeds = times.iter().map(|time| 0.5 * PI * velocity * (2.0 * PI * time / period).cos()).collect();
-        let held = |value: f64| vec![value; times.len()];
-        let inputs = vec![(of_load.0, held(load)), (steady.0, held(0.0)), (reference("sliding_velocity"), speeds)];
-        let description = format!(
-            "nominal: {load} N, strokes of {} m at {velocity} m/s in the mean for {duration} s",
-            scene.nominal_stroke
-        );
-        Ok(Self { description, file: None, times, inputs, step })
+        let conditions = Conditions {
+            load: scene.nominal_load,
+            velocity: scene.nominal_velocity,
+            duration: scene.nominal_duration,
+            stroke: scene.nominal_stroke,
+        };
+        let nominal = conditions.inputs(step.unwrap_or(file.packaged.experiment.step))?;
+        let inputs = nominal::NAMES.map(reference).into_iter().zip(nominal.values).collect();
+        Ok(Self { description: nominal.description, file: None, times: nominal.times, inputs, step: nominal.step })
     }
 
     /// First and last time, s.
@@ -202,12 +165,6 @@ impl Trajectory {
     }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `step`, so that the communication points are round numbers.
-fn round(step: f64) -> f64 {
-    let power = 10.0_f64.powf(step.log10().floor());
-    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|rounded| *rounded <= step).unwrap_or(power)
-}
-
 /// Unit of a variable; `1` of one without.
 pub fn unit_of(variable: ValueReference) -> &'static str {
     match lookup(variable).map(|(row, _)| row.kind) {
@@ -238,13 +195,6 @@ mod tests {
     }
 
     #[test]
-    fn default_steps_are_round() {
-        for (step, rounded) in [(0.006, 0.005), (1.37, 1.0), (0.02, 0.02), (4.99e-6, 2e-6)] {
-            assert!((round(step) / rounded - 1.0).abs() < 1e-12, "{step}: {}", round(step));
-        }
-    }
-
-    #[test]
     fn inputs_are_linear_between_rows_and_exact_at_them() {
         let ramp = ramp(1.0);
         let at = |time: f64| ramp.at(&ramp.inputs[0].1, ramp.interval(time), time);
@@ -252,22 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn nominal_strokes_are_the_nominal_distance_long() {
+    fn rounding_of_nominal_times_divides_no_interval() {
         let file = crate::tests::shipped("reciprocating_punch");
         let mut scene = Scene::new(&file.packaged.starts, None).unwrap();
-        scene.nominal_duration = 0.25 * 2.0 * scene.nominal_stroke / scene.nominal_velocity;
-        let quarter = Trajectory::nominal(&file, &scene, None).unwrap();
-        let speeds = &quarter.inputs[2].1;
-        let distance: f64 = (1..speeds.len())
-            .map(|end| 0.5 * (speeds[end] + speeds[end - 1]) * (quarter.times[end] - quarter.times[end - 1]))
-            .sum();
-        assert!((distance / (0.5 * scene.nominal_stroke) - 1.0).abs() < 1e-3, "{distance}");
-        // A difference of large times is not exactly the step: no interval is divided for its rounding.
+        // A difference of large times is not exactly the step.
         scene.nominal_duration = 754.0;
         let whole = Trajectory::nominal(&file, &scene, None).unwrap();
         assert_eq!(whole.points(&[]).unwrap(), whole.times);
-        scene.nominal_duration = 1e9;
-        let told = Trajectory::nominal(&file, &scene, None).unwrap_err().to_string();
-        assert!(told.contains("cargo fmu cycles"), "{told}");
     }
 }

@@ -4,7 +4,7 @@ mod write;
 
 use crate::columns::{self, Column};
 use crate::output::print_line;
-use analyses::plan::inputs::{self, Candidate, LEVELS, Levels, largest};
+use analyses::plan::inputs::{self, Candidate, LEVELS, Levels, Setting, largest};
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene_file::SceneFile;
@@ -52,9 +52,16 @@ pub fn execute(request: &Request) -> Result<()> {
         let file =
             request.file.as_deref().ok_or_else(|| anyhow!("--write needs a scene file; the stock scene has none"))?;
         write::settings(file, cheapest.setting, tolerance)?;
-        eprintln!("{}: {} is written", file.display(), cheapest.setting);
+        eprintln!("{}: {}, solver.tolerance = {tolerance:e} are written", file.display(), settings(cheapest.setting));
     }
     Ok(())
+}
+
+/// A level as settings of a scene.
+fn settings(setting: Setting) -> String {
+    let (fidelity, cells) = inputs::level(setting);
+    let cells = cells.map_or(String::new(), |cells| format!(", solver.cells = {cells}"));
+    format!("solver.fidelity = {fidelity:?}{cells}")
 }
 
 fn lines(name: &str, drive: &Application, levels: &Levels) -> Vec<String> {
@@ -69,14 +76,13 @@ fn lines(name: &str, drive: &Application, levels: &Levels) -> Vec<String> {
     ];
     for Candidate { setting, errors: [wear, temperature, force], steps, seconds, .. } in &levels.candidates {
         let setting = setting.to_string();
-        lines.push(format!("{setting:10} {wear:10.1e} {temperature:12.1e} {force:10.1e} {steps:10} {seconds:10.4}"));
+        lines.push(format!("{setting:10} {wear:10.2e} {temperature:12.2e} {force:10.2e} {steps:10} {seconds:10.4}"));
     }
     lines.extend(levels.failed.iter().map(|reason| format!("not run: {reason}")));
     if let Some(cheapest) = levels.cheapest() {
-        let (fidelity, cells) = inputs::level(cheapest.setting);
-        let cells = cells.map_or(String::new(), |cells| format!(", solver.cells = {cells}"));
         lines.push(format!(
-            "The cheapest that meets it: solver.fidelity = {fidelity:?}{cells}, solver.tolerance = {:e}; estimated error {:.1e}, {:.4} s",
+            "The cheapest that meets it: {}, solver.tolerance = {:e}; estimated error {:.2e}, {:.4} s",
+            settings(cheapest.setting),
             levels.tolerance,
             largest(cheapest.errors),
             cheapest.seconds

@@ -1,28 +1,11 @@
 //! Files of a run: every variable over the time, and the profiles.
 
 use analyses::simulation::Recording;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
-
-/// Refuses a file whose folder does not exist, before anything is computed.
-///
-/// # Errors
-/// With the option and the folder.
-pub fn check_folder(option: &str, path: Option<&Path>) -> Result<()> {
-    let Some(path) = path else { return Ok(()) };
-    if path.is_dir() {
-        bail!("{option} {} is a folder; name a file", path.display());
-    }
-    match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        Some(folder) if !folder.is_dir() => {
-            bail!("{option} {}: there is no folder {}", path.display(), folder.display())
-        }
-        _ => Ok(()),
-    }
-}
 
 /// Writes inputs and outputs, in SI units, numbers as the shortest texts that are read back as the same.
 ///
