@@ -6,6 +6,7 @@
 // Everything is printed by `output`, which bears that nobody reads it to the end.
 #![deny(clippy::print_stdout)]
 
+pub mod arguments;
 pub mod batch;
 pub mod bench;
 pub mod fit;

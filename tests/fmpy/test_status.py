@@ -182,6 +182,7 @@ def test_log_categories_are_declared_and_text_survives(component, stock):
 
 def test_with_logging_off_warnings_and_errors_are_reported(stock):
     with Component(stock, logging=False) as component:
+        component.set(**{"nominal.velocity": 2.0})  # Below the critical speed, of which the scene warns.
         component.initialise(normal_load=-1.0, sliding_velocity=1.0)
         component.step(0.1)
         component.step(0.1)

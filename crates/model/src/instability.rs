@@ -39,7 +39,9 @@ pub mod layer;
 mod waves;
 
 use numerics::scalar::Scalar;
+use scene::message::Number;
 use scene::{Body, Scene};
+use std::fmt;
 use waves::{Families, Least};
 
 /// First speeds of the table, m/s: the lowest, and number per decade; with the number of speeds they end at 1e4 m/s.
@@ -67,6 +69,9 @@ pub struct CriticalSpeed {
     modelled: Table,
     /// Least Z of one body by itself at rest, m/s, over the waves that a contact line resolves.
     alone: f64,
+    /// Product of speed and friction coefficient, m/s, below which nothing grows; half the least of the table, whose last slopes are
+    /// extrapolated.
+    least_product: f64,
 }
 
 impl CriticalSpeed {
@@ -74,7 +79,12 @@ impl CriticalSpeed {
     pub fn new(scene: &Scene) -> CriticalSpeed {
         let families = Families::of(scene);
         if families.is_neutral() {
-            return CriticalSpeed { all: Table::default(), modelled: Table::default(), alone: f64::INFINITY };
+            return CriticalSpeed {
+                all: Table::default(),
+                modelled: Table::default(),
+                alone: f64::INFINITY,
+                least_product: f64::INFINITY,
+            };
         }
         let mut points: Vec<Point> = Vec::with_capacity(SPEEDS);
         for k in 0..SPEEDS {
@@ -95,7 +105,9 @@ impl CriticalSpeed {
         }
         let refined = || points.iter().take(1).chain(intervals.iter().flat_map(|own| [&own.middle, &own.right]));
         let table = |value: fn(&Point) -> f64| Table::new(refined().map(|point| [point.speed, value(point)]));
-        CriticalSpeed { all: table(Point::all), modelled: table(Point::modelled), alone: families.alone() }
+        let all = table(Point::all);
+        let least_product = 0.5 * all.0.iter().map(|[speed, value]| speed + value).fold(f64::INFINITY, f64::min).exp();
+        CriticalSpeed { all, modelled: table(Point::modelled), alone: families.alone(), least_product }
     }
 
     /// Critical speed at this friction coefficient, m/s; 0: nothing grows. Relative error of the table: 5e-3 within a
@@ -109,15 +121,45 @@ impl CriticalSpeed {
         self.modelled.at(friction)
     }
 
-    /// Description of the growing waves at this speed, m/s, for a message.
-    pub fn what_grows(&self, friction: f64, speed: f64) -> &'static str {
+    /// Whether pressure perturbations grow at this friction coefficient and speed, m/s.
+    #[inline]
+    pub fn is_exceeded(&self, friction: f64, speed: f64) -> bool {
+        // The table costs logarithms, and most steps are far below it.
+        if speed * friction <= self.least_product {
+            return false;
+        }
+        let critical = self.at(friction);
+        critical > 0.0 && speed > critical
+    }
+
+    /// Writes the message that `what` at this speed, m/s, is above the critical one. `resolved`: the level has the temperature along the
+    /// contact.
+    ///
+    /// # Errors
+    /// Those of `text`.
+    pub fn write_message(
+        &self,
+        text: &mut dyn fmt::Write,
+        what: &str,
+        friction: f64,
+        speed: f64,
+        resolved: bool,
+    ) -> fmt::Result {
         let own = self.modelled(friction);
-        if own > 0.0 && speed > own {
+        let grows = if own > 0.0 && speed > own {
             "the critical speed, above which pressure perturbations grow"
         } else {
             "the critical speed of an antisymmetric mode, which bends the strip between its two faces; the contact line \
              models one face and does not contain that mode"
-        }
+        };
+        let missing =
+            if resolved { "" } else { "; this level has one temperature along the contact and does not show them" };
+        write!(
+            text,
+            "thermoelastically unstable: {what} {} m/s is above {} m/s, {grows}{missing}",
+            Number(speed),
+            Number(self.at(friction))
+        )
     }
 
     /// Lower bound of the critical speed of the waves that a contact line resolves, at this friction coefficient, m/s: with only

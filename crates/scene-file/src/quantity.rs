@@ -4,8 +4,8 @@ use toml::de::DeValue;
 
 use crate::unit_names::canonical;
 pub use crate::unit_names::units;
-use scene::variables::units::{DisplayUnit, Unit};
-use scene::variables::{Kind, Row};
+use scene::variables::units::{DisplayUnit, ONE, Unit};
+use scene::variables::{EnumerationType, Kind, Row};
 
 /// Type of a value with its article, for messages.
 pub fn type_of(value: &DeValue) -> String {
@@ -26,23 +26,7 @@ pub fn type_of(value: &DeValue) -> String {
 /// The fault, with the value and the accepted alternatives; ranges in the unit that was written.
 pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
     match row.kind {
-        Kind::Real { unit, min, max, .. } => {
-            let written = Written::of(value, unit, !row.is_difference())?;
-            within(&written, min, max).map_err(|reason| match row.instead_of_zero {
-                setting if !setting.is_empty() && written.si() == 0.0 => format!("{reason}; set {setting} instead"),
-                _ => format!("{reason}{}", written.other_unit(unit)),
-            })?;
-            let si = written.si();
-            if si != 0.0 && si.abs() < row.least_magnitude {
-                let least = written.shown(row.least_magnitude);
-                return Err(format!(
-                    "{} is below the least value other than 0, {}",
-                    written.show(written.number),
-                    written.show(least)
-                ));
-            }
-            Ok(si)
-        }
+        Kind::Real { unit, .. } => Written::of(value, unit, !row.is_difference())?.checked(row, unit),
         Kind::Integer { min, max } => {
             let DeValue::Integer(number) = value else {
                 return Err(format!("is {}, but must be an integer", type_of(value)));
@@ -56,16 +40,63 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
             other => Err(format!("is {}, but must be true or false", type_of(other))),
         },
         Kind::Enumeration(kind) => {
-            let items = || kind.items.iter().map(|item| item.0).collect::<Vec<_>>().join(", ");
             let DeValue::String(text) = value else {
-                return Err(format!("is {}, but must be one of the strings {}", type_of(value), items()));
+                let items = kind.items.iter().map(|item| item.0).collect::<Vec<_>>().join(", ");
+                return Err(format!("is {}, but must be one of the strings {items}", type_of(value)));
             };
-            match kind.items.iter().position(|item| item.0 == text) {
-                Some(index) => Ok(index as f64 + 1.0),
-                None => Err(format!("{text:?} is none of {}", items())),
-            }
+            item(text, kind)
         }
     }
+}
+
+/// Number of the item `text` of an enumeration.
+fn item(text: &str, kind: &EnumerationType) -> Result<f64, String> {
+    match kind.items.iter().position(|item| item.0 == text) {
+        Some(index) => Ok(index as f64 + 1.0),
+        None => {
+            let items = kind.items.iter().map(|item| item.0).collect::<Vec<_>>().join(", ");
+            Err(format!("{text:?} is none of {items}"))
+        }
+    }
+}
+
+/// The value for one element of `row` from a cell of a table, checked as by [`value`]: a number in the unit `symbol` of its column (`None`:
+/// the SI unit) or with a unit of its own, `true` or `false`, an item of an enumeration by its name or number.
+///
+/// # Errors
+/// As [`value`].
+pub fn cell(text: &str, symbol: Option<&str>, row: &Row) -> Result<f64, String> {
+    let text = text.trim();
+    match row.kind {
+        Kind::Real { unit, .. } => Written::in_cell(text, symbol, unit, !row.is_difference())?.checked(row, unit),
+        Kind::Integer { min, max } => {
+            // Tables of numbers often have a point in every one.
+            let whole = text.parse().ok().filter(|number: &f64| number.fract() == 0.0);
+            let number = whole.ok_or_else(|| format!("{text:?} must be an integer"))?;
+            let written = Written { number, unit: None, name: "" };
+            within(&written, min.map(f64::from), max.map(f64::from))?;
+            Ok(written.number)
+        }
+        Kind::Boolean => match text {
+            "true" | "1" => Ok(1.0),
+            "false" | "0" => Ok(0.0),
+            _ => Err(format!("{text:?} must be true or false")),
+        },
+        Kind::Enumeration(kind) => {
+            let numbered = text.parse().ok().filter(|number| (1..=kind.items.len()).contains(number));
+            numbered.map_or_else(|| item(text, kind), |number| Ok(number as f64))
+        }
+    }
+}
+
+/// A factor from a cell of a table; arguments as in [`cell`].
+///
+/// # Errors
+/// Where it is no finite number.
+pub fn factor(text: &str, symbol: Option<&str>) -> Result<f64, String> {
+    let written = Written::in_cell(text.trim(), symbol, &ONE, true)?;
+    within(&written, None, None)?;
+    Ok(written.si())
 }
 
 /// A number in `unit`; `absolute`: whether units with an offset, such as degC, make sense.
@@ -143,6 +174,35 @@ impl Written {
                 if symbol.is_empty() { "has no unit".to_owned() } else { format!("has the wrong unit {symbol:?}") };
             format!("{text:?} {wrong}; accepted are {names}")
         })
+    }
+
+    fn in_cell(text: &str, symbol: Option<&str>, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
+        let name = if unit.name == "1" { "" } else { unit.name };
+        match (text.parse(), symbol) {
+            (Ok(number), Some(symbol)) => Self::in_unit(number, symbol, unit, absolute)
+                .map_err(|names| format!("{symbol:?} is the wrong unit; accepted are {names}")),
+            (Ok(number), None) => Ok(Written { number, unit: None, name }),
+            (Err(_), _) => Self::from_text(text, unit, name, absolute),
+        }
+    }
+
+    /// Its value in the SI unit of `row`, within the row's bounds.
+    fn checked(&self, row: &Row, unit: &'static Unit) -> Result<f64, String> {
+        let (min, max) = row.bounds();
+        within(self, min, max).map_err(|reason| match row.instead_of_zero {
+            setting if !setting.is_empty() && self.si() == 0.0 => format!("{reason}; set {setting} instead"),
+            _ => format!("{reason}{}", self.other_unit(unit)),
+        })?;
+        let si = self.si();
+        if si != 0.0 && si.abs() < row.least_magnitude {
+            let least = self.shown(row.least_magnitude);
+            return Err(format!(
+                "{} is below the least value other than 0, {}",
+                self.show(self.number),
+                self.show(least)
+            ));
+        }
+        Ok(si)
     }
 
     /// # Errors

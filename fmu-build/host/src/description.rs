@@ -211,10 +211,14 @@ impl Description {
         if let Some(&index) = self.by_name.get(name) {
             return Ok(&self.variables[index]);
         }
-        let closest =
-            self.variables.iter().map(|variable| (strsim::levenshtein(name, &variable.name), &variable.name)).min();
+        let away = |known: &str| match known.strip_suffix(name) {
+            // The right name without its component.
+            Some(component) if component.ends_with('.') => 1,
+            _ => strsim::levenshtein(name, known),
+        };
+        let closest = self.variables.iter().map(|variable| (away(&variable.name), &variable.name)).min();
         let hint = match closest {
-            Some((away, closest)) if away <= 3.max(name.len() / 3) => format!("; did you mean {closest}?"),
+            Some((away, closest)) if away <= 2.max(name.len() / 4) => format!("; did you mean {closest}?"),
             _ => String::new(),
         };
         Err(Failure::request(format!("{} has no variable {name:?}{hint}", self.model_name)))

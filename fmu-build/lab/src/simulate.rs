@@ -4,14 +4,13 @@ mod figure;
 mod progress;
 mod write;
 
+use crate::arguments;
 use crate::columns::{self, Column};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
 use anyhow::{Context, Result, bail};
 use progress::Progress;
-use scene::variables::units::SECOND;
-use scene_file::quantity::text;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -35,7 +34,7 @@ pub struct Arguments {
     ///
     /// By default about a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
     /// divided into equal steps.
-    #[arg(long, value_name = "TIME", value_parser = step, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = arguments::step, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv. With the ending
     /// .parquet as Parquet, with the CSV beside it.
@@ -51,30 +50,11 @@ pub struct Arguments {
     measured: Option<PathBuf>,
     /// Times of the profiles over the contact, as 0,10,"2 min"; by default the first, middle and last at which the load is at least half of
     /// its largest.
-    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = arguments::time, allow_negative_numbers = true)]
     at: Vec<f64>,
     /// Print JSON instead of a table: every variable's range and end, deviations, profiles.
     #[arg(long)]
     json: bool,
-}
-
-/// A time as an argument, s.
-///
-/// # Errors
-/// With the units that are accepted.
-fn time(given: &str) -> Result<f64, String> {
-    text(given, &SECOND, true)
-}
-
-/// A communication step as an argument, s.
-///
-/// # Errors
-/// As [`time`]; a step that is not above 0.
-fn step(given: &str) -> Result<f64, String> {
-    match time(given)? {
-        step if step > 0.0 => Ok(step),
-        step => Err(format!("{step} s must be above 0 s")),
-    }
 }
 
 /// Runs the command.

@@ -11,10 +11,10 @@ pub use course::points;
 pub use tables::{Inputs, Table};
 
 use crate::output::{self, print_line};
-use crate::{package, project, python, scenes};
-use anyhow::{Context, Result, bail};
+use crate::{arguments, package, project, python, scenes};
+use anyhow::{Context, Result, anyhow, bail};
 use course::Course;
-use fmu_host::{Causality, Description, Interpolation, Worker};
+use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Identity, Results, Row};
 use std::fs;
@@ -45,26 +45,25 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "fmu")]
     scene: Option<String>,
     /// An .fmu instead of a scene.
-    #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "scene"])]
+    #[arg(long, value_name = "FILE")]
     fmu: Option<PathBuf>,
-    /// CSV file with the inputs over time: the column time, and one per input, in the FMU's unit or in the one that the
-    /// header says, as in "sliding_velocity [km/h]". Without it every scene runs at its nominal load and velocity for its nominal
+    /// CSV file with the inputs over time: the column time, and one per input with its unit, as in "sliding_velocity [km/h]". Without it every scene runs at its nominal load and velocity for its nominal
     /// duration, over the nominal stroke where it has one.
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
     /// File of results, in SI units: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is
-    /// missing; results of another batch are not replaced without --replace.
+    /// missing; results of another batch, or of rows that the design no longer has, are not replaced without --replace.
     #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
     output: Option<PathBuf>,
-    /// Replace the results of another batch.
+    /// Replace the results of another batch, and of rows that the design no longer has.
     #[arg(long)]
     replace: bool,
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Communication step in seconds. By default about a thousandth of the time of the inputs and no longer than their rows are
+    /// Communication step in seconds, or with its unit as "20 ms". By default about a thousandth of the time of the inputs and no longer than their rows are
     /// apart; without --inputs that of the scene.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = arguments::time, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step, as `simulate` takes them.
@@ -80,8 +79,8 @@ pub struct Arguments {
     /// Outputs whose largest value is kept.
     #[arg(long, value_delimiter = ',', default_value = "contact_temperature_max")]
     peak: Vec<String>,
-    /// Seconds between the communication points that the largest values are taken from; the default is the step.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    /// Time between the communication points that the largest values are taken from; the default is the step.
+    #[arg(long, value_name = "TIME", value_parser = arguments::time, allow_negative_numbers = true)]
     every: Option<f64>,
     /// Run a script of examples/batch instead, with the Python package and its environment ready: what follows `--`
     /// goes to it.
@@ -191,18 +190,22 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
+    if is_scene_file(design) {
+        bail!("{} is a scene file; --scene takes it, and DESIGN is a table of what its rows vary", design.display());
+    }
     let table = Table::read(design)?;
     let fmu = match (&arguments.fmu, &arguments.scene) {
+        (Some(path), _) if is_scene_file(path) => bail!("{} is a scene file; --scene takes it", path.display()),
         (Some(path), _) => fs::read(path).with_context(|| format!("reading {}", path.display()))?,
         (None, Some(scene)) => packaged(scene)?,
-        (None, None) => bail!("--scene or --fmu is needed"),
+        (None, None) => bail!("--scene, or --fmu, is needed: what the rows of {} vary", design.display()),
     };
     let folder = unpack(&fmu).with_context(|| match &arguments.fmu {
         Some(path) => format!("unpacking {}", path.display()),
         None => "unpacking the scene's FMU".into(),
     })?;
     let worker = Worker::open(&folder)?;
-    let converted = table.in_units_of(worker.description()).with_context(|| format!("reading {}", design.display()))?;
+    let converted = table.for_fmu(worker.description())?;
     let job = Job {
         folder,
         inputs: inputs.cloned(),
@@ -213,7 +216,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         peak: arguments.peak.clone(),
         every: arguments.every.map(Text::from),
     };
-    check(&job, design, worker.description())?;
+    check(&job, &table, worker.description())?;
     let header = header(&job, &table, worker.description())?;
     drop(worker);
     let inputs = inputs.map(fs::read).transpose()?;
@@ -238,7 +241,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     bar.set_style(ProgressStyle::with_template("  Scenes [{bar:30}] {pos}/{len} {msg} {eta} left")?);
     bar.inc((table.rows.len() - ran_now) as u64);
     let mut failed_now = 0;
-    pool::run(&job, &converted, pending, jobs, |scene, answer| {
+    pool::run(&job, &converted.rows, pending, jobs, |scene, answer| {
         failed_now += usize::from(answer.status != worker::OK);
         results.add(&Row::of(scene, &table.rows[scene], answer, job.record.len() + job.peak.len()))?;
         bar.set_message(format!("{failed_now} failed"));
@@ -273,6 +276,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Whether a path is that of a scene file by its ending.
+fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
 /// The FMU of a scene.
 fn packaged(scene: &str) -> Result<Vec<u8>> {
     let file = scenes::load(Some(scene))?;
@@ -302,24 +310,33 @@ fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<Str
 }
 
 /// Checks the settings that would fail for every scene, once and before any is run.
-fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
+fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
     let Course { inputs, .. } = Course::new(job, description, &[])?;
-    for text in implausible(&inputs, description, &job.columns) {
+    for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)) {
         eprintln!("warning: {}: {text}", inputs.source);
     }
-    for column in &job.columns {
-        let context = || format!("{}, line 1: the column {column}", design.display());
+    let factors = || inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect::<Vec<_>>().join(", ");
+    for (at, (column, header)) in job.columns.iter().zip(&table.columns).enumerate() {
+        let place = || format!("{} ({header})", table.place(at));
         let input = column.strip_suffix(FACTOR).unwrap_or(column);
         let is_driven = inputs.names.iter().any(|name| name == input);
         if is_driven && input != column {
             continue;
         }
         if column.ends_with(FACTOR) || description.find_as(column, Causality::Input).is_ok() {
-            let factors: Vec<String> = inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect();
             let fault = if column.ends_with(FACTOR) { "no factor on a column" } else { "an input, which is that" };
-            bail!("{} is {fault} of {}; accepted are {}", context(), inputs.source, factors.join(", "));
+            bail!("{} is {fault} of {}; accepted are {}", place(), inputs.source, factors());
         }
-        description.find_as(column, Causality::Parameter).with_context(context)?;
+        if column == "time" {
+            bail!("{}: a design has a row per scene; --inputs takes a file of inputs over time", place());
+        }
+        if let Err(Failure { reason, .. }) = description.find_as(column, Causality::Parameter) {
+            bail!(
+                "{}: {reason}; accepted are parameters of the FMU (docs/reference/variables.md) and {}",
+                place(),
+                factors()
+            );
+        }
         let driven = match column.as_str() {
             "nominal.load" => "normal_load",
             "nominal.velocity" => "sliding_velocity",
@@ -328,17 +345,31 @@ fn check(job: &Job, design: &Path, description: &Description) -> Result<()> {
         if job.inputs.is_some() && inputs.names.iter().any(|name| name == driven) {
             eprintln!(
                 "warning: {}: {column} changes how levels are chosen, and not the inputs of {}; {driven}{FACTOR} multiplies them",
-                design.display(),
+                table.place(at),
                 inputs.source
             );
         }
     }
     for (option, names) in [("--record", &job.record), ("--peak", &job.peak)] {
         for name in names {
-            description.find(name).with_context(|| format!("{option} {name}"))?;
+            let variable =
+                description.find(name).map_err(|Failure { reason, .. }| anyhow!("{option} {name}: {reason}"))?;
+            if variable.causality == Causality::Parameter {
+                bail!(
+                    "{option} {name} is a parameter, which keeps its value in a run; accepted are outputs, as wear_depth"
+                );
+            }
         }
     }
     Ok(())
+}
+
+/// Warning about loads that lift.
+fn lifted(inputs: &Inputs) -> Option<String> {
+    let at = inputs.names.iter().position(|name| name == "normal_load")?;
+    let loads = inputs.values.iter().skip(at).step_by(inputs.names.len());
+    let (time, load) = inputs.times.iter().zip(loads).find(|(_, load)| **load < 0.0)?;
+    Some(format!("normal_load = {load} N at {time} s is below 0 N and counts as 0: the contact is open"))
 }
 
 /// Ratio to the nominal value above which an input is implausible: the model is not valid so far beyond it.
@@ -360,8 +391,7 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
         if largest > limit {
             let unit = &own.unit;
             warnings.push(format!(
-                "{name} goes to {largest} {unit}, more than {FAR_BEYOND} times {nominal} = {} {unit}; is it in {unit}? A unit \
-                 may stand in the header, as in \"sliding_velocity [km/h]\"",
+                "{name} goes to {largest} {unit}, more than {FAR_BEYOND} times {nominal} = {} {unit}; is the unit of its header the right one?",
                 own.start
             ));
         }

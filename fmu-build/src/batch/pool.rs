@@ -3,10 +3,10 @@
 //! Processes, not threads: a crash or an endless loop of a scene affects that scene only.
 
 use super::Job;
-use super::tables::Table;
 use super::worker::{Answer, LOST, OK};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
+use fmu_host::Stage;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Mutex;
@@ -15,13 +15,13 @@ use std::sync::mpsc;
 /// Number of attempts for a scene whose process was lost, which need not be caused by the scene.
 const TRIES: usize = 2;
 
-/// Runs the pending scenes on `jobs` processes; `keep` takes each answer as it comes.
+/// Runs the pending scenes on `jobs` processes; `keep` takes each answer as it comes. A row that is a fault is its answer.
 ///
 /// # Errors
 /// Where no process can be started or `keep` fails; scenes under way are given up then.
 pub fn run(
     job: &Job,
-    table: &Table,
+    rows: &[Result<Vec<String>, String>],
     pending: Vec<usize>,
     jobs: usize,
     mut keep: impl FnMut(usize, &Answer) -> Result<()>,
@@ -37,7 +37,10 @@ pub fn run(
             scope.spawn(move || {
                 let mut process = None;
                 while let Some(scene) = next() {
-                    let answer = attempt(job, &table.rows[scene], &mut process);
+                    let answer = match &rows[scene] {
+                        Ok(cells) => attempt(job, cells, &mut process),
+                        Err(fault) => Ok(Answer::failed(Stage::Request.name(), fault.clone())),
+                    };
                     let is_over = answer.is_err();
                     if sender.send(answer.map(|answer| (scene, answer))).is_err() || is_over {
                         break;

@@ -90,10 +90,10 @@ pub struct Results {
 
 impl Results {
     /// Continues what an earlier run left beside or in `output`, or begins. Rows are those of the design where their cells are the same.
-    /// `replace`: what belongs to another batch is replaced.
+    /// `replace`: what belongs to another batch or to other cells is replaced.
     ///
     /// # Errors
-    /// Where what is there belongs to another batch, or a file cannot be read or written.
+    /// Where what is there belongs to another batch, or has results that the design has no row for, or a file cannot be read or written.
     pub fn open(
         output: &Path,
         header: &[String],
@@ -108,72 +108,59 @@ impl Results {
             PathBuf::from(name)
         };
         let (partial, batch) = (beside(".partial"), beside(".batch"));
-        let is_own = |scene: usize, cells: &[String]| design.get(scene).is_some_and(|own| cells.starts_with(own));
         let context = || format!("opening {}", partial.display());
-        let first = format!("# {}\n", identity.0);
-        let other = |path: &Path, differs: &str| {
-            anyhow!(
-                "{} belongs to another batch: {differs} differ; name another --output, or say --replace",
-                path.display()
-            )
-        };
-        let mut rows = BTreeMap::new();
-        let mut whole = 0;
-        if replace {
-            for path in [&partial, &batch] {
-                let _ = fs::remove_file(path);
-            }
-        }
-        let known = fs::read_to_string(&batch).ok();
-        if partial.exists() {
-            let text = fs::read(&partial).with_context(context)?;
-            // A run that was killed may have left half a line.
-            whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-            if whole > 0 {
-                let Some(rest) = text[..whole].strip_prefix(first.as_bytes()) else {
-                    let found = String::from_utf8_lossy(&text[..whole]);
-                    let line = found.lines().next().unwrap_or_default().trim_start_matches("# ");
-                    return Err(other(&partial, &identity.differences(line)));
-                };
-                for record in csv::ReaderBuilder::new().has_headers(false).from_reader(rest).records() {
-                    let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
-                    if scene < design.len() && !is_own(scene, &cells) {
-                        return Err(other(&partial, &format!("cells of scene {scene}")));
-                    }
-                    rows.insert(scene, cells);
-                }
-                rows.retain(|&scene, _| scene < design.len());
-            }
-        } else if output.is_file() && !replace {
-            let found = known.with_context(|| {
-                format!(
-                    "{} is there and no result of a batch; name another --output, or say --replace",
-                    output.display()
-                )
-            })?;
-            if found.trim_end() != identity.0 {
-                return Err(other(output, &identity.differences(found.trim_end())));
-            }
-            let mut reader = csv::Reader::from_path(output).with_context(context)?;
-            if reader.headers().with_context(context)?.iter().eq(header) {
-                for record in reader.records() {
-                    let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
-                    if is_own(scene, &cells) {
-                        rows.insert(scene, cells);
-                    }
-                }
-            }
-        } else if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        let other = |path: &Path, is: &str| anyhow!("{} {is}; name another --output, or say --replace", path.display());
+        if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             fs::create_dir_all(folder).with_context(context)?;
         }
-        let mut file = OpenOptions::new().create(true).append(true).open(&partial).with_context(context)?;
-        file.set_len(whole as u64).with_context(context)?;
-        if whole == 0 {
-            file.write_all(first.as_bytes()).with_context(context)?;
-            for (&scene, cells) in &rows {
-                file.write_all(&Row { scene, cells: cells.clone() }.text()?).with_context(context)?;
+        let (source, found, records) = if partial.exists() {
+            let mut text = fs::read(&partial).with_context(context)?;
+            // A run that was killed may have left half a line.
+            text.truncate(text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1));
+            let first = text.iter().position(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            let found = String::from_utf8_lossy(&text[..first]).trim_start_matches("# ").trim_end().to_owned();
+            (&partial, Some(found).filter(|_| first > 0), text.split_off(first))
+        } else if output.is_file() {
+            let Some(found) = fs::read_to_string(&batch).ok().or_else(|| replace.then(String::new)) else {
+                return Err(other(output, "is there and no result of a batch"));
+            };
+            let text = fs::read(output).with_context(context)?;
+            let first = text.iter().position(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            (output, Some(found.trim_end().to_owned()), text[first..].to_vec())
+        } else {
+            (&partial, None, Vec::new())
+        };
+        let is_same = found.as_ref().is_none_or(|found| *found == identity.0);
+        if let Some(found) = found.filter(|_| !is_same && !replace) {
+            return Err(other(source, &format!("belongs to another batch: {} differ", identity.differences(&found))));
+        }
+        let (mut rows, mut lost) = (BTreeMap::new(), Vec::new());
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(records.as_slice());
+        for record in reader.records().take_while(|_| is_same) {
+            let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
+            if design.get(scene).is_some_and(|own| cells.starts_with(own)) {
+                rows.insert(scene, cells);
+            } else if status(&cells) == Some(OK) {
+                // Of a scene that failed there is no result that could be lost.
+                lost.push(scene);
             }
         }
+        if let Some(first) = lost.first().filter(|_| !replace) {
+            let is = format!(
+                "has results of scenes that the design does not have, or has with other cells ({} of them, the first of scene {first})",
+                lost.len()
+            );
+            return Err(other(source, &is));
+        }
+        // Written whole and put in its place, so that a run that is killed here loses none.
+        let whole = beside(&format!(".partial.{}", std::process::id()));
+        let mut text = format!("# {}\n", identity.0).into_bytes();
+        for (&scene, cells) in &rows {
+            text.extend(Row { scene, cells: cells.clone() }.text()?);
+        }
+        fs::write(&whole, text).with_context(context)?;
+        fs::rename(&whole, &partial).with_context(context)?;
+        let file = OpenOptions::new().append(true).open(&partial).with_context(context)?;
         // A batch that is under way is known by its partial file alone.
         let _ = fs::remove_file(&batch);
         let identity = identity.clone();
@@ -214,10 +201,9 @@ impl Results {
         fs::rename(&whole, &self.output).with_context(context)?;
         fs::write(&self.batch, format!("{}\n", self.identity.0)).with_context(context)?;
         fs::remove_file(&self.partial).with_context(context)?;
-        let status = self.header.len() - 3;
         let mut reasons: BTreeMap<&str, Reason> = BTreeMap::new();
-        for (&first, cells) in self.rows.iter().filter(|(_, cells)| cells[status] != OK) {
-            let reason = &cells[status + 1];
+        for (&first, cells) in self.rows.iter().filter(|(_, cells)| status(cells) != Some(OK)) {
+            let Some(reason) = cells.last() else { continue };
             let known = reasons.entry(reason).or_insert_with(|| Reason { reason: reason.clone(), scenes: 0, first });
             known.scenes += 1;
         }
@@ -227,9 +213,14 @@ impl Results {
     }
 }
 
+/// Status in the cells of a row, which ends with it and the reason.
+fn status(cells: &[String]) -> Option<&str> {
+    cells.iter().rev().nth(1).map(String::as_str)
+}
+
 /// Scene and cells of a row.
 fn cells(record: &csv::StringRecord) -> Result<(usize, Vec<String>)> {
-    Ok((record[0].parse()?, record.iter().skip(1).map(str::to_owned).collect()))
+    Ok((record.get(0).unwrap_or_default().parse()?, record.iter().skip(1).map(str::to_owned).collect()))
 }
 
 /// FNV-1a of bytes.
@@ -269,10 +260,16 @@ mod tests {
             Results::open(&output, &header, identity, design, false).err().unwrap().to_string()
         };
         assert!(told(&identity("b"), &design).contains("another batch: inputs differ"));
-        assert!(told(own, &vec![vec!["0.2".to_owned()]; 3]).contains("cells of scene 2 differ"));
+        let others = told(own, &vec![vec!["0.2".to_owned()]; 3]);
+        assert!(others.contains("1 of them, the first of scene 2") && others.contains("--replace"), "{others}");
         let mut results = Results::open(&output, &header, own, &design, false).unwrap();
         assert_eq!([0, 1, 2].map(|scene| results.has(scene)), [true, false, true]);
-        assert_eq!(fs::read(&partial).unwrap(), whole);
+        let lines = |text: Vec<u8>| {
+            let mut lines: Vec<String> = String::from_utf8(text).unwrap().lines().map(str::to_owned).collect();
+            lines.sort();
+            lines
+        };
+        assert_eq!(lines(fs::read(&partial).unwrap()), lines(whole));
         results.add(&row(1, "")).unwrap();
         let failures = results.finish().unwrap();
         let reason = Reason { reason: "too hot, \"by far\" see above".to_owned(), scenes: 1, first: 0 };
@@ -284,21 +281,29 @@ mod tests {
         );
         assert!(!partial.exists());
 
-        // A longer design continues it; a row of another is computed again. Another batch replaces it only where that is said.
+        // A longer design continues it, and the row that failed may have other cells. Results that are there go only where that is said.
         let mut longer = vec![vec!["0.1".to_owned()]; 5];
-        longer[1][0] = "0.7".to_owned();
-        let known = |identity: &Identity, replace: bool| {
-            let results = Results::open(&output, &header, identity, &longer, replace).unwrap();
+        longer[0][0] = "0.7".to_owned();
+        let known = |identity: &Identity, design: &[Vec<String>], replace: bool| {
+            let results = Results::open(&output, &header, identity, design, replace).unwrap();
             let known: Vec<usize> = (0..5).filter(|scene| results.has(*scene)).collect();
             fs::remove_file(&partial).unwrap();
+            fs::write(folder.join("out.csv.batch"), format!("{}\n", own.0)).unwrap();
             known
         };
-        assert_eq!(known(own, false), [0, 2]);
-        assert!(told(own, &longer).contains("no result of a batch"));
-        fs::write(folder.join("out.csv.batch"), format!("{}\n", own.0)).unwrap();
+        assert_eq!(known(own, &longer, false), [1, 2]);
+        let mut changed = longer.clone();
+        changed[1][0] = "0.8".to_owned();
+        for design in [&changed[..], &longer[..1]] {
+            let refused = told(own, design);
+            assert!(refused.contains("the first of scene 1") && refused.contains("--replace"), "{refused}");
+        }
+        assert_eq!(known(own, &changed, true), [2]);
         assert!(told(&identity("b"), &longer).contains("another batch: inputs differ"));
-        assert!(known(&identity("b"), true).is_empty());
-        assert!(known(own, true).is_empty());
+        assert!(known(&identity("b"), &longer, true).is_empty());
+        fs::remove_file(folder.join("out.csv.batch")).unwrap();
+        assert!(told(own, &longer).contains("no result of a batch"));
+        assert!(known(own, &longer, true).is_empty());
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -4,7 +4,8 @@ use super::FACTOR;
 use crate::columns::{self, Column};
 use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
-use scene::variables::{self, units};
+use scene::variables::units::{self, ONE};
+use scene::variables::{self, Kind, Row};
 use scene_file::quantity;
 use std::fs::File;
 use std::io::Read;
@@ -17,6 +18,11 @@ pub struct Table {
     pub columns: Vec<String>,
     /// As many cells in each row as columns.
     pub rows: Vec<Vec<String>>,
+    /// File, for messages.
+    path: String,
+    header_line: u64,
+    /// Line of the file that every row stands in.
+    lines: Vec<u64>,
 }
 
 impl Table {
@@ -40,58 +46,127 @@ impl Table {
         if let Some((at, twice)) = columns.iter().enumerate().find(|(at, column)| columns[..*at].contains(column)) {
             bail!("{}: column {} is named {twice:?} like another one", path.display(), at + 1);
         }
-        let rows = reader
-            .records()
-            .map(|record| Ok(columns::whole(record, path)?.iter().map(str::to_owned).collect()))
-            .collect::<Result<Vec<Vec<String>>>>()?;
+        let (mut rows, mut lines) = (Vec::<Vec<String>>::new(), Vec::new());
+        for record in reader.records() {
+            let record = columns::whole(record, path)?;
+            lines.push(record.position().map_or(0, csv::Position::line));
+            rows.push(record.iter().map(str::to_owned).collect());
+        }
         if rows.is_empty() {
             bail!("{} has no row below its header", path.display());
         }
-        Ok(Self { columns, rows })
+        let header_line = headers.position().map_or(1, csv::Position::line);
+        Ok(Self { columns, rows, path: path.display().to_string(), header_line, lines })
     }
 
-    /// The same with the units of headers (`punch.width [mm]`) and of cells (`40 mm`) converted to those of the FMU, and
-    /// headers that are names alone. A cell that is no number of its unit stays, so that it fails its own scene only.
+    /// Its cells as the FMU takes them: without the units of headers (`punch.width [mm]`) and of cells (`40 mm`), checked against the bounds of
+    /// their variables.
     ///
     /// # Errors
     /// A header with a unit that is not one of its variable, with those that are accepted; a column that is there twice then.
-    pub fn in_units_of(&self, description: &Description) -> Result<Self> {
-        let mut converted = self.clone();
+    pub fn for_fmu(&self, description: &Description) -> Result<Converted> {
+        let mut columns: Vec<String> = Vec::with_capacity(self.columns.len());
+        let mut rows: Vec<Result<Vec<String>, String>> =
+            vec![Ok(Vec::with_capacity(self.columns.len())); self.rows.len()];
         for (at, header) in self.columns.iter().enumerate() {
-            let (name, symbol) = match header.strip_suffix(']').and_then(|rest| rest.split_once('[')) {
-                // The index of an element is no unit.
-                Some((name, symbol)) if symbol.parse::<u32>().is_err() => (name.trim_end(), Some(symbol.trim())),
-                _ => (header.as_str(), None),
-            };
-            if converted.columns[..at].iter().any(|other| other == name) {
-                bail!("the design's column {header}: {name} stands in another column already");
+            let (name, symbol) = split(header);
+            if columns.iter().any(|other| other == name) {
+                bail!("{} ({header}): {name} stands in another column already", self.place(at));
             }
-            name.clone_into(&mut converted.columns[at]);
-            let unit = match description.find(name) {
-                Ok(variable) if !variable.unit.is_empty() => column(variable),
-                Err(_) if name.ends_with(FACTOR) => Column::optional(name, &units::ONE),
-                _ if symbol.is_none() => continue,
-                // A choice or a number of things has no unit; an unknown name is told as such.
-                Err(unknown) => bail!("the design's column {header}: {unknown}"),
-                Ok(_) => Column::optional(name, &units::ONE),
-            };
+            let kind = Cells::of(name, description);
             if let Some(symbol) = symbol {
-                quantity::in_si(0.0, symbol, unit.unit, unit.absolute)
-                    .map_err(|wrong| anyhow!("the design's column {header}: {wrong}"))?;
+                kind.check_unit(symbol).map_err(|wrong| anyhow!("{} ({header}): {wrong}", self.place(at)))?;
             }
-            for row in &mut converted.rows {
-                let cell = &row[at];
-                let value = match (symbol, cell.parse()) {
-                    (Some(symbol), Ok(number)) => quantity::in_si(number, symbol, unit.unit, unit.absolute),
-                    (None, Err(_)) => quantity::text(cell, unit.unit, unit.absolute),
-                    _ => continue,
-                };
-                if let Ok(value) = value {
-                    row[at] = value.to_string();
+            for (row, (cells, line)) in rows.iter_mut().zip(self.rows.iter().zip(&self.lines)) {
+                let Ok(converted) = row else { continue };
+                match kind.value(name, &cells[at], symbol) {
+                    Ok(value) => converted.push(value),
+                    Err(wrong) => {
+                        *row = Err(format!("{}, line {line}, column {} ({header}): {wrong}", self.path, at + 1));
+                    }
                 }
             }
+            columns.push(name.to_owned());
         }
-        Ok(converted)
+        Ok(Converted { columns, rows })
+    }
+
+    /// Where the header of a column stands, for messages.
+    pub fn place(&self, column: usize) -> String {
+        format!("{}, line {}, column {}", self.path, self.header_line, column + 1)
+    }
+}
+
+/// A design as the FMU takes it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Converted {
+    /// Names of variables, and factors.
+    pub columns: Vec<String>,
+    /// Cells of every row; the fault of a row that cannot be run.
+    pub rows: Vec<Result<Vec<String>, String>>,
+}
+
+/// Name and unit of a header.
+fn split(header: &str) -> (&str, Option<&str>) {
+    match header.strip_suffix(']').and_then(|rest| rest.split_once('[')) {
+        // The index of an element is no unit.
+        Some((name, symbol)) if symbol.parse::<u32>().is_err() => (name.trim_end(), Some(symbol.trim())),
+        _ => (header, None),
+    }
+}
+
+/// What the cells of a column are.
+enum Cells {
+    /// Values of a variable of the table.
+    Variable(&'static Row),
+    /// Factors on an input.
+    Factor,
+    /// Values of a variable that other FMUs have.
+    Foreign,
+    /// No variable of the FMU, which is told elsewhere.
+    Unknown,
+}
+
+impl Cells {
+    fn of(name: &str, description: &Description) -> Self {
+        let row = variables::find(name).and_then(variables::lookup).map(|(row, _)| row);
+        match (row, description.find(name)) {
+            (Some(row), Ok(_)) => Self::Variable(row),
+            (None, Ok(_)) => Self::Foreign,
+            _ if name.ends_with(FACTOR) => Self::Factor,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// # Errors
+    /// Where the column has no such unit, with the accepted ones.
+    fn check_unit(&self, symbol: &str) -> Result<(), String> {
+        let (unit, absolute) = match self {
+            Self::Variable(row) => match row.kind {
+                Kind::Real { unit, .. } => (unit, !row.is_difference()),
+                _ => return Err(format!("it has no unit, such as {symbol:?}")),
+            },
+            Self::Factor => (&ONE, true),
+            Self::Foreign => return Err("its units are not known here; the value is in the one of the FMU".into()),
+            Self::Unknown => return Ok(()),
+        };
+        quantity::in_si(0.0, symbol, unit, absolute).map(|_| ())
+    }
+
+    /// A cell as the FMU takes it.
+    fn value(&self, name: &str, cell: &str, symbol: Option<&str>) -> Result<String, String> {
+        let value = match self {
+            Self::Variable(row) => quantity::cell(cell, symbol, row)?,
+            Self::Factor => {
+                let factor = quantity::factor(cell, symbol)?;
+                if factor < 0.0 && name.strip_suffix(FACTOR) == Some("normal_load") {
+                    return Err(format!("{cell} must be 0 or above: a load presses"));
+                }
+                factor
+            }
+            Self::Foreign | Self::Unknown => return Ok(cell.to_owned()),
+        };
+        Ok(value.to_string())
     }
 }
 
@@ -109,7 +184,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Reads a file with the column `time` and one per input, with or without a unit; see [`columns`].
+    /// Reads a file with the column `time` and one per input, with its unit; see [`columns`].
     ///
     /// # Errors
     /// As [`columns::read`].
@@ -139,11 +214,12 @@ impl Inputs {
     }
 }
 
-/// The column of a variable: with the units of its row in the table of variables.
+/// The column of an input: with the units of its row in the table of variables, one of which its header must say.
 fn column(variable: &Variable) -> Column {
     let row = variables::find(&variable.name).and_then(variables::lookup).map(|(row, _)| row);
-    let unit = units::UNITS.iter().copied().find(|unit| unit.name == variable.unit).unwrap_or(&units::ONE);
-    Column { absolute: row.is_none_or(|row| !row.is_difference()), ..Column::optional(&variable.name, unit) }
+    let unit = units::UNITS.iter().copied().find(|unit| unit.name == variable.unit).unwrap_or(&ONE);
+    let absolute = row.is_none_or(|row| !row.is_difference());
+    Column { absolute, unit_required: unit.name != ONE.name, ..Column::optional(&variable.name, unit) }
 }
 
 #[cfg(test)]
@@ -178,7 +254,7 @@ mod tests {
         let table = Table::read(&path).unwrap();
         assert_eq!(table.columns, ["punch.width", "level"]);
         assert_eq!(table.rows, [["0.1", "lumped"], ["0.2", "auto"]]);
-        let path = file("inputs", "time,normal_load,sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n");
+        let path = file("inputs", "time,normal_load [N],sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n");
         let inputs = Inputs::read(&path, &description()).unwrap();
         assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
         assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
@@ -187,21 +263,43 @@ mod tests {
 
     #[test]
     fn units_of_a_design_are_those_of_scene_files() {
-        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\nwide, 2, 3 mm\n");
-        let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
-        assert_eq!(table.columns, ["punch.width", "normal_load.factor", "level"]);
-        // What is no number fails its scene, and says so there.
-        assert_eq!(table.rows, [["0.04", "0.5", "2"], ["wide", "2", "3 mm"]]);
-        let path = file("in_cells", "punch.width\n40 mm\n0.05\n40 kN\n");
-        let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
-        assert_eq!(table.rows, [["0.04"], ["0.05"], ["40 kN"]]);
+        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\n50 mm, 2, 3 mm\n");
+        let converted = Table::read(&path).unwrap().for_fmu(&description()).unwrap();
+        assert_eq!(converted.columns, ["punch.width", "normal_load.factor", "level"]);
+        assert_eq!(converted.rows[0].as_ref().unwrap(), &["0.04", "0.5", "2"]);
+        assert_eq!(converted.rows[1].as_ref().unwrap(), &["0.05", "2", "3 mm"]);
         for (name, text, wanted) in [
-            ("wrong", "punch.width [kN]\n1\n", "column punch.width [kN]: \"kN\" is the wrong unit; accepted are m, mm"),
+            (
+                "wrong",
+                "punch.width [kN]\n1\n",
+                "column 1 (punch.width [kN]): \"kN\" is the wrong unit; accepted are m, mm",
+            ),
             ("factor", "normal_load.factor [kN]\n1\n", "accepted are 1, %"),
             ("same", "punch.width,punch.width [mm]\n1,1\n", "punch.width stands in another column already"),
         ] {
             let table = Table::read(&file(name, text)).unwrap();
-            let told = format!("{:#}", table.in_units_of(&description()).unwrap_err());
+            let told = format!("{:#}", table.for_fmu(&description()).unwrap_err());
+            assert!(told.contains(wanted), "{told}");
+        }
+    }
+
+    /// A scene that cannot be run is a row of the results, so its fault names the cell.
+    #[test]
+    fn cells_that_no_scene_can_have_are_told_with_their_place_and_unit() {
+        let text = "# a note\npunch.width [mm],normal_load.factor\n40,1\nwide,1\n40 kN,1\n-1,1\n\"1,2\",1\nnan,1\n40,-1\n40,x\n";
+        let table = Table::read(&file("cells", text)).unwrap();
+        let rows = table.for_fmu(&description()).unwrap().rows;
+        assert!(rows[0].is_ok());
+        for (row, wanted) in rows[1..].iter().zip([
+            "cells.csv, line 4, column 1 (punch.width [mm]): \"wide\" is not a number",
+            "line 5, column 1 (punch.width [mm]): \"40 kN\" has the wrong unit \"kN\"; accepted are m, mm",
+            "line 6, column 1 (punch.width [mm]): -1 mm is outside the allowed range: from ",
+            "line 7, column 1 (punch.width [mm]): \"1,2\" has a comma; numbers have a decimal point",
+            "line 8, column 1 (punch.width [mm]): NaN is not a finite number",
+            "line 9, column 2 (normal_load.factor): -1 must be 0 or above",
+            "line 10, column 2 (normal_load.factor): \"x\" is not a number",
+        ]) {
+            let told = row.as_ref().unwrap_err();
             assert!(told.contains(wanted), "{told}");
         }
     }
@@ -214,8 +312,8 @@ mod tests {
         assert!(table("empty", "a,b\n").contains("no row"));
         assert!(table("short", "a,b\n1\n").contains("short.csv"));
         let inputs = |name, text| told(Inputs::read(&file(name, text), &description()).map(|_| ()));
-        assert!(inputs("notime", "normal_load\n1\n").contains("no column time"));
-        assert!(inputs("word", "time,normal_load\n0,heavy\n").contains("column 2 (normal_load): \"heavy\""));
+        assert!(inputs("notime", "normal_load [N]\n1\n").contains("no column time"));
+        assert!(inputs("word", "time,normal_load [N]\n0,heavy\n").contains("column 2 (normal_load [N]): \"heavy\""));
         assert!(inputs("parameter", "time,punch.width\n0,1\n").contains("accepted are time"));
     }
 }

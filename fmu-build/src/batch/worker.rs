@@ -107,9 +107,6 @@ impl<'a> Runner<'a> {
             match factor {
                 Some(input) => {
                     let factor: f64 = cell.parse().map_err(|_| request(format!("{column} = {cell:?} is no number")))?;
-                    if factor < 0.0 && inputs.names[input] == "normal_load" {
-                        return Err(request(format!("{column} = {cell} must be 0 or above: a load presses")));
-                    }
                     factors[input] = factor;
                 }
                 None => {

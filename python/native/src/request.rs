@@ -227,10 +227,11 @@ impl Request {
                         let tolerance = plan::inputs::tolerance(&file, tolerance)?;
                         let drive = plan::inputs::drive(&packaged.name, &packaged.starts, &inputs.inputs()?)?;
                         let count = plan::inputs::LEVELS.len() as f64;
-                        let levels = plan::inputs::compare(&drive, tolerance, &mut |number, _| {
+                        let mut started = |number: usize, _| {
                             reports.part(number as f64 / count);
-                        })?;
-                        levels.chosen()?;
+                        };
+                        let levels = plan::inputs::compare(&drive, tolerance, &mut started)?;
+                        levels.chosen(&drive, &mut started)?;
                         plan::inputs::record(&levels)
                     }
                 };

@@ -403,7 +403,7 @@ def test_the_job_file_runs_a_sweep(tmp_path):
 def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
     command = needed("SLIDING_CONTACT_COMMAND")
     inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.parquet"
-    inputs.write_text("time,sliding_velocity,normal_load\n0,8,2000\n2,0,2000\n")
+    inputs.write_text("time,sliding_velocity [m/s],normal_load [N]\n0,8,2000\n2,0,2000\n")
     arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
     environment = {**clean_environment(), "CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
 
@@ -413,7 +413,7 @@ def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
         return done.returncode, done.stdout
 
     status, printed = run([0.08, 0.09, -1])
-    assert status == 0 and "3 run now" in printed and "1 x" in printed and "punch.width: -1 m" in printed
+    assert status == 0 and "3 run now" in printed and "1 x" in printed and "line 4, column 1 (punch.width): -1 m" in printed
     with open(tmp_path / "out.csv", newline="") as file:
         first = list(csv.DictReader(file))
     status, printed = run([0.08, 0.09, -1, 0.1, 0.11])
@@ -473,7 +473,7 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
 
 def test_the_command_tells_a_wrong_name_before_any_scene_runs(tmp_path):
     inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
-    inputs.write_text("time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n")
+    inputs.write_text("time,sliding_velocity [m/s],normal_load [N]\n0,1,100\n1,1,100\n")
     table.write_text("punch.widht\n0.1\n")
     command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(table), "--fmu", str(file_of("disc_brake"))]
     done = subprocess.run([*command, "--inputs", str(inputs), "-o", str(output)], capture_output=True, text=True)
@@ -497,12 +497,13 @@ def batch(tmp_path, inputs, design):
 
 
 def test_a_batch_in_which_every_scene_fails_fails(tmp_path):
-    inputs = "time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n"
+    inputs = "time,sliding_velocity [m/s],normal_load [N]\n0,1,100\n1,1,100\n"
     done, rows = batch(tmp_path, inputs, "punch.width\n-1\n-2\n")
     assert done.returncode != 0 and "every one of the 2 scenes failed" in done.stderr
     assert json.loads(done.stdout)["failed"] == 2 and len(rows) == 2
     done, rows = batch(tmp_path, inputs, "punch.width\n-1\n0.1\n")
-    assert done.returncode == 0 and [row["status"] for row in rows] == ["initialisation", "ok"]
+    assert done.returncode == 0 and [row["status"] for row in rows] == ["request", "ok"]
+    assert "design.csv, line 2, column 1 (punch.width): -1 m is outside the allowed range: from " in rows[0]["reason"]
 
 
 def test_inputs_are_linear_between_their_rows_as_in_simulate(tmp_path):
@@ -519,13 +520,13 @@ def test_without_inputs_every_scene_runs_at_its_own_nominal_conditions(tmp_path)
     work = [float(row["dissipated_energy [J]"] or 0) for row in rows]
     assert work[0] > 0.0
     assert work[1] == pytest.approx(2 * work[0], rel=0.02) and work[2] == pytest.approx(work[0], rel=0.02)
-    assert rows[3]["status"] == "request" and "normal_load.factor = -1 must be 0 or above" in rows[3]["reason"]
+    assert rows[3]["status"] == "request" and "(normal_load.factor): -1 must be 0 or above" in rows[3]["reason"]
     assert work[4] == pytest.approx(0.5 * work[0], rel=0.02)
 
 
 def test_results_of_another_batch_stay(tmp_path):
     inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
-    inputs.write_text("time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n")
+    inputs.write_text("time,sliding_velocity [m/s],normal_load [N]\n0,1,100\n1,1,100\n")
     table.write_text("punch.width\n0.1\n")
     command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(table), "--fmu", str(file_of("disc_brake")), "-o", str(output)]
     run = lambda *more: subprocess.run([*command, *more], capture_output=True, text=True)  # noqa: E731
@@ -539,20 +540,34 @@ def test_results_of_another_batch_stay(tmp_path):
     assert "0 run now" in run("--inputs", str(inputs)).stdout
     assert run("--inputs", str(inputs), "--record", "wear_depth", "--replace").returncode == 0
     assert output.read_bytes() != there
+    # Results of rows that are gone or have other cells stay too.
+    table.write_text("punch.width\n0.1\n0.11\n")
+    assert run("--inputs", str(inputs), "--record", "wear_depth").returncode == 0
+    there = output.read_bytes()
+    for text in ("punch.width\n0.1\n", "punch.width\n0.1\n0.12\n"):
+        table.write_text(text)
+        refused = run("--inputs", str(inputs), "--record", "wear_depth")
+        assert refused.returncode != 0 and "the first of scene 1" in refused.stderr and "--replace" in refused.stderr, refused.stderr
+        assert output.read_bytes() == there
+    assert "1 run now" in run("--inputs", str(inputs), "--record", "wear_depth", "--replace").stdout
     (tmp_path / "out.csv.batch").unlink()
     assert "no result of a batch" in run("--inputs", str(inputs)).stderr
 
 
 def test_inputs_are_read_by_name_and_converted(tmp_path):
     design = "punch.width\n0.1\n"
-    si, rows = batch(tmp_path, "time,sliding_velocity,normal_load\n0,2,1000\n60,2,1000\n", design)
+    si, rows = batch(tmp_path, "time,sliding_velocity [m/s],normal_load [N]\n0,2,1000\n60,2,1000\n", design)
     converted, same = batch(tmp_path, "normal_load [kN],sliding_velocity_km_per_h,time [min]\n1,7.2,0\n1,7.2,1\n", design)
     assert si.returncode == converted.returncode == 0 and si.stderr == ""
     assert rows == same and float(rows[0]["dissipated_energy [J]"]) > 0.0
     for header in ("time,sliding_velocity [mph],normal_load", "time,speed,normal_load", "sliding_velocity,normal_load"):
         done, _ = batch(tmp_path, f"{header}\n0,2,1000\n60,2,1000\n", design)
         assert done.returncode != 0 and "inputs.csv, line 1" in done.stderr, done.stderr
-    fast, _ = batch(tmp_path, "time,sliding_velocity,normal_load\n0,97,1000\n1,97,1000\n", design)
+    bare, _ = batch(tmp_path, "time,sliding_velocity [m/s],normal_load\n0,2,1000\n60,2,1000\n", design)
+    assert "\"normal_load\" does not say its unit; accepted is normal_load [N" in bare.stderr
+    lifted, _ = batch(tmp_path, "time,sliding_velocity [m/s],normal_load [N]\n0,2,1000\n60,2,-1000\n", design)
+    assert "normal_load = -1000 N at 60 s is below 0 N and counts as 0" in lifted.stderr
+    fast, _ = batch(tmp_path, "time,sliding_velocity [m/s],normal_load [N]\n0,97,1000\n1,97,1000\n", design)
     assert "sliding_velocity goes to 97 m/s, more than 10 times nominal.velocity = 3.8" in fast.stderr
-    driven, _ = batch(tmp_path, "time,sliding_velocity,normal_load\n0,2,1000\n1,2,1000\n", "nominal.load\n100\n")
+    driven, _ = batch(tmp_path, "time,sliding_velocity [m/s],normal_load [N]\n0,2,1000\n1,2,1000\n", "nominal.load\n100\n")
     assert "nominal.load changes how levels are chosen" in driven.stderr and "normal_load.factor multiplies" in driven.stderr

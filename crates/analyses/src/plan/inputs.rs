@@ -4,7 +4,7 @@
 //! refinements are extrapolated as a geometric series with the ratio of the last two. Levels are refined until that error is well
 //! below the tolerance. If it does not fall below it, no level is named, because the error is unknown.
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use scene::variables::{COUNT, find};
 use scene_file::SceneFile;
 use scene_file::columns::Table;
@@ -29,6 +29,9 @@ const FINER_STEPS: f64 = 0.1;
 
 /// Error of the finest run relative to the tolerance below which refinement stops; and up to which all errors count as known.
 const ENOUGH: [f64; 2] = [0.1, 1.0 / 3.0];
+
+/// Wider tolerances that are tried where none is met.
+const WIDER: usize = 3;
 
 /// Largest tolerance of a run.
 const MOST: f64 = 0.5;
@@ -64,12 +67,21 @@ impl Levels {
         self.finest_error <= ENOUGH[1] * self.tolerance
     }
 
-    /// The least tolerance that the finest run can tell the errors for, rounded up to one digit; `None` where a run can have none such.
-    fn within_reach(&self) -> Option<f64> {
-        let least = self.finest_error / ENOUGH[1];
-        let power = 10.0_f64.powf(least.log10().floor());
-        let rounded = (least / power).ceil() * power;
-        (rounded.is_finite() && rounded <= MOST).then_some(rounded)
+    /// A wider tolerance at which a level is known to be good, with the levels at it. Errors at it are found by runs at it: what the runs at
+    /// hand reach need not be reached with longer steps.
+    pub fn wider(&self, drive: &Application, started: &mut dyn FnMut(usize, Setting)) -> Option<Self> {
+        let mut levels = None::<Self>;
+        for _ in 0..WIDER {
+            let tried = levels.as_ref().unwrap_or(self);
+            let least = (tried.finest_error / ENOUGH[1]).max(2.0 * tried.tolerance);
+            let tolerance = round_up(least).filter(|tolerance| *tolerance <= MOST)?;
+            let wider = compare(drive, tolerance, started).ok()?;
+            if wider.cheapest().is_some() {
+                return Some(wider);
+            }
+            levels = Some(wider);
+        }
+        None
     }
 
     /// The cheapest that meets the tolerance.
@@ -81,23 +93,42 @@ impl Levels {
     /// The cheapest level that meets the tolerance.
     ///
     /// # Errors
-    /// Where no run converges or none meets it.
-    pub fn chosen(&self) -> Result<&Candidate> {
-        if !self.are_known() {
+    /// Where no run converges or none meets it, with the level and the tolerance of [`Self::wider`].
+    pub fn chosen(&self, drive: &Application, started: &mut dyn FnMut(usize, Setting)) -> Result<&Candidate> {
+        if let Some(cheapest) = self.cheapest() {
+            return Ok(cheapest);
+        }
+        let wider = self.wider(drive, started);
+        let instead = wider.as_ref().and_then(|wider| Some((wider.tolerance, wider.cheapest()?)));
+        let instead = instead.map_or(String::new(), |(tolerance, known)| {
+            let error = largest(known.errors);
+            format!(
+                ". With the tolerance {tolerance:e} it is {}, with an estimated error of {error:.1e}",
+                known.setting
+            )
+        });
+        if self.are_known() {
             bail!(
-                "no level is known to be good: the finest run, {}, has an error of {:.1e} itself, above a third of the tolerance {:e}; \
-                 estimated error: 1{}",
-                self.finest,
-                self.finest_error,
+                "no level meets the tolerance {:e}; the finest that was run is {}{instead}",
                 self.tolerance,
-                self.within_reach()
-                    .map_or(String::new(), |least| format!(". With --tolerance {least:e} levels are known"))
+                self.finest
             );
         }
-        self.cheapest().ok_or_else(|| {
-            anyhow!("no level meets the tolerance {:e}; the finest that was run is {}", self.tolerance, self.finest)
-        })
+        bail!(
+            "no level is known to be good: the finest run, {}, has an error of {:.1e} itself, above a third of the tolerance {:e}; \
+             estimated error: 1{instead}",
+            self.finest,
+            self.finest_error,
+            self.tolerance,
+        )
     }
+}
+
+/// The next number of one significant digit; `None` where there is none.
+fn round_up(number: f64) -> Option<f64> {
+    let power = number.log10().floor();
+    let digit = (number / 10.0_f64.powf(power) * (1.0 - 1e-12)).ceil();
+    format!("{digit}e{power}").parse().ok().filter(|rounded: &f64| rounded.is_finite())
 }
 
 /// Value of `solver.fidelity`, and of `solver.cells` on a line.
@@ -302,9 +333,35 @@ mod tests {
         assert!(levels.cheapest().is_some());
         levels.finest_error = 4e-3;
         assert!(levels.cheapest().is_none());
-        assert!(levels.chosen().unwrap_err().to_string().contains("--tolerance 2e-2 levels are known"));
+    }
+
+    /// What is proposed in place of a tolerance that is not met is met.
+    #[test]
+    fn a_wider_tolerance_that_is_proposed_is_one_that_is_met() {
+        let packaged = stock().packaged;
+        let drive = driven(STOP, &packaged.starts).unwrap();
+        let mut levels = compare(&drive, 1e-2, &mut |_, _| ()).unwrap();
+        // As where nothing is known.
+        (levels.tolerance, levels.finest_error) = (1e-4, 1e-3);
+        let wider = levels.wider(&drive, &mut |_, _| ()).unwrap();
+        assert_eq!(wider.tolerance, 3e-3);
+        let again = compare(&drive, wider.tolerance, &mut |_, _| ()).unwrap();
+        assert_eq!(again.cheapest().unwrap().setting, wider.cheapest().unwrap().setting);
+        let told = levels.chosen(&drive, &mut |_, _| ()).unwrap_err().to_string();
+        assert!(
+            told.contains(&format!("With the tolerance 3e-3 it is {}", wider.cheapest().unwrap().setting)),
+            "{told}"
+        );
         levels.finest_error = 0.4;
-        assert!(!levels.chosen().unwrap_err().to_string().contains("--tolerance"));
+        assert!(!levels.chosen(&drive, &mut |_, _| ()).unwrap_err().to_string().contains("With the tolerance"));
+    }
+
+    #[test]
+    fn tolerances_have_one_digit() {
+        for (number, rounded) in [(8.3e-3, 9e-3), (9e-3, 9e-3), (9.1e-3, 1e-2), (0.31, 0.4), (1e-10, 1e-10)] {
+            assert_eq!(round_up(number), Some(rounded));
+        }
+        assert_eq!((round_up(0.0), round_up(f64::NAN), round_up(f64::INFINITY)), (None, None, None));
     }
 
     #[test]

@@ -72,19 +72,17 @@ impl Line {
                 )
             }
             limit::UNSTABLE => {
-                let (speed, critical) = self.speeds(inputs);
-                let grows = self.operators.mean.critical_speed.what_grows(self.friction_at(inputs), speed);
-                let (speed, critical) = (Number(speed), Number(critical));
-                write!(text, "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, {grows}")
+                let (friction, speed) = (self.friction_at(inputs), self.speed(inputs));
+                let critical = &self.operators.mean.critical_speed;
+                critical.write_message(text, "sliding at", friction, speed, self.heat.is_some())
             }
             _ => Ok(()),
         }
     }
 
-    /// Sliding speed and critical speed, m/s; 0: nothing grows.
-    fn speeds(&self, inputs: &[f64; INPUTS]) -> (f64, f64) {
-        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
-        (velocity.abs(), self.operators.mean.critical_speed.at(self.friction_at(inputs)))
+    /// Sliding speed, m/s.
+    fn speed(&self, inputs: &[f64; INPUTS]) -> f64 {
+        (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs()
     }
 
     fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
@@ -110,9 +108,9 @@ impl Line {
                 self.state.limits |= limit::ACCELERATED;
             }
         }
-        let (speed, critical) = self.speeds(inputs);
-        // Not set where the nominal velocity itself is above the critical speed: that is reported at initialisation.
-        if critical > 0.0 && speed > critical && inputs[1] > 0.0 && self.operators.scene.nominal_velocity <= critical {
+        let mean = &self.operators.mean;
+        let is_new = !mean.unstable_at_nominal && inputs[1] > 0.0;
+        if is_new && mean.critical_speed.is_exceeded(self.friction_at(inputs), self.speed(inputs)) {
             self.state.limits |= limit::UNSTABLE;
         }
         Ok(())

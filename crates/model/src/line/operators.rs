@@ -13,7 +13,6 @@ use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
-use scene::message::Number;
 use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatResolution, InitialShape, Path, Scene, Scheme};
 use std::sync::Arc;
 
@@ -374,15 +373,6 @@ impl LineOperators {
                  bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
-        }
-        let critical = self.mean.critical_speed.at(scene.friction_coefficient);
-        if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
-            let grows = self.mean.critical_speed.what_grows(scene.friction_coefficient, scene.nominal_velocity);
-            warnings.push(format!(
-                "thermoelastically unstable: nominal.velocity = {} m/s is above {} m/s, {grows}",
-                Number(scene.nominal_velocity),
-                Number(critical)
-            ));
         }
         let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot

@@ -14,6 +14,7 @@ use crate::step_control::{FINEST, StepController};
 use crate::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 use scene::message::Number;
+use std::fmt;
 
 /// Error below which the step is doubled: it falls by about eight when the step is halved.
 const DOUBLING: f64 = 0.3;
@@ -105,16 +106,17 @@ impl Lumped {
         let (state, within) = (&mut self.state, &self.operators.fast_path_bounds);
         state.steps += 1;
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
+        let speed = (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs();
         let is_unremarkable = state.punch.depth < within.depth[0]
             && state.strip.depth < within.depth[1]
-            && (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs() <= within.speed
+            && speed <= within.speed
             && (0.0..=within.load).contains(&inputs[1])
             && attempt.hottest + state.reference <= within.temperature;
-        if is_unremarkable {
+        if is_unremarkable && !self.grows(speed, inputs[1]) {
             return Ok(());
         }
         if inputs[1] < 0.0 {
-            state.limits |= limit::NEGATIVE_LOAD;
+            self.state.limits |= limit::NEGATIVE_LOAD;
         }
         self.judge_temperature(attempt.hottest);
         self.watch(inputs, None, step)
@@ -332,6 +334,36 @@ impl Lumped {
         if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
             self.state.limits |= limit::VALIDITY;
         }
+        if self.grows(speed, load) {
+            self.state.limits |= limit::UNSTABLE;
+        }
         Ok(())
+    }
+
+    /// Whether pressure perturbations grow that nobody has been told of, at the end of a step at this speed, m/s, and load, N.
+    #[inline]
+    fn grows(&self, speed: f64, load: f64) -> bool {
+        let operators = &self.operators;
+        let is_new = !operators.unstable_at_nominal && self.state.limits & limit::UNSTABLE == 0;
+        is_new && load > 0.0 && operators.critical_speed.is_exceeded(self.end_friction(speed), speed)
+    }
+
+    /// Friction coefficient at the temperature of the end of the last step, at this speed, m/s.
+    fn end_friction(&self, speed: f64) -> f64 {
+        let temperature = self.state.end_temperature + self.state.reference;
+        self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(speed)
+    }
+
+    /// Writes the message of a bit of [`limit`] that contains numbers.
+    ///
+    /// # Errors
+    /// Those of `text`.
+    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
+        if bit != limit::UNSTABLE {
+            return Ok(());
+        }
+        let operators = &self.operators;
+        let speed = (inputs[0] + operators.scene.mean_radius * inputs[2]).abs();
+        operators.critical_speed.write_message(text, "sliding at", self.end_friction(speed), speed, false)
     }
 }

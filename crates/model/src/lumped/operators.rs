@@ -128,6 +128,8 @@ pub struct LumpedOperators {
     pub strip_coverage: f64,
     /// Critical speed of thermoelastic instability.
     pub critical_speed: CriticalSpeed,
+    /// The nominal velocity is above the critical speed, which is reported at initialisation.
+    pub unstable_at_nominal: bool,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
@@ -181,6 +183,7 @@ impl LumpedOperators {
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
+        let critical_speed = known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone());
         let mut operators = LumpedOperators {
             fast_path: false,
             fast_path_bounds: FastPathBounds::new(scene),
@@ -198,7 +201,8 @@ impl LumpedOperators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
-            critical_speed: known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone()),
+            unstable_at_nominal: critical_speed.is_exceeded(scene.friction_coefficient, scene.nominal_velocity),
+            critical_speed,
             compliance,
             series_stiffness,
             scene: scene.clone(),

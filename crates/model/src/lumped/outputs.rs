@@ -311,7 +311,7 @@ impl Lumped {
 
     /// Limits reached so far; see [`limit`].
     pub fn limits(&self) -> u8 {
-        self.state.limits & (limit::WEAR | limit::TEMPERATURE | limit::VALIDITY | limit::NEGATIVE_LOAD)
+        self.state.limits
     }
 }
 

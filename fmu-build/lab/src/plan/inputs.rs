@@ -36,10 +36,11 @@ pub fn execute(request: &Request) -> Result<()> {
     let drive = inputs::drive(&packaged.name, &packaged.starts, &table)?;
     let bar = ProgressBar::new(LEVELS.len() as u64)
         .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}")?);
-    let levels = inputs::compare(&drive, tolerance, &mut |number, setting| {
+    let mut started = |number: usize, setting: Setting| {
         bar.set_position(number as u64);
         bar.set_message(setting.to_string());
-    });
+    };
+    let levels = inputs::compare(&drive, tolerance, &mut started);
     bar.finish_and_clear();
     let levels = levels?;
     if request.json {
@@ -47,7 +48,10 @@ pub fn execute(request: &Request) -> Result<()> {
     } else {
         lines(&packaged.name, &drive, &levels).iter().for_each(|line| print_line!("{line}"));
     }
-    let cheapest = levels.chosen()?;
+    bar.reset();
+    let cheapest = levels.chosen(&drive, &mut started);
+    bar.finish_and_clear();
+    let cheapest = cheapest?;
     if request.write {
         let file =
             request.file.as_deref().ok_or_else(|| anyhow!("--write needs a scene file; the stock scene has none"))?;
@@ -74,9 +78,11 @@ fn lines(name: &str, drive: &Application, levels: &Levels) -> Vec<String> {
             "level", "wear", "temperature", "friction", "steps", "seconds"
         ),
     ];
-    for Candidate { setting, errors: [wear, temperature, force], steps, seconds, .. } in &levels.candidates {
+    for Candidate { setting, errors, steps, seconds, .. } in &levels.candidates {
         let setting = setting.to_string();
-        lines.push(format!("{setting:10} {wear:10.2e} {temperature:12.2e} {force:10.2e} {steps:10} {seconds:10.4}"));
+        let [wear, temperature, force] =
+            errors.map(|error| if levels.are_known() { format!("{error:.2e}") } else { "unknown".into() });
+        lines.push(format!("{setting:10} {wear:>10} {temperature:>12} {force:>10} {steps:10} {seconds:10.4}"));
     }
     lines.extend(levels.failed.iter().map(|reason| format!("not run: {reason}")));
     if let Some(cheapest) = levels.cheapest() {
