@@ -12,9 +12,12 @@
 //! contact, r is taken as 2: first order in the cell size. The errors of model reduction and time steps are measured on the
 //! lumped level and on the coarsest line, by a run at half of the tolerance: they are proportional to it, so the error is
 //! twice the difference. It is stated as a fraction of `estimated_step_error`, which is a bound for the steps of this
-//! trajectory as for those of the user's run. A finer level does not reduce it, so it does not enter the choice. Cells are
-//! doubled until a level meets the tolerance or another doubling would cost more than [`BUDGET`]; two more doublings are
-//! extrapolated with r, the second by r = 2 at most.
+//! trajectory as for those of the user's run. A finer level does not reduce it, so it does not enter the choice.
+//!
+//! Cells are doubled until the choice is certain: a level meets the tolerance, and no cheaper one would with the error
+//! `d(c, n) - e(n)`. They are doubled once more where the error of the chosen level is mostly that of the comparison. No doubling is
+//! made that would cost more than [`BUDGET`]; two more doublings are extrapolated with r, the second by r = 2 at most. Between two
+//! numbers of cells, one has the mean of their errors.
 //!
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
 //! budget permits. Errors of temperature and force are then extrapolated with the power of time by which they grew over the last
@@ -22,10 +25,10 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-use super::Candidate;
 use super::cost::{self, build_cost};
 use super::model_level::{CELLS, ModelLevel};
 use super::trajectory::{NominalTrajectory, Run, distance};
+use super::{Candidate, RELEASED};
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::is_resolved;
 use crate::line::operators::RunIn;
@@ -35,6 +38,11 @@ use scene::{HeatResolution, Scene};
 /// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which assume new
 /// operators in every step: some 100 ms.
 const BUDGET: f64 = 400e3;
+
+/// Fraction of the budget for a doubling that makes the estimated error of the chosen level more accurate without changing the choice,
+/// and the fraction of that error due to the finest line from which on there is one.
+const ACCURACY_PART: f64 = 0.25;
+const ACCURATE: f64 = 0.5;
 
 /// Fraction of the budget for one run, and the least number of steps permitted to every run.
 const RUN_PART: f64 = 0.4;
@@ -101,9 +109,9 @@ struct Progress<'a> {
     /// Choice between lumped and resolved heat on the contact line.
     heat: HeatResolution,
     levels: Vec<Level>,
-    /// Error of reduction and time steps over `estimated_step_error`: of the lumped level, of a line with lumped heat, and of one
-    /// with resolved heat.
-    step_ratios: [f64; 3],
+    /// Error of reduction and time steps over `estimated_step_error`, under load and with the release: of the lumped level, of a line
+    /// with lumped heat, and of one with resolved heat.
+    step_ratios: [[f64; 2]; 3],
     /// Even coarse lines cover too little of the trajectory.
     falls_short: bool,
     cost: f64,
@@ -137,7 +145,7 @@ pub fn compare(
         heat,
         run_in,
         levels: Vec::new(),
-        step_ratios: [1.0; 3],
+        step_ratios: [[1.0; 2]; 3],
         falls_short: false,
         cost: 0.0,
         steps: 0,
@@ -155,15 +163,22 @@ pub fn compare(
             Ok(()) => {}
         }
         let judgement = progress.judge(may_grow.then_some(enough))?;
-        let met = judgement.candidates.iter().any(|candidate| candidate.meets(enough)) && judgement.is_known;
+        let budget = match judgement.certainty(enough) {
+            Certainty::None => BUDGET,
+            Certainty::Choice => ACCURACY_PART * BUDGET,
+            Certainty::ChoiceAndError => 0.0,
+        };
         let next = progress.cost + DEARER * (progress.cost - before);
-        if met || scene.cells > 0 || next > BUDGET || cells == CELLS[CELLS.len() - 1] {
+        if scene.cells > 0 || next > budget || cells == CELLS[CELLS.len() - 1] {
             break;
         }
     }
-    let Judgement { mut candidates, ratio, is_known } = progress.judge(may_grow.then_some(enough))?;
+    let Judgement { mut candidates, ratio, is_known, .. } = progress.judge(may_grow.then_some(enough))?;
     match scene.cells {
-        0 => progress.extrapolate(&mut candidates, ratio),
+        0 => {
+            progress.extrapolate(&mut candidates, ratio);
+            progress.interpolate(&mut candidates);
+        }
         own => candidates
             .retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
     }
@@ -184,9 +199,41 @@ pub fn compare(
 /// Estimated errors of the levels.
 struct Judgement {
     candidates: Vec<Candidate>,
+    /// Error of the finest line under load, and with the release: the uncertainty of those of the other levels.
+    finest_errors: [f64; 2],
     /// Ratio by which the error falls when the cells are doubled.
     ratio: f64,
     is_known: bool,
+}
+
+/// What finer cells would not change.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Certainty {
+    None,
+    /// The chosen level.
+    Choice,
+    /// And its error, within a factor of three.
+    ChoiceAndError,
+}
+
+impl Judgement {
+    fn certainty(&self, enough: f64) -> Certainty {
+        let meeting = self.candidates.iter().filter(|candidate| candidate.meets(enough));
+        let chosen = meeting.min_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
+        let Some(chosen) = chosen.filter(|_| self.is_known) else { return Certainty::None };
+        let [loaded, released] = self.finest_errors;
+        let may_meet = |candidate: &Candidate| {
+            let least = [candidate.error() - 2.0 * loaded, candidate.released - 2.0 * released];
+            candidate.run_cost < chosen.run_cost && least[0] <= enough && least[1] <= RELEASED * enough
+        };
+        if self.candidates.iter().any(may_meet) {
+            Certainty::None
+        } else if loaded <= ACCURATE * chosen.error() {
+            Certainty::ChoiceAndError
+        } else {
+            Certainty::Choice
+        }
+    }
 }
 
 /// About twice the number of cells: the next entry of [`CELLS`].
@@ -254,10 +301,14 @@ impl Progress<'_> {
         finer.line(&stricter, cells, &mean)?;
         (self.cost, self.steps) = (finer.cost, finer.steps);
         for (level, finer) in self.levels.iter().zip(&finer.levels) {
-            let apart = distance(&level.run.history, &finer.run.history);
-            let error = largest(apart) / (1.0 - STRICTER);
-            let bound = level.run.step_bound;
-            self.step_ratios[kind(level.model_level)] = if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 };
+            let (own, stricter) = (&level.run.history, &finer.run.history);
+            let counts = [self.course.loaded.min(own.len()).min(stricter.len()), own.len()];
+            let ratio = |count: usize, bound: f64| {
+                let error = largest(distance(&own[..count], stricter)) / (1.0 - STRICTER);
+                if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 }
+            };
+            self.step_ratios[kind(level.model_level)] =
+                std::array::from_fn(|phase| ratio(counts[phase], level.run.step_bounds[phase]));
         }
         Ok(())
     }
@@ -299,24 +350,26 @@ impl Progress<'_> {
             Some(agreed) => largest(between) <= agreed || ratio.is_some_and(|ratio| ratio >= RATIO.0),
             None => ratio.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
+        let finest_errors =
+            [largest(errors(&loaded, under_load, &finest.run)), largest(errors(&whole, all, &finest.run))];
         let candidates = self.levels.iter().map(|level| {
             let errors_of_load = errors(&loaded, under_load, &level.run);
             Candidate {
                 model_level: level.model_level,
                 errors: errors_of_load,
                 released: largest(errors(&whole, all, &level.run)).max(largest(errors_of_load)),
-                step_ratio: self.step_ratios[kind(level.model_level)],
+                step_ratios: self.step_ratios[kind(level.model_level)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
         });
         let candidates = candidates.collect();
-        Ok(Judgement { candidates, ratio: bounded, is_known: converges && !self.falls_short })
+        Ok(Judgement { candidates, finest_errors, ratio: bounded, is_known: converges && !self.falls_short })
     }
 
     /// Error of reduction and time steps of a run.
     fn error_of_steps(&self, level: &Level) -> f64 {
-        self.step_ratios[kind(level.model_level)] * level.run.step_bound
+        self.step_ratios[kind(level.model_level)][1] * level.run.step_bounds[1]
     }
 
     /// Expected internal steps of the nominal duration.
@@ -360,11 +413,31 @@ impl Progress<'_> {
                 model_level: ModelLevel::Line { cells: count, heat: self.heat },
                 errors: finest.errors.map(|error| error * factor),
                 released: finest.released * factor,
-                step_ratio: finest.step_ratio,
+                step_ratios: finest.step_ratios,
                 cost,
                 run_cost: cost * self.steps_of(&level.run),
             });
         }
+    }
+
+    /// Adds the number of cells midway between two that differ by a doubling, with the mean of their errors.
+    fn interpolate(&self, candidates: &mut Vec<Candidate>) {
+        let of = |cells| ModelLevel::Line { cells, heat: self.heat };
+        let between = CELLS.windows(2).filter_map(|pair| {
+            let find = |cells| candidates.iter().find(|candidate| candidate.model_level == of(cells));
+            let (coarse, fine) = (find(pair[0])?, find(pair[1])?);
+            let mean = f64::midpoint;
+            Some(Candidate {
+                model_level: of(usize::midpoint(pair[0], pair[1])),
+                errors: std::array::from_fn(|output| mean(coarse.errors[output], fine.errors[output])),
+                released: mean(coarse.released, fine.released),
+                step_ratios: fine.step_ratios,
+                cost: mean(coarse.cost, fine.cost),
+                run_cost: mean(coarse.run_cost, fine.run_cost),
+            })
+        });
+        let between: Vec<_> = between.collect();
+        candidates.extend(between);
     }
 }
 

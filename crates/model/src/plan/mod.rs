@@ -65,8 +65,8 @@ pub struct Candidate {
     pub errors: [f64; 3],
     /// Largest of them where the load is also released; see [`trajectory`].
     pub released: f64,
-    /// Error of model reduction and time steps over `estimated_step_error`.
-    pub step_ratio: f64,
+    /// Error of model reduction and time steps over `estimated_step_error`, under the nominal load and with the release.
+    pub step_ratios: [f64; 2],
     /// Expected cost of an internal step, microseconds; see [`cost`].
     pub cost: f64,
     /// Expected cost of the nominal duration, microseconds; see [`cost`].
@@ -111,8 +111,8 @@ pub struct Plan {
     pub estimated_error: Option<f64>,
     /// The same once the load has been released; see [`prepared::Prepared::is_released`].
     pub released_error: Option<f64>,
-    /// See [`Candidate::step_ratio`].
-    pub step_ratio: f64,
+    /// See [`Candidate::step_ratios`].
+    pub step_ratios: [f64; 2],
     /// Relative error of the reduced thermal bodies.
     pub reduction_error: f64,
     /// Expected cost of an internal step, microseconds.
@@ -217,7 +217,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         order,
         estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
         released_error: Some(if known { chosen.released.min(UNKNOWN) } else { UNKNOWN }),
-        step_ratio: chosen.step_ratio,
+        step_ratios: chosen.step_ratios,
         reduction_error,
         cost_per_step: chosen.cost,
         run_cost: chosen.run_cost,
@@ -244,7 +244,7 @@ fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>, run_
         order,
         estimated_error,
         released_error: estimated_error,
-        step_ratio: 1.0,
+        step_ratios: [1.0; 2],
         reduction_error,
         cost_per_step: cost::per_step(&operators),
         run_cost: 0.0,

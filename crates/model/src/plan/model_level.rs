@@ -5,7 +5,7 @@
 use scene::{Fidelity, HeatResolution, Scene};
 use std::fmt;
 
-/// Numbers of cells of the line level.
+/// Numbers of cells of the lines that are compared.
 pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
 
 /// Model level with its discretisation.

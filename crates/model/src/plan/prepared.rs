@@ -72,8 +72,12 @@ impl Prepared {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if !beyond => {
-                let level = if released { plan.released_error } else { plan.estimated_error }.unwrap_or(0.0);
-                level.hypot(plan.step_ratio * step_error).min(UNKNOWN)
+                let [under_load, with_release] = plan.step_ratios;
+                let (level, step_ratio) = match released {
+                    true => (plan.released_error, with_release),
+                    false => (plan.estimated_error, under_load),
+                };
+                level.unwrap_or(0.0).hypot(step_ratio * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }

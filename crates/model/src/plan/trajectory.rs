@@ -58,8 +58,8 @@ pub struct NominalTrajectory {
 pub struct Run {
     /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the segments that were completed.
     pub history: Vec<[f64; 3]>,
-    /// `estimated_step_error` at the end.
-    pub step_bound: f64,
+    /// `estimated_step_error` at the end of the nominal load, and at the end of the release.
+    pub step_bounds: [f64; 2],
     /// Internal steps, accepted and rejected.
     pub steps: u64,
     /// Those of them before the release.
@@ -166,7 +166,11 @@ impl NominalTrajectory {
             model.write_end(&mut values);
             model.write_account(&mut values);
             let of = |name: usize| values[name];
-            run.step_bound = of(const { reference("estimated_step_error") } as usize);
+            let step_error = of(const { reference("estimated_step_error") } as usize);
+            if run.history.len() < self.loaded {
+                run.step_bounds[0] = step_error;
+            }
+            run.step_bounds[1] = step_error;
             if run.parted.is_none() && of(const { reference("contact_fraction") } as usize) < 1.0 {
                 run.parted = Some(run.history.len());
             }
