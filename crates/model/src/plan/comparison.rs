@@ -305,10 +305,13 @@ impl Progress<'_> {
             let counts = [self.course.loaded.min(own.len()).min(stricter.len()), own.len()];
             let ratio = |count: usize, bound: f64| {
                 let error = largest(distance(&own[..count], stricter)) / (1.0 - STRICTER);
-                if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 }
+                // Between the error at few instants and its bound: their geometric mean is off by the least factor.
+                if bound > 0.0 { (error / bound).min(1.0).sqrt() } else { 1.0 }
             };
-            self.step_ratios[kind(level.model_level)] =
-                std::array::from_fn(|phase| ratio(counts[phase], level.run.step_bounds[phase]));
+            let [loaded, whole] = std::array::from_fn(|phase| ratio(counts[phase], level.run.step_bounds[phase]));
+            // Runs of the same steps under load do not show their error.
+            let shows = finer.run.loaded_steps > level.run.loaded_steps;
+            self.step_ratios[kind(level.model_level)] = [if shows { loaded } else { whole.max(loaded) }, whole];
         }
         Ok(())
     }
