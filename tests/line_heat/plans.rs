@@ -219,7 +219,8 @@ fn the_error_after_a_release_is_told_once_the_load_is_released() {
     let fall = duty.course.windows(2).position(|pair| pair[1][2] < 0.5 * pair[0][2]).unwrap();
     let [before, after] = [fall, run.main.len() - 1].map(|point| (trial::largest(so_far[point]), run.estimated[point]));
     assert!(after.0 > 2.0 * before.0 && after.1 > before.1, "{before:?} {after:?}");
-    for (error, estimate) in [before, after] {
-        assert!((0.2..5.0).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
+    // The nominal course is loaded for 36 s, the run for 5 s before its first release: its error is that much smaller.
+    for ((error, estimate), most) in [(before, 10.0), (after, 5.0)] {
+        assert!((0.2..most).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
     }
 }

@@ -71,6 +71,10 @@ const CARRIED_ON: f64 = 4.0;
 /// Tolerance of the runs for the error of reduction and time steps, relative to that of the scene.
 const STRICTER: f64 = 0.5;
 
+/// Least error of reduction and time steps over its bound: at the few instants of a trajectory their difference may be small by chance,
+/// and an estimate of a tenth of a bound is too small by ten at most.
+const LEAST_RATIO: f64 = 0.1;
+
 /// Result of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
@@ -305,8 +309,7 @@ impl Progress<'_> {
             let counts = [self.course.loaded.min(own.len()).min(stricter.len()), own.len()];
             let ratio = |count: usize, bound: f64| {
                 let error = largest(distance(&own[..count], stricter)) / (1.0 - STRICTER);
-                // Between the error at few instants and its bound: their geometric mean is off by the least factor.
-                if bound > 0.0 { (error / bound).min(1.0).sqrt() } else { 1.0 }
+                if bound > 0.0 { (error / bound).clamp(LEAST_RATIO, 1.0) } else { 1.0 }
             };
             let [loaded, whole] = std::array::from_fn(|phase| ratio(counts[phase], level.run.step_bounds[phase]));
             // Runs of the same steps under load do not show their error.
