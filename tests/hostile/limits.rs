@@ -3,8 +3,8 @@
 use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE, Variability, lookup};
 use sliding_contact::fmi2::types::Status;
 
-use test_support::importer::{Importer, Stage};
 use crate::run::{Level, nonsense, set, set_up};
+use test_support::importer::{Importer, Stage};
 
 /// Name, least and largest value of every element of a parameter, and whether it is tunable.
 fn parameters() -> impl Iterator<Item = (String, f64, f64, bool)> {
