@@ -11,6 +11,7 @@ pub mod applications;
 mod bodies;
 mod component;
 mod contact_line;
+pub mod dense_solution;
 mod driver;
 pub mod drives;
 mod heat_line;

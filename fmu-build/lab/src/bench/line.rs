@@ -8,16 +8,13 @@ use anyhow::{Result, anyhow, ensure};
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearingContact};
 use contact::{ContactState, Normal, Tilt, WorkCounter, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting as lu;
-use faer::perm::PermRef;
-use faer::{Mat, Par};
 use nalgebra::DMatrix;
 use std::time::Instant;
+use verification::dense_solution::DenseSolution;
 use verification::integrator::{Integrator, Scheme};
 
 /// Steps of a turn, and how many of them are timed together: few, so that other work on the machine seldom falls between.
-const STEPS: usize = 60;
+pub(super) const STEPS: usize = 60;
 const CHUNK: usize = 4;
 /// Wear per step over the elastic displacement, both under the mean pressure.
 const STEP: f64 = 0.01;
@@ -83,13 +80,13 @@ const CASES: [Case; 8] = [
 pub fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for count in [33, 129] {
-        let mut solution = Solution::new(count);
+        let mut solution = DenseSolution::new(count);
         for case in &CASES {
             let mut line = Line::new(count, case)?;
             line.turn(case)?;
             let (mut fastest, mut unit) = ([f64::INFINITY; STEPS / CHUNK], f64::INFINITY);
             for _ in 0..TURNS {
-                unit = unit.min(solution.seconds());
+                unit = unit.min(solution.seconds(STEPS));
                 for (fastest, seconds) in fastest.iter_mut().zip(line.turn(case)?) {
                     *fastest = fastest.min(seconds);
                 }
@@ -205,57 +202,5 @@ impl Line {
             per_step(after.factorisations, before.factorisations),
             per_step(self.after.1, self.before.1)
         )
-    }
-}
-
-/// The unit: one solution with cached factors.
-pub(super) struct Solution {
-    factors: Mat<f64>,
-    forward: Vec<usize>,
-    inverse: Vec<usize>,
-    right: Mat<f64>,
-    memory: MemBuffer,
-}
-
-impl Solution {
-    pub(super) fn new(count: usize) -> Self {
-        let entry = |i: usize, j: usize| if i == j { 4.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64) };
-        let mut factors = Mat::from_fn(count, count, entry);
-        let (mut forward, mut inverse) = (vec![0; count], vec![0; count]);
-        let parameters = Default::default();
-        let mut memory = MemBuffer::new(
-            lu::factor::lu_in_place_scratch::<usize, f64>(count, count, Par::Seq, parameters)
-                .or(lu::solve::solve_in_place_scratch::<usize, f64>(count, 1, Par::Seq)),
-        );
-        lu::factor::lu_in_place(
-            factors.as_mut(),
-            &mut forward,
-            &mut inverse,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            parameters,
-        );
-        Self { factors, forward, inverse, right: Mat::from_fn(count, 1, |i, _| i as f64), memory }
-    }
-
-    /// Seconds per solution.
-    pub(super) fn seconds(&mut self) -> f64 {
-        let count = self.factors.nrows();
-        let exchange = PermRef::new_checked(&self.forward, &self.inverse, count);
-        let begin = Instant::now();
-        for _ in 0..STEPS {
-            for i in 0..count {
-                self.right[(i, 0)] = i as f64;
-            }
-            lu::solve::solve_in_place(
-                self.factors.as_ref(),
-                self.factors.as_ref(),
-                exchange,
-                self.right.as_mut(),
-                Par::Seq,
-                MemStack::new(&mut self.memory),
-            );
-        }
-        begin.elapsed().as_secs_f64() / STEPS as f64
     }
 }
