@@ -69,7 +69,7 @@ fn factorisations_are_taken_where_their_entries_are_tested() {
 /// Numbers of the sections that the last line of a module's head names: `Theory: docs/theory.md, sections 6.8, 4.11.`
 fn sections(text: &str) -> Vec<String> {
     let head = text.lines().take_while(|line| line.starts_with("//!"));
-    let named = head.filter_map(|line| line.strip_prefix("//! Theory: docs/theory.md, section")).next_back();
+    let named = head.filter_map(|line| line.strip_prefix("//! Theory: docs/theory.md, section")).last();
     let numbers = named.map(|rest| rest.trim_start_matches('s').trim().trim_end_matches('.'));
     numbers.into_iter().flat_map(|numbers| numbers.split(", ")).map(str::to_owned).collect()
 }

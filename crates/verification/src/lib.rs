@@ -11,7 +11,6 @@ pub mod applications;
 mod bodies;
 mod component;
 mod contact_line;
-pub mod dense_solution;
 mod driver;
 pub mod drives;
 mod heat_line;
@@ -26,6 +25,7 @@ pub mod planning;
 mod punch_heat;
 pub mod stability;
 mod steady_states;
+pub mod timed_steps;
 pub mod wave;
 mod wear_line;
 

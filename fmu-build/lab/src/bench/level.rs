@@ -4,7 +4,6 @@
 //! initialisation with the punch as an elastic block; saved states; the relaxation of a flat punch on a half-plane to
 //! tau = 1.
 
-use super::line::STEPS;
 use super::{Cost, TURNS};
 use crate::scenes;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -13,7 +12,7 @@ use scene::variables::{STARTS, find};
 use sliding_contact::component::{Component, Snapshot, Values};
 use std::sync::Arc;
 use std::time::Instant;
-use verification::dense_solution::DenseSolution;
+use verification::timed_steps::{DenseSolution, STEPS};
 
 /// Steps timed together.
 const CHUNK: usize = 20;
