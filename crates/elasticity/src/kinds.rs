@@ -2,7 +2,7 @@
 //!
 //! The only place that distinguishes the kinds. A new one is an implementation of [`ElasticBody`] and a line in each function.
 //!
-//! Theory: docs/theory.md, sections 3.1 to 3.8.
+//! Theory: docs/theory.md, section 3.
 
 use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use crate::body_error::BodyReason;
