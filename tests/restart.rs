@@ -15,11 +15,7 @@ use scene::fnv::Fnv;
 use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE};
 use sliding_contact::fmi2::types::Status::{Error, Ok as OK};
 use test_support::Random;
-
-#[path = "fmi_policy/importer.rs"]
-#[allow(dead_code, reason = "shared with the tests of the interface's policy")]
-mod importer;
-use importer::Importer;
+use test_support::importer::Importer;
 
 /// Simulated hours of a run.
 const HOURS: u32 = 24;

@@ -65,3 +65,39 @@ fn factorisations_are_taken_where_their_entries_are_tested() {
         }
     }
 }
+
+/// Numbers of the sections that the last line of a module's head names: `Theory: docs/theory.md, sections 6.8, 4.11.`
+fn sections(text: &str) -> Vec<String> {
+    let head = text.lines().take_while(|line| line.starts_with("//!"));
+    let named = head.filter_map(|line| line.strip_prefix("//! Theory: docs/theory.md, section")).last();
+    let numbers = named.map(|rest| rest.trim_start_matches('s').trim().trim_end_matches('.'));
+    numbers.into_iter().flat_map(|numbers| numbers.split(", ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_module_of_the_physics_names_sections_of_the_theory_that_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let theory = fs::read_to_string(root.join("docs/theory.md")).unwrap();
+    let exists = |number: &String| {
+        let heading = |line: &str| line.trim_start_matches('#').trim_start().split(' ').next().map(str::to_owned);
+        let headings = theory.lines().filter(|line| line.starts_with("##")).filter_map(heading);
+        headings.map(|found| found.trim_end_matches('.').to_owned()).any(|found| found == *number)
+    };
+    let mut faults = Vec::new();
+    for layer in ["numerics", "scene", "elasticity", "conduction", "contact", "model", "steady"] {
+        let mut files = Vec::new();
+        sources(&root.join("crates").join(layer).join("src"), &mut files);
+        assert!(!files.is_empty(), "{layer}");
+        for path in files.iter().filter(|path| !path.components().any(|part| part.as_os_str() == "tests")) {
+            let named = sections(&fs::read_to_string(path).unwrap());
+            // Tools of linear algebra and the table of variables carry no equation of the model.
+            let needs = !["numerics", "scene"].contains(&layer);
+            if named.is_empty() && needs {
+                faults.push(format!("{}: its head names no section of docs/theory.md", path.display()));
+            }
+            let unknown = named.iter().filter(|number| !exists(number));
+            faults.extend(unknown.map(|number| format!("{}: docs/theory.md has no section {number}", path.display())));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -4,12 +4,10 @@
 //! both are timed in turns, so that disturbances by the machine affect both, and the fastest turn counts, because
 //! disturbances only add time.
 
-pub mod native;
-
 use crate::output::print_line;
 use crate::{package, project, scenes};
 use anyhow::{Context, Result, bail};
-use native::{Component, Instance, Variables};
+use fmu_host::timing::{Component, Instance, Variables};
 use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
@@ -127,7 +125,7 @@ pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     let (library, guid) = unpack(fmu, &folder)?;
     let own = Component::load(&library, &guid)?;
     let peer = Component::load(&compile_peer(&folder)?, "")?;
-    let own_variables = Variables::of_the_contact()?;
+    let own_variables = variables()?;
     let peer_variables = Variables { inputs: [0, 1], outputs: [2, 3, 4] };
     let drive = Drive::udds()?;
     let sloped = Drive { slopes: Some(drive.speed_slopes()), ..drive.clone() };
@@ -189,6 +187,18 @@ pub struct Drive {
     pub slopes: Option<Vec<[f64; 2]>>,
 }
 
+/// Variables of this project's FMU that are exchanged in a step.
+///
+/// # Errors
+/// Where the table of variables has them no more.
+pub fn variables() -> Result<Variables> {
+    let reference = |name| scene::variables::find(name).with_context(|| format!("no variable {name}"));
+    Ok(Variables {
+        inputs: [reference("sliding_velocity")?, reference("normal_load")?],
+        outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],
+    })
+}
+
 /// Exchanges timed together: few, so that other work on the machine seldom falls between.
 const CHUNK: usize = 100;
 
@@ -208,9 +218,7 @@ impl Fastest {
         for (number, (inputs, fastest)) in drive.inputs.chunks(CHUNK).zip(&mut self.chunks).enumerate() {
             let slopes = drive.slopes.as_deref().map(|slopes| &slopes[CHUNK * number..][..inputs.len()]);
             let begin = Instant::now();
-            for (index, pair) in inputs.iter().enumerate() {
-                outputs = instance.exchange(variables, pair, slopes.map(|slopes| &slopes[index]), STEP)?;
-            }
+            outputs = instance.exchanges(variables, inputs, slopes, STEP)?;
             *fastest = fastest.min(begin.elapsed().as_secs_f64());
         }
         if outputs.iter().any(|value| !value.is_finite()) {

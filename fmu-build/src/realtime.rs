@@ -2,11 +2,11 @@
 
 mod histogram;
 
-use crate::bench::native::{Component, Instance, Variables};
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Panel, Series};
 use crate::{bench, package, project, scenes};
 use anyhow::{Context, Result, bail, ensure};
+use fmu_host::timing::{Component, Instance, Variables};
 use histogram::Histogram;
 use std::fmt;
 use std::fs;
@@ -149,7 +149,7 @@ pub fn measure(case: &Case) -> Result<Run> {
     let fmu = build(contact, cells, &folder)?;
     let (library, guid) = bench::unpack(&fmu, &folder)?;
     let component = Component::load(&library, &guid)?;
-    let variables = Variables::of_the_contact()?;
+    let variables = bench::variables()?;
     let mut instance = component.instantiate()?;
     instance.initialise()?;
 

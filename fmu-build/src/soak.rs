@@ -1,9 +1,9 @@
 //! `cargo fmu soak`: very many steps, life cycles and states in one process; memory stays flat and results stay the same.
 
-use crate::bench::native::{Component, Instance, Variables};
 use crate::output::print_line;
 use crate::{bench, package, project, scenes};
 use anyhow::{Context, Result, ensure};
+use fmu_host::timing::{Component, Instance, Variables};
 use scene::fnv::Fnv;
 use std::fmt;
 use std::fs;
@@ -157,7 +157,7 @@ fn advance(
 fn steps(what: &'static str, (library, guid): &Built, count: usize) -> Result<Outcome> {
     let begin = Instant::now();
     let component = Component::load(library, guid)?;
-    let (variables, inputs) = (Variables::of_the_contact()?, drive()?);
+    let (variables, inputs) = (bench::variables()?, drive()?);
     let mut instance = component.instantiate()?;
     let mut round = || {
         instance.reset()?;
@@ -179,7 +179,7 @@ fn steps(what: &'static str, (library, guid): &Built, count: usize) -> Result<Ou
 fn states(what: &'static str, (library, guid): &Built, count: usize) -> Result<Outcome> {
     let begin = Instant::now();
     let component = Component::load(library, guid)?;
-    let (variables, inputs) = (Variables::of_the_contact()?, drive()?);
+    let (variables, inputs) = (bench::variables()?, drive()?);
     let mut instance = component.instantiate()?;
     instance.initialise()?;
     let (mut before, mut is_same) = (None, true);
@@ -199,7 +199,7 @@ fn states(what: &'static str, (library, guid): &Built, count: usize) -> Result<O
 
 fn lives(what: &'static str, (library, guid): &Built, count: usize) -> Result<Outcome> {
     let begin = Instant::now();
-    let (variables, inputs) = (Variables::of_the_contact()?, drive()?);
+    let (variables, inputs) = (bench::variables()?, drive()?);
     let (mut first, mut before, mut is_same, mut still_mapped) = (None, None, true, 0);
     for number in 0..count {
         let component = Component::load(library, guid)?;

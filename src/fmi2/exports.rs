@@ -13,21 +13,22 @@
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![allow(clippy::missing_safety_doc, reason = "one contract, at the top")]
 
-pub(in crate::fmi2) mod arguments;
 mod model_exchange;
 
 use core::ffi::{CStr, c_char};
 use core::ptr;
 
+use super::arguments::{MOST_VARIABLES, Sink, Source};
 use super::gate;
-use super::instance::{Instance, Outcome, Problem, free};
+use super::instance::{Instance, free};
 use super::log::Category;
 use super::policy::{Fault, Function, Type};
+use super::problem::{Outcome, Problem};
 use super::types::{
     self, Boolean, Byte, CallbackFunctions, Component, FALSE, FmuState, Integer, Real, Status, StatusKind, TRUE,
     ValueReference,
 };
-use arguments::{MOST_VARIABLES, Sink, Source};
+use crate::panics;
 pub use model_exchange::*;
 
 /// Exports functions of an instance: `fn NAME [FUNCTION] (arguments) |instance| body`.
@@ -114,8 +115,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     if functions.is_null() {
         return ptr::null_mut();
     }
-    gate::install_hook();
-    let instance = gate::catch(|| {
+    panics::install_hook();
+    let instance = panics::catch(|| {
         // SAFETY: not NULL, so the importer vouches for the structure; it vouches for the strings.
         let (callbacks, name, guid) = unsafe { (functions.read_unaligned(), string(instanceName), string(fmuGUID)) };
         Instance::instantiate(&callbacks, name, fmuType, guid, loggingOn != FALSE)

@@ -5,19 +5,15 @@
 
 use core::ffi::c_void;
 
-use super::instance::{Instance, Outcome, Problem};
+use super::instance::Instance;
 use super::policy::{Fault, Function};
+use super::problem::{Outcome, Problem};
 use super::registry::Registry;
-use super::state::Saved;
 use super::types::Status;
-pub use crate::panics::{catch, install_hook, outside};
+use crate::panics::catch;
 
 /// Every living instance.
 pub static INSTANCES: Registry<Instance> = Registry::new(1);
-
-/// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
-/// instance, and may be restored into any instance of this library.
-pub static STATES: Registry<Saved> = Registry::new(3);
 
 /// One call of `function` on the instance of a handle.
 ///

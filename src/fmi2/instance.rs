@@ -6,7 +6,6 @@
 
 #![forbid(unsafe_code)]
 
-mod problem;
 mod states;
 mod steps;
 mod variables;
@@ -14,14 +13,13 @@ mod variables;
 use core::ffi::CStr;
 use std::sync::{Arc, OnceLock};
 
-use super::gate::catch;
 use super::log::{Category, Log};
 use super::policy::{Fault, Function, Phase};
+use super::problem::{self, Outcome, Problem, argument};
 use super::state::Clock;
 use super::types::{CO_SIMULATION, CallbackFunctions, Real, Status, Type};
 use crate::component::{Component, Subject, Values};
-use problem::argument;
-pub use problem::{Outcome, Problem};
+use crate::panics::catch;
 use scene::slot;
 use variables::Scratch;
 

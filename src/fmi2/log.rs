@@ -15,8 +15,8 @@
 use core::ffi::{CStr, c_char};
 use std::ffi::CString;
 
-use super::gate;
 use super::types::{CallbackFunctions, ComponentEnvironment, Logger, Status};
+use crate::panics;
 
 /// Most bytes of text in one message.
 pub const LONGEST: usize = 900;
@@ -103,7 +103,7 @@ impl Log {
             let piece;
             (piece, rest) = split(rest, &mut room);
             let format: *const c_char = c"%s".as_ptr();
-            gate::outside(|| {
+            panics::outside(|| {
                 // SAFETY: the importer gave this function as its logger, with this signature; all
                 // strings end with a zero and live through the call; the format takes one string.
                 unsafe {

@@ -7,9 +7,11 @@
 //! |---|---|
 //! | [`types`] | the C types of the standard, declared by hand |
 //! | [`exports`] | the exported functions: raw arguments in, one call into the instance |
+//! | `arguments` | arrays and strings of the importer, checked before they are read |
 //! | `gate` | entry and exit of every call: handle, busy flag, phase, panic, log, status |
 //! | `registry` | handles instead of pointers: invalid, busy and freed ones are refused |
 //! | [`policy`] | call sequences, settable variables and statuses, as tables |
+//! | `problem` | reasons of a refused call |
 //! | `instance` | implementation of the functions on an instance, in safe Rust |
 //! | `state` | FMU states: contents and serialisation |
 //! | `log` | messages to the importer's logger |
@@ -20,11 +22,13 @@
 
 #![deny(unsafe_op_in_unsafe_fn)]
 
+mod arguments;
 pub mod exports;
 mod gate;
 mod instance;
 mod log;
 pub mod policy;
+mod problem;
 mod registry;
 mod state;
 pub mod types;

@@ -20,11 +20,16 @@
 #![forbid(unsafe_code)]
 
 use super::policy::Phase;
+use super::registry::Registry;
 use crate::component::Snapshot;
 use scene::fnv::Fnv;
 
 const MAGIC: [u8; 4] = *b"SCfs";
 const VERSION: u16 = 3;
+/// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
+/// instance, and may be restored into any instance of this library.
+pub static STATES: Registry<Saved> = Registry::new(3);
+
 /// Bytes before the GUID.
 pub const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;

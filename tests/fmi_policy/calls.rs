@@ -6,8 +6,8 @@ use scene::variables::COUNT;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status;
 
-use crate::importer::Stage::{self, *};
-use crate::importer::{Importer, STAGES, reference};
+use test_support::importer::Stage::{self, *};
+use test_support::importer::{Importer, STAGES, reference};
 
 const OK: Status = Status::Ok;
 const DISCARD: Status = Status::Discard;

@@ -6,7 +6,7 @@ use std::ptr;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, Status};
 
-use crate::importer::{Importer, Stage, as_logger, guid};
+use test_support::importer::{Importer, Stage, as_logger, guid};
 
 const OK: Status = Status::Ok;
 const ERROR: Status = Status::Error;

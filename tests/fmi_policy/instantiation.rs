@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{CallbackFunctions, Status};
 
-use crate::importer::{Entry, guid, logger};
+use test_support::importer::{Entry, guid, logger};
 
 struct Call<'a> {
     name: Option<&'a CStr>,

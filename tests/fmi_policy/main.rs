@@ -5,7 +5,6 @@
 
 mod calls;
 mod handles;
-mod importer;
 mod instantiation;
 mod messages;
 mod sequences;

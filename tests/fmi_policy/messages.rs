@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{CallbackFunctions, Status};
 
-use crate::importer::{Entry, Importer, Stage, logger};
+use test_support::importer::{Entry, Importer, Stage, logger};
 
 const OK: Status = Status::Ok;
 

@@ -6,7 +6,7 @@ use std::ptr;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status;
 
-use crate::importer::{Importer, STAGES, Stage, reference};
+use test_support::importer::{Importer, STAGES, Stage, reference};
 
 const OK: Status = Status::Ok;
 const DISCARD: Status = Status::Discard;

@@ -6,7 +6,7 @@ use scene::variables::{COUNT, Causality, Kind, lookup};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{FmuState, Status};
 
-use crate::importer::{Importer, Stage};
+use test_support::importer::{Importer, Stage};
 
 const OK: Status = Status::Ok;
 const ERROR: Status = Status::Error;

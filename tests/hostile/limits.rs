@@ -3,8 +3,8 @@
 use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE, Variability, lookup};
 use sliding_contact::fmi2::types::Status;
 
-use crate::importer::{Importer, Stage};
 use crate::run::{Level, nonsense, set, set_up};
+use test_support::importer::{Importer, Stage};
 
 /// Name, least and largest value of every element of a parameter, and whether it is tunable.
 fn parameters() -> impl Iterator<Item = (String, f64, f64, bool)> {
@@ -20,13 +20,13 @@ fn parameters() -> impl Iterator<Item = (String, f64, f64, bool)> {
 }
 
 fn is_real(name: &str) -> bool {
-    let reference = crate::importer::reference(name);
+    let reference = test_support::importer::reference(name);
     matches!(TABLE[FLAT[reference as usize].0 as usize].kind, Kind::Real { .. })
 }
 
 /// Least magnitude of a Real other than 0.
 fn least_magnitude(name: &str) -> Option<f64> {
-    let reference = crate::importer::reference(name);
+    let reference = test_support::importer::reference(name);
     let row = &TABLE[FLAT[reference as usize].0 as usize];
     matches!(row.kind, Kind::Real { .. }).then_some(row.least_magnitude)
 }

@@ -12,8 +12,5 @@
 //! [`limits`] makes rows of the same kind for every parameter from the table of variables.
 
 mod cases;
-#[path = "../fmi_policy/importer.rs"]
-#[allow(dead_code, reason = "shared with the tests of the interface's policy")]
-mod importer;
 mod limits;
 mod run;

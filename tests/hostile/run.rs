@@ -8,7 +8,7 @@ use scene::variables::{COUNT, Causality, FLAT, Kind, STARTS, TABLE, lookup};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, FmuState, Status};
 
-use crate::importer::{Entry, Importer, reference};
+use test_support::importer::{Entry, Importer, reference};
 
 /// Level of the model, with the cells of its contact line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

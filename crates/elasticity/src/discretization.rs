@@ -2,66 +2,9 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
-use super::block::BlockError;
+pub use super::body_error::{BodyError, BodyReason};
 use super::{Cells, Compliance, OutOfRange, kinds};
-use scene::message::Number;
 use scene::{Geometry, Scene};
-use std::fmt;
-
-/// A body of the scene outside the validity of the model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BodyError {
-    /// `punch` or `strip`.
-    pub body: &'static str,
-    /// Reason for the refusal.
-    pub reason: BodyReason,
-}
-
-/// Reason why a body is refused.
-#[derive(Clone, Debug, PartialEq)]
-pub enum BodyReason {
-    /// A value outside its range.
-    OutOfRange(OutOfRange),
-    /// Refused by the finite elements of the block.
-    Block(BlockError),
-    /// Height, in m, over the width of the contact outside the limits of the method.
-    Proportions { height: f64, width: f64, least: f64, largest: f64 },
-}
-
-impl From<OutOfRange> for BodyReason {
-    fn from(error: OutOfRange) -> Self {
-        Self::OutOfRange(error)
-    }
-}
-
-impl From<BlockError> for BodyReason {
-    fn from(error: BlockError) -> Self {
-        Self::Block(error)
-    }
-}
-
-impl fmt::Display for BodyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let body = self.body;
-        match &self.reason {
-            BodyReason::OutOfRange(error) => write!(f, "{body}: {error}"),
-            BodyReason::Block(error) => write!(f, "{body}: {error}"),
-            BodyReason::Proportions { height, width, least, largest } => {
-                write!(
-                    f,
-                    "{body}.height = {} m and punch.width = {} m: {body}.height / punch.width = {} must be at least {}",
-                    Number(*height),
-                    Number(*width),
-                    Number(height / width),
-                    Number(*least)
-                )?;
-                if largest.is_finite() { write!(f, " and at most {}", Number(*largest)) } else { Ok(()) }
-            }
-        }
-    }
-}
-
-impl std::error::Error for BodyError {}
 
 /// Cells of the scene's contact line: graded to the edges, uniform where the contact has none (periodic).
 ///

@@ -2,13 +2,13 @@
 //!
 //! The only place that distinguishes the kinds. A new one is an implementation of [`ElasticBody`] and a line in each function.
 //!
-//! Theory: docs/theory.md, sections 3.1 to 3.8.
+//! Theory: docs/theory.md, section 3.
 
 use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
-use crate::discretization::BodyReason;
+use crate::body_error::BodyReason;
 use crate::half_plane::scale_columns;
 use crate::strip::FLATTEST;
-use crate::tangential::layer_difference;
+use crate::strip_shear::layer_difference;
 use crate::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, StripKernel, Winkler,
     antisymmetric,

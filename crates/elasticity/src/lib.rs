@@ -10,6 +10,7 @@
 
 pub mod antisymmetric;
 pub mod block;
+mod body_error;
 mod cells;
 pub mod discretization;
 mod half_plane;
@@ -18,6 +19,7 @@ mod logarithm;
 mod material;
 mod strip;
 mod strip_kernel;
+mod strip_shear;
 pub mod tangential;
 mod winkler;
 

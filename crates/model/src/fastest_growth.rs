@@ -29,6 +29,8 @@
 //! larger thermal lift relative to its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with
 //! `y = min(1, Y/(K lambda))`, and the ratio of lift to compliance is l times that of half-planes. G times the largest `l/y` over
 //! all rates then bounds the growth from above; for layers stiffer than half-planes G is unchanged.
+//!
+//! Theory: docs/theory.md, section 7.5.
 
 use super::instability::layer::{FarFace, Layer, half_resistance};
 use elasticity::Base;

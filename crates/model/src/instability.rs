@@ -34,6 +34,8 @@
 //! speed. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
 //! (1973) 177-188; K. Lee, J. R. Barber, Frictionally excited thermoelastic instability in automotive disk brakes, J. Tribology
 //! 115 (1993) 607-614.
+//!
+//! Theory: docs/theory.md, section 7.4.
 
 pub mod layer;
 mod waves;

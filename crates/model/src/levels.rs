@@ -1,4 +1,6 @@
 //! Common interface of the model levels, as the component uses it.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 use super::line::operators::RunIn;
 use super::line::{self, Line};

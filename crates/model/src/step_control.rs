@@ -3,6 +3,8 @@
 //! A step whose error, in units of the tolerance, is above 1 is rejected and halved; after two halves with room to spare the step is
 //! doubled again. Steps are dyadic fractions of the piece, so that operators made for a step size are found again, and n is part of
 //! the state, so that a replay takes the same steps.
+//!
+//! Theory: docs/theory.md, section 7.3.
 
 /// Finest subdivision: 2^-40 of the piece.
 pub const FINEST: u8 = 40;

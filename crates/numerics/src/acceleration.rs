@@ -4,6 +4,8 @@
 //! residuals `f = G(x) - x` and their differences the next x is the one that would minimise the residual if G were affine. For
 //! affine G it is equivalent to GMRES: the few modes along which the iteration converges slowly or diverges are solved for, the
 //! others converge as before.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use crate::dense;
 use crate::maximum::maximum;

@@ -1,4 +1,6 @@
 //! Panels through a layer, graded geometrically towards one face.
+//!
+//! Theory: docs/theory.md, section 4.2.
 
 /// Least first panel over the height of the layer: a field that decays faster affects less than 1e-8 of the layer.
 pub const LEAST: f64 = 1e-8;

@@ -2,6 +2,8 @@
 //!
 //! Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM J. Sci.
 //! Stat. Comput. 7 (1986) 856: the combination of `r, A r, A^2 r, ...` with the smallest residual.
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use crate::factorization;
 use nalgebra::{DMatrix, DVector};

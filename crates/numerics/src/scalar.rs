@@ -2,6 +2,8 @@
 //!
 //! Directional derivatives are computed by the same formulas as the outputs, in [`Dual`], so they are exact and consistent with
 //! the outputs.
+//!
+//! Theory: docs/theory.md, section 6.8.
 
 use crate::four_fifths::four_fifths;
 use std::ops::{Add, Div, Mul, Neg, Sub};

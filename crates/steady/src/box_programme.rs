@@ -1,4 +1,6 @@
 //! Convex quadratic programme with bounds on all unknowns and a few linear constraints.
+//!
+//! Theory: docs/theory.md, section 9.2.
 
 use contact::lemke;
 use nalgebra::{DMatrix, DVector};

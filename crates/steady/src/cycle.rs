@@ -1,4 +1,6 @@
 //! Steady reciprocating sliding for any wear law and unequal half-strokes.
+//!
+//! Theory: docs/theory.md, section 9.3.
 
 use super::{SteadyError, not_negative, positive};
 use contact::wear::line::CellRate;

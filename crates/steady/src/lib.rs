@@ -3,6 +3,8 @@
 //! A contact is run in when wear no longer changes the pressure: the worn depth then grows as a rigid motion of the punch. This
 //! determines the pressure, and elasticity the shape. Reciprocating sliding has two pressures, one per direction, over one common
 //! shape.
+//!
+//! Theory: docs/theory.md, section 9.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,6 @@
 //! Steady reciprocating sliding with wear proportional to pressure.
+//!
+//! Theory: docs/theory.md, section 9.2.
 
 use super::{BoxProgramme, SteadyError, not_negative, positive};
 use elasticity::{Cells, Compliance};

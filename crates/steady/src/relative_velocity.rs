@@ -1,4 +1,6 @@
 //! Errors from the assumption of a rigid sliding velocity in wear and friction heat.
+//!
+//! Theory: docs/theory.md, section 3.8.
 
 use super::states::{SteadyState, SteadyStroke};
 use contact::pair_compliance;

@@ -1,4 +1,6 @@
 //! Steady state of a scene.
+//!
+//! Theory: docs/theory.md, section 9.
 
 use super::{
     CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, groove_operator, positive,

@@ -4,6 +4,8 @@
 //! and elasticity with the distortion the shape. In reciprocating sliding the pressure changes within a half-stroke, since the
 //! heat of one direction distorts the contact of the other; there the steady cycle of the contact line's own time steps is solved
 //! for ([`model::line::cycle`]).
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 mod bodies;
 mod cycle;

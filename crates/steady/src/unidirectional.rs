@@ -1,4 +1,6 @@
 //! Steady unidirectional sliding.
+//!
+//! Theory: docs/theory.md, section 9.1.
 
 use super::{SteadyError, positive};
 use contact::wear::line::{CellRate, Conditions, Direction, WearingContact};

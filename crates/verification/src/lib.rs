@@ -25,6 +25,7 @@ pub mod planning;
 mod punch_heat;
 pub mod stability;
 mod steady_states;
+pub mod timed_steps;
 pub mod wave;
 mod wear_line;
 

@@ -16,6 +16,7 @@ mod error;
 mod functions;
 mod scene;
 mod schedule;
+pub mod timing;
 mod worker;
 
 pub use description::{Causality, Description, Kind, Variable};

@@ -214,7 +214,7 @@ mod tests {
             ("derivatives", include_str!("../../../src/fmi2/instance/variables.rs"), "argument(", 3),
             ("states", include_str!("../../../src/fmi2/instance/states.rs"), "argument(", 1),
             ("serialised states", include_str!("../../../src/fmi2/state.rs"), "Err(", 3),
-            ("value references", include_str!("../../../src/fmi2/instance/problem.rs"), "None => ", 1),
+            ("value references", include_str!("../../../src/fmi2/problem.rs"), "None => ", 1),
         ];
         // Said by functions that no importer reaches.
         let inside =

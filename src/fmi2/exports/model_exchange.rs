@@ -6,8 +6,9 @@
 
 use super::export;
 use crate::fmi2::gate;
-use crate::fmi2::instance::{Instance, Outcome, Problem};
+use crate::fmi2::instance::Instance;
 use crate::fmi2::policy::{Fault, Function};
+use crate::fmi2::problem::{Outcome, Problem};
 use crate::fmi2::types::{Boolean, Component, EventInfo, Real, Status};
 
 #[cold]

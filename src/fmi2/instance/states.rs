@@ -5,11 +5,11 @@
 use core::ffi::c_void;
 
 use super::Instance;
-use super::problem::{self, Outcome, Problem, argument};
 use crate::component::Snapshot;
-use crate::fmi2::exports::arguments::{Sink, Source};
-use crate::fmi2::gate::STATES;
+use crate::fmi2::arguments::{Sink, Source};
 use crate::fmi2::policy::Fault;
+use crate::fmi2::problem::{self, Outcome, Problem, argument};
+use crate::fmi2::state::STATES;
 use crate::fmi2::state::{self, Saved};
 
 impl Instance {

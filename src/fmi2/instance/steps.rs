@@ -3,8 +3,8 @@
 #![forbid(unsafe_code)]
 
 use super::Instance;
-use super::problem::{self, Outcome, Problem, argument};
 use crate::fmi2::policy::{self, Fault};
+use crate::fmi2::problem::{self, Outcome, Problem, argument};
 use crate::fmi2::types::{Boolean, FALSE, LAST_SUCCESSFUL_TIME, Real, StatusKind, TERMINATED};
 use scene::message::Exact;
 

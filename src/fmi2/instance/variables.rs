@@ -3,9 +3,9 @@
 #![forbid(unsafe_code)]
 
 use super::Instance;
-use super::problem::{self, Outcome, Problem, argument, reference_problem};
-use crate::fmi2::exports::arguments::{Sink, Source};
+use crate::fmi2::arguments::{Sink, Source};
 use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER};
+use crate::fmi2::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::types::{Integer, Real};
 use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, Row, ValueReference};
 

@@ -256,7 +256,7 @@ pub const STATES: &[Case] = &[
     stepping(
         "a lumped state on cells",
         CELLS,
-        &[Other(|x| restored_from(x, &Importer::at(crate::importer::Stage::Stepping).bytes())), Step(0.01)],
+        &[Other(|x| restored_from(x, &Importer::at(test_support::importer::Stage::Stepping).bytes())), Step(0.01)],
         Ok,
         &[],
     ),

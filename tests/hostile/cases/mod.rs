@@ -11,10 +11,10 @@ use scene::fnv::Fnv;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status::{self, Discard, Error, Ok};
 
-use crate::importer::{Importer, reference};
 use crate::run::Call::{Initialise, Other, Set, Slope, Step, StepFrom, Steps};
 use crate::run::From::{Instantiated, Stepping};
 use crate::run::{Call, Case, Level, Runner};
+use test_support::importer::{Importer, reference};
 
 const NAN: f64 = f64::NAN;
 const INFINITE: f64 = f64::INFINITY;

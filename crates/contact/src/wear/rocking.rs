@@ -1,4 +1,6 @@
 //! Limit of the lever mu H above which wear in reciprocating sliding increases the tilt of the punch without bound.
+//!
+//! Theory: docs/theory.md, section 9.2.
 
 /// Largest lever mu H, in half-widths, at which pressures of a steady reciprocating cycle can be in equilibrium, for wear with
 /// the pressure exponent b and equal half-strokes: 1/2 for b >= 1, and for b < 1

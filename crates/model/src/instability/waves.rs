@@ -1,4 +1,6 @@
 //! Admissible waves of a scene, and the one with the lowest critical speed.
+//!
+//! Theory: docs/theory.md, section 7.4.
 
 use super::layer::{FarFace, Layers};
 use elasticity::Base;

@@ -1,4 +1,6 @@
 //! Serialisation of the line level's state.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::heat::state::HeatState;
 use super::operators::LineOperators;

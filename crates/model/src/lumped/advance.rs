@@ -6,7 +6,7 @@
 use super::conditions::Conditions;
 use super::operators::BodyOperators;
 use super::state::LumpedState;
-use super::step::{Attempt, Propagators, Stepper};
+use super::stepper::{Attempt, Propagators, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;

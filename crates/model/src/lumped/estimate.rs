@@ -4,7 +4,7 @@
 
 use super::operators::BodyOperators;
 use super::state::LumpedState;
-use super::step::Stepper;
+use super::stepper::Stepper;
 
 /// Factor by which the residual of the heat exchange between the bodies may exceed the tolerance of the flux `scale` (W/m2) at
 /// constant conditions. There it belongs to the thermal layer of the last jump of the inputs, which hardly outlasts the step: the

@@ -9,32 +9,19 @@
 #[cfg(test)]
 mod tests;
 
-use super::air::{Air, BESIDE, FAR};
+use super::air::{Air, BESIDE};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
-use super::operators::{BodyOperators, LumpedOperators};
+use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
 use numerics::maximum::{all_finite, maximum};
 
 use super::state::LumpedState;
-use super::step::{Attempt, Stepper};
+use super::stepper::{Attempt, Stepper};
 use conduction::reduced::Port;
 
 const COOLING: usize = Port::Cooling as usize;
-
-/// Whether a scene can be in this regime at all.
-pub fn possible(operators: &LumpedOperators) -> bool {
-    let scene = &operators.scene;
-    operators.punch.heat.is_some()
-        && operators.strip.heat.is_some()
-        && scene.conductance > 0.0
-        && operators.series_stiffness == 0.0
-        && operators.bristle().is_none()
-        && !operators.punch.is_cooled_variably()
-        && !operators.strip.air[FAR].acts()
-        && (!operators.strip.air[BESIDE].acts() || operators.strip.cooled_is_contact)
-}
 
 type Pair = [f64; 2];
 /// Matrix between the values at both stages, by rows.

@@ -1,4 +1,6 @@
 //! Lumped level: uniform pressure, a few thermal states per body, a moving source.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 mod advance;
 pub mod air;
@@ -19,6 +21,7 @@ mod stage_partition;
 mod stages;
 pub mod state;
 pub mod step;
+pub mod stepper;
 
 use crate::{INPUTS, Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
@@ -33,7 +36,7 @@ use scene::Scene;
 use scene::message::Number;
 use state::LumpedState;
 use std::sync::Arc;
-use step::Propagators;
+use stepper::Propagators;
 
 /// Bits of [`LumpedState::limits`].
 pub mod limit {

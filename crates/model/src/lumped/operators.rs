@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
-use super::air::{Air, FACES};
+use super::air::{Air, BESIDE, FACES, FAR};
 use crate::instability::CriticalSpeed;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
@@ -207,8 +207,20 @@ impl LumpedOperators {
             series_stiffness,
             scene: scene.clone(),
         };
-        operators.fast_path = super::fast_path::possible(&operators);
+        operators.fast_path = operators.allows_fast_path();
         operators
+    }
+
+    /// Whether the scene can be in the regime of [`super::fast_path`] at all.
+    fn allows_fast_path(&self) -> bool {
+        self.punch.heat.is_some()
+            && self.strip.heat.is_some()
+            && self.scene.conductance > 0.0
+            && self.series_stiffness == 0.0
+            && self.bristle().is_none()
+            && !self.punch.is_cooled_variably()
+            && !self.strip.air[FAR].acts()
+            && (!self.strip.air[BESIDE].acts() || self.strip.cooled_is_contact)
     }
 }
 

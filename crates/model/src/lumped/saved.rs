@@ -1,4 +1,6 @@
 //! The lumped state as numbers.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::state::LumpedState;
 use contact::wear::track::Track;

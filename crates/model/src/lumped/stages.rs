@@ -12,7 +12,7 @@ use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::stage_partition::StageHeatPartition;
 use super::state::{BodyState, LumpedState};
-use super::step::Stepper;
+use super::stepper::Stepper;
 use numerics::maximum::maximum;
 
 /// Unknowns of the two stages.

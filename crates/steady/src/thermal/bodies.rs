@@ -1,4 +1,6 @@
 //! Existence of a thermal steady state, and bodies reduced for the time until it is reached.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use crate::SteadyError;
 use conduction::STEFAN_BOLTZMANN;

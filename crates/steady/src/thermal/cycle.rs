@@ -1,4 +1,6 @@
 //! Steady cycle of reciprocating sliding with heat.
+//!
+//! Theory: docs/theory.md, sections 9.4, 9.5.
 
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::SteadyError;

@@ -25,6 +25,8 @@
 //! in proportion to the stroke over the width, however short the cycle, and does not affect their means. For r >> 1 every
 //! half-stroke reaches a steady state of its own, and the difference is a constant: that of a contact with the steady thermal
 //! compliance `mu v E0` added to its compliance.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;

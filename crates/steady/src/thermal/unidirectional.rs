@@ -5,6 +5,8 @@
 //! is one linear system ([`ActivePartition`]), and the distortion a thermal compliance. Wear determines the pressure where the
 //! punch wears; otherwise the pressure is that of the contact with this compliance. Temperature-dependent tables, radiation and
 //! forced convection require an iteration over the temperatures of the cells.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use super::partition::ActivePartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};

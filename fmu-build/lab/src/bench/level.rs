@@ -4,7 +4,6 @@
 //! initialisation with the punch as an elastic block; saved states; the relaxation of a flat punch on a half-plane to
 //! tau = 1.
 
-use super::line::Solution;
 use super::{Cost, TURNS};
 use crate::scenes;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -13,6 +12,7 @@ use scene::variables::{STARTS, find};
 use sliding_contact::component::{Component, Snapshot, Values};
 use std::sync::Arc;
 use std::time::Instant;
+use verification::timed_steps::{DenseSolution, STEPS};
 
 /// Steps timed together.
 const CHUNK: usize = 20;
@@ -80,7 +80,7 @@ pub fn measure() -> Result<Vec<Cost>> {
 
 /// Steps of 1 ms, with three outputs read after each.
 fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
-    let mut solution = Solution::new(count);
+    let mut solution = DenseSolution::new(count);
     type Drive = fn(usize) -> [f64; 2];
     let drives: [(&str, f64, Drive); 3] = [
         ("v, mu and status stay", 5.0, |_| [1.0, 1e4]),
@@ -96,7 +96,7 @@ fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
         }
         let before = component.work();
         for _ in 0..TURNS {
-            unit = unit.min(solution.seconds());
+            unit = unit.min(solution.seconds(STEPS));
             for _ in 0..CHUNKS {
                 let begin = Instant::now();
                 for _ in 0..CHUNK {

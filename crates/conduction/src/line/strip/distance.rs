@@ -22,6 +22,8 @@
 //! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 at the smallest sigma, 1.5. Temperature
 //! and distortion are real, so one complex transform gives both, the distortion scaled to the magnitude of the
 //! temperature.
+//!
+//! Theory: docs/theory.md, section 4.13.
 
 use super::waves::{Wave, gauss_legendre};
 use elasticity::Cells;

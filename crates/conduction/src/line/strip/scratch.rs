@@ -1,4 +1,6 @@
 //! Workspace of the strip's evaluations.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::operators::StripOperators;
 use super::robin_correction::RANK;

@@ -2,7 +2,7 @@ use super::super::Lumped;
 use super::super::conditions::{Conditions, Tunables};
 use super::super::operators::LumpedOperators;
 use super::super::state::LumpedState;
-use super::super::step::{Attempt, Stepper};
+use super::super::stepper::{Attempt, Stepper};
 use crate::{INPUTS, Inputs};
 use scene::Scene;
 use scene::variables::{STARTS, find};

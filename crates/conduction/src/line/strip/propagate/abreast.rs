@@ -10,6 +10,8 @@
 //! and `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the rotation theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. All
 //! lanes therefore use the same formula. Modes with less rotation, or a large drift, are evaluated by the scalar form.
 //! No multiply-add is fused, so every machine gives the same bits.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use super::{LARGEST_DRIFT, LEAST_DRIFT, Motion, terms};
 use nalgebra::Complex;

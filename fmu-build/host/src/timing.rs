@@ -1,4 +1,6 @@
-//! An FMI 2.0 co-simulation library loaded into this process: the timed calls only.
+//! An FMI 2.0 co-simulation library loaded into this process: the timed calls only, any library's that exports them.
+//!
+//! Here and not beside the clock that reads them: the command line is compiled without optimisation.
 
 use anyhow::{Context, Result, bail};
 use libloading::Library;
@@ -213,6 +215,24 @@ impl Instance<'_> {
         Ok(outputs)
     }
 
+    /// Exchanges one after the other; the outputs of the last.
+    ///
+    /// # Errors
+    /// See [`Self::exchange`].
+    pub fn exchanges(
+        &self,
+        variables: &Variables,
+        inputs: &[[f64; 2]],
+        slopes: Option<&[[f64; 2]]>,
+        step: f64,
+    ) -> Result<[f64; 3]> {
+        let mut outputs = [0.0; 3];
+        for (index, pair) in inputs.iter().enumerate() {
+            outputs = self.exchange(variables, pair, slopes.map(|slopes| &slopes[index]), step)?;
+        }
+        Ok(outputs)
+    }
+
     /// The state of the instance.
     ///
     /// # Errors
@@ -281,18 +301,4 @@ pub struct Variables {
     pub inputs: [u32; 2],
     /// Wear depth, contact temperature and friction force.
     pub outputs: [u32; 3],
-}
-
-impl Variables {
-    /// Those of this project's FMU.
-    ///
-    /// # Errors
-    /// Where the table of variables has them no more.
-    pub fn of_the_contact() -> Result<Self> {
-        let reference = |name| scene::variables::find(name).with_context(|| format!("no variable {name}"));
-        Ok(Self {
-            inputs: [reference("sliding_velocity")?, reference("normal_load")?],
-            outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],
-        })
-    }
 }

@@ -1,5 +1,10 @@
 //! A small importer: one instance, its log, and the C functions with Rust arguments.
 
+#![allow(
+    clippy::not_unsafe_ptr_arg_deref,
+    reason = "the library never dereferences what an importer holds, a state's handle too"
+)]
+
 use core::ffi::{CStr, c_char, c_void};
 use std::ffi::CString;
 use std::ptr;
@@ -107,6 +112,12 @@ pub fn instantiate(log: &Mutex<Vec<Entry>>, debug: bool) -> *mut c_void {
             0,
             debug.into(),
         )
+    }
+}
+
+impl Default for Importer {
+    fn default() -> Importer {
+        Importer::new()
     }
 }
 

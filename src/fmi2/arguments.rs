@@ -5,7 +5,7 @@
 
 use core::marker::PhantomData;
 
-use crate::fmi2::instance::Problem;
+use super::problem::Problem;
 use crate::fmi2::policy::Fault;
 use scene::variables::COUNT;
 

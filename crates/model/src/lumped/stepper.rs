@@ -1,0 +1,69 @@
+//! Data of one step of the lumped level: operators, laws, propagators over its length, and its outcome.
+//!
+//! Theory: docs/theory.md, section 5.4.
+
+use super::air::Air;
+use super::conditions::{Conditions, Tunables};
+use super::flash_step::{FlashStep, decays_at_rest};
+use super::operators::{BodyOperators, LumpedOperators};
+use super::stage::Propagator;
+use conduction::flash::MAX_FLASH_STATES;
+use contact::friction::FrictionLaw;
+
+/// Propagators of both bodies over one step size.
+#[derive(Clone, Debug)]
+pub struct Propagators {
+    /// Step size, s.
+    pub step: f64,
+    pub(super) punch: Option<Propagator>,
+    pub(super) strip: Option<Propagator>,
+    /// Decay factors of the moving source at rest up to the point 1/3.
+    pub(super) flash: [f64; MAX_FLASH_STATES],
+}
+
+impl Propagators {
+    /// Memory for the weights of a step.
+    pub fn empty() -> Propagators {
+        Propagators { step: f64::NAN, punch: None, strip: None, flash: [1.0; MAX_FLASH_STATES] }
+    }
+
+    /// Weights for the step `step` (s).
+    pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
+        let of = |body: &BodyOperators| {
+            let cools = body.air.each_ref().map(Air::acts);
+            body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
+        };
+        let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
+        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
+    }
+}
+
+/// Outcome of an attempted step.
+pub struct Attempt {
+    /// Error in units of the tolerance; the step is accepted if at most 1.
+    pub error: f64,
+    /// Highest temperature of the step, K above the reference.
+    pub hottest: f64,
+}
+
+/// Data of a step that are constant during it.
+pub struct Stepper<'a> {
+    pub operators: &'a LumpedOperators,
+    pub friction: &'a FrictionLaw,
+    pub tunables: &'a Tunables,
+    pub propagators: &'a Propagators,
+    /// Number of parts of the piece without events, and the conditions at its ends where they change: scale of the wear error of
+    /// a part.
+    pub cut: f64,
+    /// Conditions at the ends of the piece; see `cut`.
+    pub ends: Option<&'a [Conditions; 2]>,
+    /// Moving source, prepared for this step and its speeds.
+    pub flash: &'a mut FlashStep,
+}
+
+impl Stepper<'_> {
+    /// The same data, borrowed for a shorter time.
+    pub fn reborrow(&mut self) -> Stepper<'_> {
+        Stepper { flash: &mut *self.flash, ..*self }
+    }
+}
