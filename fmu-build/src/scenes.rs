@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use scene::slot::LARGEST_TOLERANCE;
+use scene::variables::TOLERANCES;
 pub use scene_file::assign;
 use scene_file::{SceneFile, shipped};
 
@@ -48,8 +48,8 @@ pub fn warn(scene: &SceneFile) {
 /// With the limits.
 pub fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(value) if value > 0.0 && value <= LARGEST_TOLERANCE => Ok(value),
-        _ => Err(format!("must be a number above 0 and at most {LARGEST_TOLERANCE}")),
+        Ok(value) if TOLERANCES.contains(&value) => Ok(value),
+        _ => Err(format!("must be a number from {:e} to {}", TOLERANCES.start(), TOLERANCES.end())),
     }
 }
 

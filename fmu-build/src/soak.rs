@@ -2,7 +2,7 @@
 
 use crate::bench::native::{Component, Instance, Variables};
 use crate::output::print_line;
-use crate::{bench, package, project, scenes};
+use crate::{arguments, bench, package, project, scenes};
 use anyhow::{Context, Result, ensure};
 use scene::fnv::Fnv;
 use std::fmt;
@@ -33,16 +33,16 @@ const GROWTH: i64 = 1024;
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Steps of the lumped level.
-    #[arg(long, default_value_t = 100_000_000)]
+    #[arg(long, default_value_t = 100_000_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     lumped: usize,
     /// Steps of the contact line with resolved heat.
-    #[arg(long, default_value_t = 1_000_000)]
+    #[arg(long, default_value_t = 1_000_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     line: usize,
     /// Rounds of loading the library, instantiating, initialising, stepping, freeing and unloading it.
-    #[arg(long, default_value_t = 5000)]
+    #[arg(long, default_value_t = 5000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     rounds: usize,
     /// States that are saved, restored and stepped from again.
-    #[arg(long, default_value_t = 100_000)]
+    #[arg(long, default_value_t = 100_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     states: usize,
     /// A five hundredth of all: seconds.
     #[arg(long, conflicts_with_all = ["lumped", "line", "rounds", "states"])]

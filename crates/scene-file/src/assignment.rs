@@ -25,6 +25,9 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
         scene.given.dedup();
         return Ok(());
     }
+    if key == "name" {
+        bail!("{key} is no variable of the scene");
+    }
     let line = parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
         .with_context(|| format!("setting {assignment}"))?;
     if line.given.is_empty() {

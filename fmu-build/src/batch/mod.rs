@@ -59,7 +59,7 @@ pub struct Arguments {
     #[arg(long)]
     replace: bool,
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<usize>(1..=1024), allow_negative_numbers = true)]
     jobs: Option<usize>,
     /// Communication step in seconds, or with its unit as "20 ms". By default about a thousandth of the time of the inputs and no longer than their rows are
     /// apart; without --inputs that of the scene.
@@ -177,9 +177,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let inputs = arguments.inputs.as_ref();
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
-    if jobs == 0 {
-        bail!("--jobs must be at least 1");
-    }
     let parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
     output::check_ending(Some(output), &["csv", "parquet"])?;
     // Rows are appended to a CSV file in any case, which stands beside the other.
