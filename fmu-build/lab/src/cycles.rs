@@ -177,6 +177,6 @@ mod tests {
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
         assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
         assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
-        assert!(course.figure().svg().unwrap().contains("depth, µm"));
+        assert!(course.figure().svg().unwrap().contains("depth (µm)"));
     }
 }

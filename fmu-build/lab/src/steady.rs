@@ -259,7 +259,7 @@ mod tests {
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
         // With heat: all friction heat leaves the bodies.
-        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, °C"), "{table}");
+        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature (°C)"), "{table}");
         let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
         assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));

@@ -187,7 +187,7 @@ mod tests {
     fn rows_and_wanted_times_are_communication_points_and_steps_between_them_are_equal() {
         assert_eq!(ramp(0.5).points(&[]).unwrap(), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
         assert_eq!(ramp(10.0).points(&[1.0, 1.25]).unwrap(), [1.0, 1.25, 3.0, 3.5]);
-        for (also, wanted) in [(0.5, "1.0 s to 3.5 s"), (4.0, "--at 4.0 s")] {
+        for (also, wanted) in [(0.5, "1 s to 3.5 s"), (4.0, "--at 4 s")] {
             let told = ramp(1.0).points(&[also]).unwrap_err().to_string();
             assert!(told.contains(wanted), "{told}");
         }
