@@ -80,6 +80,7 @@ mod tests {
             "holder.pivot_height=30 mm",
             "holder.constraint = translate_and_rotate",
             "wear_acceleration=10",
+            "punch.width [mm] = 50",
             "contact.friction_fade.factor[2] = 70 %",
         ] {
             assign(&mut scene, assignment).unwrap();
@@ -92,10 +93,13 @@ mod tests {
         assert_eq!(starts("holder.constraint"), [1.0, 2.0]);
         assert_eq!(starts("wear_acceleration"), [1.0, 10.0]);
         assert_eq!(starts("punch.height"), [0.1, 0.1]);
+        assert_eq!(starts("punch.width")[1], 0.05);
         assert_eq!(starts("contact.friction_fade.factor[2]")[1], 0.7);
         for (wrong, reason) in [
             ("holder.pivot_height", "must be KEY=VALUE"),
             ("holder.pivot_heigth=1", "holder.pivot_height"),
+            ("punch.width [kN]=1", "the wrong unit \"kN\""),
+            ("name=x", "name is no variable"),
             ("holder.pivot_height=-30 mm", "holder.pivot_height"),
             ("experiment.stop=1", "is no variable"),
             ("contact.friction_fade.factor[99]=1", "has the elements 1 to"),

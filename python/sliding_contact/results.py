@@ -333,7 +333,7 @@ def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -
         import matplotlib
         import matplotlib.pyplot as plt
     except ImportError as error:
-        raise ImportError("figures need matplotlib: pip install 'sliding_contact[plot]'") from error
+        raise ImportError("figures need matplotlib: pip install matplotlib") from error
     from . import _figure
 
     with plt.rc_context(_figure.STYLE):
