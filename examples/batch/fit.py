@@ -6,6 +6,7 @@
 import argparse
 import json
 import sys
+import warnings
 from pathlib import Path
 
 import matplotlib
@@ -35,6 +36,9 @@ def arguments():
 
 def main():
     options = arguments()
+    # Each once, without the line of the package that raised it.
+    warnings.simplefilter("once")
+    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     picture = options.output / "wear_law.svg"
     scene = Scene.load(options.scene)
     found = scene.fit(options.records, tuple(options.exponents), options.confidence)

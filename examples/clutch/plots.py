@@ -23,6 +23,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     # Without date and random names, the same run gives the same bytes.
+    "svg.fonttype": "none",
     "svg.hashsalt": "sliding contact",
 }
 
@@ -49,21 +50,21 @@ def engagement(run, level, path):
     def speeds(axis):
         axis.plot(time, run["engine_speed"] / RADIANS_PER_SECOND, color=RED, label="engine")
         axis.plot(time, run["vehicle_speed"] / RADIANS_PER_SECOND, color=BLUE, label="transmission input")
-        axis.set_ylabel("speed [rev/min]")
+        axis.set_ylabel("speed (rev/min)")
         axis.legend()
 
     def torque(axis):
         axis.plot(time, run["torque"], color=PURPLE)
-        axis.set_ylabel("torque [N m]")
+        axis.set_ylabel("torque (N·m)")
 
     def temperature(axis):
         axis.plot(time, run["contact_temperature_max"] - ZERO_CELSIUS, color=ORANGE)
-        axis.set_ylabel("contact, hotter side\n[°C]")
+        axis.set_ylabel("contact, hotter side\n(°C)")
 
     def wear(axis):
         axis.plot(time, 1e9 * run["wear_depth_punch"], color=GREEN)
-        axis.set_ylabel("wear of a facing [nm]")
-        axis.set_xlabel("time [s]")
+        axis.set_ylabel("wear of a facing (nm)")
+        axis.set_xlabel("time (s)")
 
     panels = (("Speeds", speeds), ("Clutch torque", torque), ("Temperature", temperature), ("Wear", wear))
     return save(panels, f"Engagement from 3,000 rev/min, bristle at the end, level {level}", path)
@@ -84,12 +85,12 @@ def masters(runs, path):
             if name == "slip":
                 axis.set_ylim(-3.0, 6.0)
             if last:
-                axis.set_xlabel("time since the slip has ended [s]")
+                axis.set_xlabel("time since the slip has ended (s)")
             else:
                 axis.legend(loc="upper right")
         return paint
 
-    panels = (("Slip", quantity("slip", "slip [rad/s]", 1.0)), ("Clutch torque", quantity("torque", "torque [N m]", 1.0, True)))
+    panels = (("Slip", quantity("slip", "slip (rad/s)", 1.0)), ("Clutch torque", quantity("torque", "torque (N·m)", 1.0, True)))
     return save(panels, "The end of slip under four masters", path)
 
 
@@ -99,12 +100,12 @@ def hill(run, travel, path):
         axis.axhline(1.0, color="black", linewidth=0.8, linestyle=":")
         axis.text(run["time"][-1], 1.0, "1 mm ", ha="right", va="bottom", fontsize=8)
         axis.set_ylim(-0.2, 1.3)
-        axis.set_ylabel("travel of the car [mm]")
+        axis.set_ylabel("travel of the car (mm)")
 
     def torque(axis):
         axis.plot(run["time"], run["torque"], color=PURPLE)
-        axis.set_ylabel("clutch torque [N m]")
-        axis.set_xlabel("time [s]")
+        axis.set_ylabel("clutch torque (N·m)")
+        axis.set_xlabel("time (s)")
 
     return save((("Drift", position), ("Torque", torque)), "Parked in gear on a 10 % grade", path)
 
@@ -113,15 +114,15 @@ def judder(with_stribeck, without, path):
     def speed(axis):
         for run, colour, label in ((with_stribeck, RED, "friction rises towards standstill"), (without, BLUE, "constant friction")):
             axis.plot(run["time"], run["slip"], color=colour, label=label, linewidth=0.8)
-        axis.set_ylabel("slip [rad/s]")
+        axis.set_ylabel("slip (rad/s)")
         axis.legend(loc="upper left")
         axis.margins(y=0.25)
 
     def torque(axis):
         axis.plot(with_stribeck["time"], with_stribeck["torque"], color=RED, linewidth=0.8)
         axis.plot(without["time"], without["torque"], color=BLUE, linewidth=0.8)
-        axis.set_ylabel("clutch torque [N m]")
-        axis.set_xlabel("time [s]")
+        axis.set_ylabel("clutch torque (N·m)")
+        axis.set_xlabel("time (s)")
 
     return save((("Slip", speed), ("Torque", torque)), "Creeping with a slipping clutch: judder", path)
 
@@ -131,10 +132,10 @@ def critical_speed(engaging, carbon, mean_radius, path):
         def paint(axis):
             axis.semilogy(run["time"], np.maximum(np.abs(run["slip"]) * mean_radius, 1e-6), color=BLUE, label="sliding speed")
             axis.semilogy(run["time"], run["critical_speed"], color=RED, linestyle="--", label="critical speed")
-            axis.set_ylabel("speed [m/s]")
+            axis.set_ylabel("speed (m/s)")
             axis.set_ylim(1e-4, 1e3)
             axis.legend(loc="upper right", ncols=2)
-            axis.set_xlabel("time [s]")
+            axis.set_xlabel("time (s)")
         return title, paint
 
     panels = (paint_for(engaging, "Organic facing, engagement"), paint_for(carbon, "Carbon on carbon, slip up to twice the limit"))

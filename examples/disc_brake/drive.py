@@ -15,6 +15,8 @@ import report
 import road_load
 import simulation
 
+MOST_STEPS = 2e6  # that are kept
+
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
@@ -33,8 +35,8 @@ def main():
     # What the FMU logs is printed by fmpy, and no result.
     results, sys.stdout = sys.stdout, sys.stderr
     time, speed = road_load.read_cycle(options.cycle)
-    if not 0.0 < options.step <= time[-1]:
-        raise ValueError(f"--step {options.step:g} s must be positive and at most the cycle's {time[-1]:g} s")
+    if not time[-1] / MOST_STEPS <= options.step <= time[-1]:
+        raise ValueError(f"--step {options.step:g} s must be from {time[-1] / MOST_STEPS:g} s to the cycle's {time[-1]:g} s")
     description, start_values = simulation.describe(options.fmu)
     drive = road_load.front_brake(time, speed, road_load.Brake.of(start_values))
     recording = simulation.drive(options.fmu, drive.signals(), options.step)

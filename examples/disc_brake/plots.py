@@ -22,7 +22,8 @@ STYLE = {
     "lines.linewidth": 1.1,
     "legend.frameon": False,
     "legend.fontsize": 8,
-    # Without date and random names, the same run gives the same bytes.
+    # Text stays text, to be found and edited. Without date and random names, the same run gives the same bytes.
+    "svg.fonttype": "none",
     "svg.hashsalt": "sliding contact",
 }
 SAVED = {"metadata": {"Date": None}}
@@ -37,13 +38,13 @@ def thinned(time):
 
 def speed_and_load(axis, recording, drive):
     axis.plot(drive.time, 3.6 * drive.speed, color=BLUE)
-    axis.set_ylabel("car speed [km/h]", color=BLUE)
+    axis.set_ylabel("car speed (km/h)", color=BLUE)
     load = axis.twinx()
     load.spines["right"].set_visible(True)
     load.grid(False)
     some = thinned(recording["time"])
     load.fill_between(recording["time"][some], recording["normal_load"][some] / 1e3, color=ORANGE, alpha=0.75, linewidth=0)
-    load.set_ylabel("pad load [kN]", color=ORANGE)
+    load.set_ylabel("pad load (kN)", color=ORANGE)
     load.set_ylim(0, 2.2 * recording["normal_load"].max() / 1e3)
     axis.set_ylim(bottom=0)
 
@@ -55,7 +56,7 @@ def temperatures(axis, recording, _drive):
         ("punch.mean_temperature", "pad, mean", GREEN),
     ):
         axis.plot(recording["time"], recording[name] - ZERO_CELSIUS, color=colour, label=label)
-    axis.set_ylabel("temperature [°C]")
+    axis.set_ylabel("temperature (°C)")
     axis.legend(loc="upper right", ncols=3)
     axis.margins(y=0.25)
 
@@ -63,14 +64,14 @@ def temperatures(axis, recording, _drive):
 def wear(axis, recording, _drive):
     for name, label, colour in (("wear_depth_punch", "pad", GREEN), ("wear_depth_strip", "disc, each face", BLUE)):
         axis.plot(recording["time"], 1e6 * recording[name], color=colour, label=label)
-    axis.set_ylabel("wear depth [µm]")
+    axis.set_ylabel("wear depth (µm)")
     axis.set_ylim(bottom=0)
     axis.legend(loc="upper left")
 
 
 def friction_torque(axis, recording, _drive):
     axis.plot(recording["time"], recording["friction_torque"], color=PURPLE, linewidth=0.9)
-    axis.set_ylabel("friction torque [N m]")
+    axis.set_ylabel("friction torque (N·m)")
     axis.set_ylim(bottom=min(0.0, recording["friction_torque"].min()))
 
 
@@ -94,8 +95,8 @@ def energy_balance(axis, recording, _drive):
         linewidth=0,
     )
     axis.plot(time, energy / 1e3, color="black", label="friction heat")
-    axis.set_ylabel("energy [kJ]")
-    axis.set_xlabel("time [s]")
+    axis.set_ylabel("energy (kJ)")
+    axis.set_xlabel("time (s)")
     axis.set_ylim(bottom=0)
     error = np.abs(stored_minus_lost(recording)).max() / energy[-1]
     axis.set_title(f"balance closed to {error:.0e} of the energy in", fontsize=8, loc="right", pad=2)
@@ -121,7 +122,7 @@ def draw(recording, drive, title, panels=PANELS):
             paint(axis, recording, drive)
             axis.set_title(name, loc="left", fontweight="bold", fontsize=9)
             axis.set_xlim(drive.time[0], drive.time[-1])
-        axes[-1, 0].set_xlabel("time [s]")
+        axes[-1, 0].set_xlabel("time (s)")
         figure.align_ylabels(axes[:, 0])
         figure.suptitle(title)
     return figure

@@ -44,8 +44,8 @@ class Summary:
             ("Disc temperature (mean)", f"peak {self.disc_temperature_peak_degC:.1f} degC, "
              f"final {self.disc_temperature_final_degC:.1f} degC"),
             ("Friction torque", f"peak {self.friction_torque_peak_N_m:.1f} N m"),
-            ("Wear of the pad", f"{self.pad_wear_um:.4g} um"),
-            ("Wear of the disc", f"{self.disc_wear_um:.4g} um per face"),
+            ("Wear of the pad", f"{self.pad_wear_um:.4g} µm"),
+            ("Wear of the disc", f"{self.disc_wear_um:.4g} µm per face"),
             ("Energy in", f"{self.energy_in_kJ:.2f} kJ, {100 * self.heat_share_disc:.1f} % of it into the disc"),
             ("Energy out", f"{self.heat_stored_kJ:.2f} kJ stored, {self.heat_lost_kJ:.2f} kJ lost"),
             ("Energy balance error", f"{self.energy_balance_error:.1e} of the energy in"),

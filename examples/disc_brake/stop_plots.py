@@ -33,10 +33,10 @@ def one_stop(courses, path):
         (speed, torque), (temperature, pressure), (profile, hot) = axes
         line, lumped = courses["line"], courses["lumped"]
         both(speed, courses, lambda axis, c, style, level: axis.plot(c.time, 3.6 * c.speed, style, color=BLUE, label=level))
-        speed.set_ylabel("car speed [km/h]")
+        speed.set_ylabel("car speed (km/h)")
         both(torque, courses, lambda axis, c, style, level: axis.plot(
             c.time, np.abs(c["friction_torque"]), style, color=GREEN, label=level))
-        torque.set_ylabel("friction torque of one brake [N m]")
+        torque.set_ylabel("friction torque of one brake (N·m)")
         for name, label, colour in (
             ("contact_temperature_max", "hottest point", RED),
             ("contact_temperature", "contact, mean", ORANGE),
@@ -44,14 +44,14 @@ def one_stop(courses, path):
         ):
             both(temperature, courses, lambda axis, c, style, level, name=name, label=label, colour=colour: axis.plot(
                 c.time, c[name] - ZERO_CELSIUS, style, color=colour, label=f"{label}, {level}"))
-        temperature.set_ylabel("temperature [°C]")
+        temperature.set_ylabel("temperature (°C)")
         pressure.plot(line.time, line["pressure_max"] / 1e6, color=RED, label="largest, line")
         pressure.plot(line.time, line["pressure_mean"] / 1e6, color=BLUE, label="mean, line")
         pressure.plot(lumped.time, lumped["pressure_mean"] / 1e6, "--", color=BLUE, label="lumped: one pressure")
-        pressure.set_ylabel("contact pressure [MPa]")
+        pressure.set_ylabel("contact pressure (MPa)")
         pressure.set_ylim(bottom=0)
         for axis in (speed, torque, temperature, pressure):
-            axis.set_xlabel("time [s]")
+            axis.set_xlabel("time (s)")
             axis.set_xlim(0, line.time[-1])
             if axis is not temperature:
                 axis.legend()
@@ -64,10 +64,10 @@ def one_stop(courses, path):
             hot.plot(*monotone_cubic(1e3 * line.x, line.profiles["temperature"][index] - ZERO_CELSIUS), color=colour, label=f"{at:g} s")
         level = lumped["pressure_mean"].max() / 1e6
         profile.axhline(level, color="black", linestyle="--", linewidth=0.9, label="lumped, full load")
-        profile.set_ylabel("contact pressure [MPa]")
-        hot.set_ylabel("contact temperature [°C]")
+        profile.set_ylabel("contact pressure (MPa)")
+        hot.set_ylabel("contact temperature (°C)")
         for axis in (profile, hot):
-            axis.set_xlabel("position on the pad x [mm]; the disc comes in at the right edge")
+            axis.set_xlabel("position on the pad x (mm); the disc comes in at the right edge")
         profile.legend(ncols=2)
         hot.set_ylim(0, 1.25 * (line.profiles["temperature"].max() - ZERO_CELSIUS))
         hot.legend(ncols=3, loc="upper center")
@@ -100,18 +100,18 @@ def fade(courses, path):
             axes["wear"].plot(stops, 1e6 * np.diff(worn, prepend=0.0), color=BLUE, label=level, **marks)
             largest = course.over_stops("pressure_max", np.max) / 1e6
             axes["pressure"].plot(stops, largest, color=RED, label=level, **marks)
-        axes["time"].set_xlabel("time [s]")
-        axes["time"].set_ylabel("temperature [°C]")
+        axes["time"].set_xlabel("time (s)")
+        axes["time"].set_ylabel("temperature (°C)")
         axes["time"].legend(ncols=2, loc="upper left")
         axes["time"].margins(x=0.01)
         axes["time"].set_ylim(0, 1.3 * max(course["contact_temperature_max"].max() - ZERO_CELSIUS for course in courses.values()))
         for name, label in (
-            ("friction", "least friction coefficient [1]"),
-            ("distance", "stopping distance [m]"),
-            ("wear", "wear of the pad in a stop [µm]"),
-            ("pressure", "largest pressure in a stop [MPa]"),
+            ("friction", "least friction coefficient"),
+            ("distance", "stopping distance (m)"),
+            ("wear", "wear of the pad in a stop (µm)"),
+            ("pressure", "largest pressure in a stop (MPa)"),
         ):
-            axes[name].set_xlabel("stop [1]")
+            axes[name].set_xlabel("stop")
             axes[name].set_ylabel(label)
             axes[name].legend()
         figure.suptitle("Fifteen stops from 100 km/h, one every 45 s: the contact line (solid, 33 cells) and lumped (dashed), both at tolerance 1e-3")

@@ -10,6 +10,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 import numpy as np  # noqa: E402
 import report  # noqa: E402
+from matplotlib.ticker import MaxNLocator  # noqa: E402
 
 # One curve through the values at the stations for the package and the examples.
 sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "sliding_contact"))
@@ -20,12 +21,13 @@ plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.color": "#e4e4e4",
                      "axes.axisbelow": True, "legend.frameon": False, "legend.fontsize": 7.5,
                      # Without date and random names, the same run gives the same bytes.
                      "svg.hashsalt": "sliding contact", "svg.fonttype": "none"})  # fmt: skip
-DPI = 200  # of the maps, whose cells are the pixels of a picture within the drawing
+ROWS = 100  # of the maps over time, and points of each: more cannot be seen
+LEVELS = 13  # of the colours of the maps
 
 
 def written(figure, path):
     metadata = {"Date": None} if path.suffix == ".svg" else None
-    figure.savefig(path, dpi=DPI, metadata=metadata)
+    figure.savefig(path, metadata=metadata)
     plt.close(figure)
     return path
 
@@ -35,17 +37,22 @@ def title(run, critical):
 
 
 def maps(runs, critical, level, path):
-    """Pressure over its mean, around the ring and over time: the values of the stations, each as wide as its part of the ring."""
+    """Pressure over its mean, around the ring and over time, as filled contours: a drawing without pixels."""
     figure, axes = plt.subplots(1, len(runs), figsize=(8.8, 4.4), sharey=True, layout="constrained")
     for axis, run in zip(np.atleast_1d(axes), runs, strict=True):
-        ratio = run.pressure / run.pressure[:, :-1].mean(axis=1, keepdims=True)
+        rows = np.unique(np.linspace(0, len(run.time) - 1, min(ROWS, len(run.time))).round().astype(int))
+        ratio = run.pressure[rows] / run.pressure[rows, :-1].mean(axis=1, keepdims=True)
         highest = max(1.2, np.percentile(ratio, 99.5))
-        mesh = axis.pcolormesh(1e3 * run.x, run.time, ratio, cmap="inferno", vmin=0.0, vmax=highest, shading="nearest",
-                               rasterized=True)  # fmt: skip
+        curves = [monotone_cubic(1e3 * run.x, row, ROWS) for row in ratio]
+        # Above 0, which is no part of the lowest level.
+        filled = axis.contourf(curves[0][0], run.time[rows], np.clip([values for _, values in curves], 1e-9, highest),
+                               levels=np.linspace(0.0, highest, LEVELS), cmap="inferno")  # fmt: skip
         axis.set_title(title(run, critical), fontsize=9)
         axis.set_xlabel("position around the steel ring x (mm)")
         axis.grid(False)
-        figure.colorbar(mesh, ax=axis, label="pressure over mean $p/p_m$")
+        bar = figure.colorbar(filled, ax=axis, label="pressure over mean $p/p_m$")
+        bar.locator = MaxNLocator(6)
+        bar.update_ticks()
     np.atleast_1d(axes)[0].set_ylabel("time (s)")
     figure.suptitle(f"Contact pressure, in the frame of the steel ring; {level}", fontsize=10)
     return written(figure, path)

@@ -305,7 +305,7 @@ def disc_critical_speed(model: Model) -> Result:
         run = model.simulate("disc_critical_speed", settings=(f"strip.height={half} mm", "solver.fidelity=lumped"))
         computed.append(float(run["critical"][0]))
         exact.append(least(1e-3 * half))
-    fine = np.linspace(3.5, 8.5, 11)
+    fine = np.linspace(3.5, 8.5, 101)
     return Result(
         "Critical speed of a disc between pads",
         "half-thickness of the disc (mm)",

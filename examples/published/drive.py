@@ -41,12 +41,15 @@ def rows(name: str, result: Result) -> list[dict[str, object]]:
 
 
 def table(found: list[dict[str, object]]) -> str:
-    lines = [f"  {'case':20} {'quantity':38} {'published':>10} {'model':>10} {'deviation':>10}  band"]
+    units = {row["quantity"]: "" if row["unit"] == "1" else f", {row['unit']}" for row in found}
+    names = {quantity: quantity + unit for quantity, unit in units.items()}
+    width = max(map(len, names.values()))
+    lines = [f"  {'case':21} {'quantity':{width}} {'published':>10} {'model':>10} {'deviation':>10}  band"]
     for row in found:
         low, high = row["band"]
         mark = "" if row["holds"] else "  OUTSIDE"
         lines.append(
-            f"  {row['case']:20} {row['quantity'] + ', ' + row['unit']:38} {row['published']:>10.4g} {row['model']:>10.4g} "
+            f"  {row['case']:21} {names[row['quantity']]:{width}} {row['published']:>10.5g} {row['model']:>10.5g} "
             f"{100.0 * row['deviation']:>+9.2f}%  {100.0 * low:+g} to {100.0 * high:+g} %{mark}"
         )
     return "\n".join(lines)

@@ -22,9 +22,9 @@ def half_strokes(hot, path):
         column[0].set_title(TITLES[name], fontsize=9)
         column[0].set_ylim(-0.1, 5.6)
         column[0].legend(ncols=2, loc="upper center")
-        column[1].set_xlabel("position on the punch x [mm]")
-    axes[0, 0].set_ylabel("contact pressure over mean $p/p_m$ [1]")
-    axes[1, 0].set_ylabel("contact temperature [°C]")
+        column[1].set_xlabel("position on the punch x (mm)")
+    axes[0, 0].set_ylabel("contact pressure over mean $p/p_m$")
+    axes[1, 0].set_ylabel("contact temperature (°C)")
     mean = next(iter(hot.values())).mean / 1e6
     figure.suptitle(
         f"With heat, level line: middle of successive half-strokes, v > 0 solid, v < 0 dotted, $p_m$ = {mean:.2f} MPa", fontsize=10
@@ -44,9 +44,9 @@ def shapes(cold, hot, path):
                 axis.plot(*monotone_cubic(1e3 * history.x, 1e6 * worn), color=colour, label=f"cycle {cycle}")
             axis.set_title(f"{TITLES[name]}, {label}", fontsize=9)
             axis.legend()
-        pair[0].set_ylabel("worn depth less rigid motion [µm]")
+        pair[0].set_ylabel("worn depth less rigid motion (µm)")
     for axis in axes[-1]:
-        axis.set_xlabel("position on the punch x [mm]")
+        axis.set_xlabel("position on the punch x (mm)")
     figure.suptitle("Worn shape of the punch without and with heat", fontsize=10)
     return written(figure, path)
 
@@ -68,8 +68,8 @@ def steady(states, cold, hot, path):
             label = f"without heat, cycle {int(cold[name].half_strokes[-1] // 2)}" if sign > 0 else None
             axis.plot(1e3 * cold[name].x, cold[name].pressure[row] / history.mean, color=GREY, linestyle="", marker=".",
                       markersize=3, label=label)  # fmt: skip
-    axis.set_xlabel("position on the punch x [mm]")
-    axis.set_ylabel("contact pressure over mean $p/p_m$ [1]")
+    axis.set_xlabel("position on the punch x (mm)")
+    axis.set_ylabel("contact pressure over mean $p/p_m$")
     axis.set_ylim(-0.1, 2.9)
     axis.legend(ncols=2, loc="upper center")
     axis.set_title("Steady pressures with and without heat", fontsize=10)

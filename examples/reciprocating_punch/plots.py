@@ -30,6 +30,7 @@ plt.rcParams.update(
         "legend.frameon": False,
         "legend.fontsize": 7.5,
         # Without date and random names, the same run gives the same bytes.
+        "svg.fonttype": "none",
         "svg.hashsalt": "sliding contact",
     }
 )
@@ -82,9 +83,9 @@ def pressures(histories, states, path):
             axis.set_title(f"{TITLES[name]}, v {'>' if sign > 0 else '<'} 0", fontsize=9)
             axis.set_ylim(-0.1, 5.2)
             axis.legend(loc="upper left" if sign > 0 else "upper right")
-        row[0].set_ylabel("contact pressure over mean $p/p_m$ [1]")
+        row[0].set_ylabel("contact pressure over mean $p/p_m$")
     for axis in np.atleast_2d(axes)[-1]:
-        axis.set_xlabel("position on the punch x [mm]")
+        axis.set_xlabel("position on the punch x (mm)")
     mean = next(iter(histories.values())).mean
     figure.suptitle(f"Pressure in the middle of successive half-strokes, $p_m$ = {mean / 1e6:.2f} MPa", fontsize=10)
     return written(figure, path)
@@ -100,10 +101,10 @@ def edges(histories, path):
             for mask, style, way in ((forward, {"linestyle": "-"}, "v > 0"), (~forward, OPEN, "v < 0")):
                 ratio = history.pressure[mask, station] / history.mean
                 axis.semilogx(np.ceil(history.cycles[mask]), ratio, color=colour, label=f"{edge}, {way}", **style)
-        axis.set_xlabel("cycle [1]")
+        axis.set_xlabel("cycle")
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()
-    np.atleast_1d(axes)[0].set_ylabel("edge pressure over mean $p/p_m$ [1]")
+    np.atleast_1d(axes)[0].set_ylabel("edge pressure over mean $p/p_m$")
     figure.suptitle("Edge pressures go to 0 and to twice the mean (means over the edge intervals)", fontsize=10)
     return written(figure, path)
 
@@ -118,10 +119,10 @@ def shapes(histories, states, path):
             worn = direct.without_rigid_motion(history.x, history.worn[row], name)
             axis.plot(*monotone_cubic(x, 1e6 * worn), color=colour, label=f"cycle {(history.half_strokes[row] + 1) // 2}")
         axis.plot(*monotone_cubic(x, 1e6 * states[name].shape), "k--", linewidth=1.0, label="direct steady state")
-        axis.set_xlabel("position on the punch x [mm]")
+        axis.set_xlabel("position on the punch x (mm)")
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()
-    np.atleast_1d(axes)[0].set_ylabel("worn depth less rigid motion [µm]")
+    np.atleast_1d(axes)[0].set_ylabel("worn depth less rigid motion (µm)")
     figure.suptitle("Worn shape of the punch", fontsize=10)
     return written(figure, path)
 
@@ -136,8 +137,8 @@ def relaxation(histories, accelerated, states, path):
         ):
             distance = report.distances(run, states[name])[::2]
             axis.semilogy(run.cycles[::2], distance, style, color=colour, markersize=3, label=label)
-    axis.set_xlabel("cycles times wear_acceleration [1]")
-    axis.set_ylabel("distance over mean pressure [1]")
+    axis.set_xlabel("cycles times wear_acceleration")
+    axis.set_ylabel("distance over mean pressure")
     axis.legend()
     axis.set_title("Pressure: root mean square distance from the direct steady state", fontsize=10)
     return written(figure, path)

@@ -23,6 +23,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     # Without date and random names, the same run gives the same bytes.
+    "svg.fonttype": "none",
     "svg.hashsalt": "sliding contact",
 }
 
@@ -52,7 +53,7 @@ def along(recording, title, path):
     def speed(axis):
         axis.plot(time, 3.6 * recording[VEHICLE, "reference_speed"], color=ORANGE, label="reference", linewidth=2.2)
         axis.plot(time, 3.6 * recording[VEHICLE, "speed"], color=BLUE, label="car", linewidth=0.9)
-        axis.set_ylabel("speed [km/h]")
+        axis.set_ylabel("speed (km/h)")
         axis.margins(y=0.2)
         axis.set_ylim(bottom=0.0)
         axis.legend(loc="upper right", ncols=2)
@@ -63,7 +64,7 @@ def along(recording, title, path):
         for axle, colour in (("front", BLUE), ("rear", ORANGE)):
             values = np.where(drives, recording[VEHICLE, f"{axle}_brake_force"], np.nan)
             axis.plot(time, values / 1e3, color=colour, label=f"{axle} axle", linewidth=0.9)
-        axis.set_ylabel("brake force [kN]")
+        axis.set_ylabel("brake force (kN)")
         axis.margins(y=0.25)
         axis.set_ylim(bottom=0.0)
         axis.legend(loc="upper right", ncols=2)
@@ -75,7 +76,7 @@ def along(recording, title, path):
                       alpha=0.7, label=f"{place} contact")
             axis.plot(time, recording[brake, "strip.mean_temperature"] - ZERO_CELSIUS, color=colour, linestyle="--",
                       label=f"{place} disc, mean")
-        axis.set_ylabel("temperature [°C]")
+        axis.set_ylabel("temperature (°C)")
         axis.legend(loc="upper left", ncols=4)
         axis.margins(y=0.25)
         axis.set_ylim(bottom=0.0)
@@ -83,14 +84,14 @@ def along(recording, title, path):
     def friction(axis):
         for brake, colour in (("front_left", BLUE), ("front_right", GREEN), ("rear_left", ORANGE)):
             axis.plot(time, recording[brake, "friction_coefficient"], color=colour, label=brake.replace("_", " "))
-        axis.set_ylabel("friction coefficient [1]")
+        axis.set_ylabel("friction coefficient")
         axis.legend(loc="lower left", ncols=3)
 
     def wear(axis):
         for brake, colour in (("front_left", BLUE), ("rear_left", ORANGE)):
             axis.plot(time, 1e6 * recording[brake, "wear_depth_punch"], color=colour, label=brake.replace("_", " "))
-        axis.set_ylabel("pad wear [µm]")
-        axis.set_xlabel("time [s]")
+        axis.set_ylabel("pad wear (µm)")
+        axis.set_xlabel("time (s)")
         axis.legend(loc="upper left", ncols=2)
 
     panels = (("Speed", speed), ("Brake forces while driving", force), ("Temperatures", temperature),
@@ -113,7 +114,7 @@ def stops(cold, hot, begins, path):
             distance, rows = over_distance(recording, begin)
             axis.plot(distance, 3.6 * recording[VEHICLE, "speed"][rows], color=colour,
                       label=f"{label}: {distance[-1]:.1f} m")
-        axis.set_ylabel("speed [km/h]")
+        axis.set_ylabel("speed (km/h)")
         axis.legend()
 
     def quantity(name, factor, offset, label):
@@ -127,13 +128,13 @@ def stops(cold, hot, begins, path):
         return paint
 
     def friction(axis):
-        quantity("friction_coefficient", 1.0, 0.0, "friction coefficient [1]")(axis)
+        quantity("friction_coefficient", 1.0, 0.0, "friction coefficient")(axis)
         axis.set_ylim(bottom=0.0)
-        axis.set_xlabel("distance since the pedal was pressed [m]")
+        axis.set_xlabel("distance since the pedal was pressed (m)")
         axis.legend(loc="lower right", ncols=2)
 
     panels = (("Speed", speed),
-              ("Contact temperature", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature [°C]")),
+              ("Contact temperature", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature (°C)")),
               ("Friction", friction))
     with plt.rc_context(STYLE):
         return save(figure_of(panels, "The same pedal, cold and after the descent", sharex=True), path)
@@ -146,16 +147,16 @@ def hill(recording, path):
 
     def speed(axis):
         axis.plot(time, recording[VEHICLE, "speed"], color=BLUE)
-        axis.set_ylabel("speed [m/s]")
+        axis.set_ylabel("speed (m/s)")
 
     def drift(axis):
         position = recording[VEHICLE, "position"]
         axis.plot(time[first:], 1e3 * (position[first:] - position[first]), color=RED)
         axis.axhline(1.0, color="black", linewidth=0.8, linestyle=":")
         axis.text(time[-1], 1.0, "1 mm ", ha="right", va="bottom", fontsize=8)
-        axis.set_ylabel("travel since standstill [mm]")
+        axis.set_ylabel("travel since standstill (mm)")
         axis.set_ylim(-0.2, 1.3)
-        axis.set_xlabel("time [s]")
+        axis.set_xlabel("time (s)")
 
     with plt.rc_context(STYLE):
         return save(figure_of((("Speed", speed), ("Drift", drift)), "Held on a 10 % grade", sharex=True), path)

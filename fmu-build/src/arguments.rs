@@ -1,7 +1,35 @@
-//! Quantities among the arguments of a command.
+//! Numbers and quantities among the arguments of a command.
 
 use scene::variables::units::SECOND;
 use scene_file::quantity::text;
+use std::ops::RangeInclusive;
+
+/// A number.
+///
+/// # Errors
+/// Where it is none.
+pub fn number(given: &str) -> Result<f64, String> {
+    given.trim().parse().map_err(|_| match given.contains(',') {
+        true => "numbers have a decimal point".to_owned(),
+        false => "must be a number".to_owned(),
+    })
+}
+
+/// A parser of whole numbers in a range.
+pub fn whole<T: TryFrom<u64> + Send + Sync + 'static>(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |given| {
+        let value = given.trim().parse().ok().filter(|value| range.contains(value));
+        value.and_then(|value| T::try_from(value).ok()).ok_or_else(|| {
+            let least = range.start();
+            match *range.end() {
+                u64::MAX => format!("must be a whole number from {least} on"),
+                most => format!("must be a whole number from {least} to {most}"),
+            }
+        })
+    }
+}
 
 /// A time, in seconds or with its unit as in "20 ms"; in s.
 ///

@@ -1,7 +1,7 @@
 //! `cargo fmu fit`: the wear law of a scene's punch from measured volumes, by examples/batch/fit.py.
 
 use crate::batch::example;
-use crate::{output, scenes};
+use crate::{arguments, output, scenes};
 use anyhow::{Context, Result, bail};
 use scene_file::records::Records;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub struct Arguments {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pressure")]
     exponents: Vec<Exponent>,
     /// Probability that the intervals hold the values.
-    #[arg(long, default_value_t = 0.95, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.95, value_parser = arguments::number, allow_negative_numbers = true)]
     confidence: f64,
     /// Folder for the picture; by default batch/fit in cargo's target folder.
     #[arg(long, short, value_name = "FOLDER")]
@@ -46,6 +46,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let confidence = arguments.confidence;
     if !(confidence > 0.0 && confidence < 1.0) {
         bail!("--confidence {confidence} must be above 0 and below 1");
+    }
+    let exponents = &arguments.exponents;
+    if exponents.len() > 1 && exponents[1..].contains(&exponents[0]) {
+        bail!("--exponents names one twice; accepted are pressure, velocity, or both with a comma");
     }
     scenes::load(Some(&arguments.scene))?;
     let scene = if scenes::names().contains(&arguments.scene) {

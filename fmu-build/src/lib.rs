@@ -13,6 +13,7 @@ pub mod fit;
 pub mod native;
 pub mod output;
 pub mod package;
+pub mod parquet;
 pub mod plot;
 pub mod project;
 pub mod python;

@@ -3,7 +3,7 @@
 mod scale;
 
 use anyhow::{Result, anyhow};
-use plotters::chart::{ChartBuilder, SeriesLabelPosition};
+use plotters::chart::ChartBuilder;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use scale::Scale;
@@ -26,8 +26,16 @@ const COLOURS: [RGBColor; 7] = [
 /// Units of the drawing per pixel: the drawing library rounds coordinates to whole units, which would show as wobble of the curves.
 const FINE: u32 = 10;
 
-/// Height of a row of a figure's key, in pixels.
+/// Height of a row of a figure's key and of a panel's legend, in pixels.
 const KEY_ROW: u32 = 20;
+
+/// Width of a mark in a legend with the space behind it, and of a letter at most on the average, in pixels.
+const SAMPLE: u32 = 34;
+const LETTER: u32 = 7;
+
+/// Left and right of a panel's axes, in pixels.
+const LEFT: u32 = 72;
+const RIGHT: u32 = 18;
 
 /// Pixels in units of the drawing.
 const fn fine(pixels: i32) -> i32 {
@@ -86,7 +94,7 @@ impl Series {
 /// An axis of a panel.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Axis {
-    /// Quantity with its unit: `pressure, MPa`.
+    /// Quantity with its unit: `pressure (MPa)`.
     pub label: String,
     /// Logarithmic to base 10.
     pub logarithmic: bool,
@@ -134,23 +142,6 @@ impl Axis {
     }
 }
 
-/// Position of the legend in its panel.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Legend {
-    /// Left above.
-    UpperLeft,
-    /// In the middle above.
-    Top,
-    /// Right above.
-    UpperRight,
-    /// Left below.
-    LowerLeft,
-    /// In the middle below.
-    Bottom,
-    /// Right below.
-    LowerRight,
-}
-
 /// One pair of axes with its curves.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Panel {
@@ -160,22 +151,26 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Curves, drawn in this order.
+    /// Curves, drawn in this order. Those with a name are listed above the axes, where they hide no curve.
     pub series: Vec<Series>,
-    /// Position of the legend.
-    pub legend: Legend,
 }
 
 impl Panel {
-    /// A panel with its legend right above.
+    /// A panel of these curves.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
-        Self { title: title.into(), x, y, series, legend: Legend::UpperRight }
+        Self { title: title.into(), x, y, series }
     }
 
-    /// The same with its legend there.
-    pub fn with_legend(mut self, legend: Legend) -> Self {
-        self.legend = legend;
-        self
+    /// Names in a row of the legend: two where the longest of them fits into half of a panel that is `width` pixels wide.
+    fn legend_columns(&self, width: u32) -> usize {
+        let longest = self.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0) as u32;
+        if 2 * (SAMPLE + LETTER * longest) <= width - LEFT - RIGHT { 2 } else { 1 }
+    }
+
+    /// Rows of the legend above a panel that is `width` pixels wide.
+    fn legend_rows(&self, width: u32) -> u32 {
+        let named = self.series.iter().filter(|series| !series.name.is_empty()).count();
+        named.div_ceil(self.legend_columns(width)) as u32
     }
 }
 
@@ -220,7 +215,14 @@ impl Figure {
         let key_columns = columns.max(2);
         let header = text_height + KEY_ROW * self.key.len().div_ceil(key_columns) as u32;
         let (width, height) = self.panel_size;
-        let size = (columns as u32 * width + 24, header + rows * height + 12);
+        // Axes side by side stand at one height: a row of panels has the legend rows of the longest.
+        let legends: Vec<u32> = self
+            .panels
+            .chunks(columns)
+            .map(|row| row.iter().map(|panel| panel.legend_rows(width)).max().unwrap_or(0))
+            .collect();
+        let above = |row: usize| KEY_ROW * legends[..row].iter().sum::<u32>();
+        let size = (columns as u32 * width + 24, header + rows * height + above(legends.len()) + 12);
         let mut text = String::new();
         {
             let area = SVGBackend::with_string(&mut text, (FINE * size.0, FINE * size.1)).into_drawing_area();
@@ -235,14 +237,18 @@ impl Figure {
                 let left = 24 + (index % key_columns) as u32 * share;
                 let middle = text_height + (index / key_columns) as u32 * KEY_ROW + KEY_ROW / 2;
                 series.draw_sample(&area, (left as i32, middle as i32), index)?;
-                let place = (left as i32 + 34, middle as i32);
+                let place = ((left + SAMPLE) as i32, middle as i32);
                 write(&area, &series.name, place, 13, FontStyle::Normal, (HPos::Left, VPos::Center))?;
             }
             for (index, panel) in self.panels.iter().enumerate() {
+                let row = index / columns;
                 let left = 12 + (index % columns) as u32 * width;
-                let top = header + (index / columns) as u32 * height;
-                let part = area.clone().shrink((fine(left as i32), fine(top as i32)), (FINE * width, FINE * height));
-                panel.draw(&part)?;
+                let top = header + row as u32 * height + above(row);
+                let legend = KEY_ROW * legends[row];
+                let part = area
+                    .clone()
+                    .shrink((fine(left as i32), fine(top as i32)), (FINE * width, FINE * (height + legend)));
+                panel.draw(&part, width, legend)?;
             }
             area.present().map_err(failed)?;
         }
@@ -323,25 +329,28 @@ fn write(
 }
 
 impl Panel {
-    fn draw(&self, area: &Area<'_>) -> Result<()> {
+    /// Draws title, legend (`legend` pixels high) and axes, one below the other, `width` pixels wide.
+    fn draw(&self, area: &Area<'_>, width: u32, legend: u32) -> Result<()> {
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let x = self.x.scale(points().map(|point| point.0), 0.0);
         let y = self.y.scale(points().map(|point| point.1), 0.06);
-        let (width, _) = area.dim_in_pixel();
-        write(
-            area,
-            &self.title,
-            (width as i32 / (2 * FINE as i32) + 24, 8),
-            16,
-            FontStyle::Bold,
-            (HPos::Center, VPos::Top),
-        )?;
+        let middle = (width / 2 + 24) as i32;
+        write(area, &self.title, (middle, 8), 16, FontStyle::Bold, (HPos::Center, VPos::Top))?;
+        let columns = self.legend_columns(width);
+        let named = self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+        for (row, (index, series)) in named.enumerate() {
+            let left = LEFT + (row % columns) as u32 * (width - LEFT - RIGHT) / columns as u32;
+            let place = (left as i32, (30 + (row / columns) as u32 * KEY_ROW + KEY_ROW / 2) as i32);
+            series.draw_sample(area, place, index)?;
+            let place = (place.0 + SAMPLE as i32, place.1);
+            write(area, &series.name, place, 13, FontStyle::Normal, (HPos::Left, VPos::Center))?;
+        }
         let mut chart = ChartBuilder::on(area)
-            .margin_top(34 * FINE)
-            .margin_right(18 * FINE)
+            .margin_top((34 + legend) * FINE)
+            .margin_right(RIGHT * FINE)
             .margin_bottom(4 * FINE)
             .x_label_area_size(48 * FINE)
-            .y_label_area_size(72 * FINE)
+            .y_label_area_size(LEFT * FINE)
             .build_cartesian_2d(x, y)
             .map_err(failed)?;
         chart
@@ -388,50 +397,11 @@ impl Panel {
                 }
                 _ => {}
             }
-            if !series.name.is_empty() {
-                let nothing: [(f64, f64); 0] = [];
-                let entry = chart.draw_series(LineSeries::new(nothing, stroke)).map_err(failed)?.label(&series.name);
-                let line = move |from, to| PathElement::new(vec![(fine(from), 0), (fine(to), 0)], stroke);
-                let point = move || Circle::new((fine(12), 0), fine(3), colour.filled());
-                match series.mark {
-                    Mark::Line => entry.legend(move |place| EmptyElement::at(place) + line(0, 24)),
-                    Mark::Dashes => entry.legend(move |place| EmptyElement::at(place) + line(0, 9) + line(15, 24)),
-                    Mark::Points => entry.legend(move |place| EmptyElement::at(place) + point()),
-                    Mark::LineAndPoints => entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + point()),
-                    Mark::DashesAndSquares => {
-                        let corners = [(9, -3), (15, -3), (15, 3), (9, 3)].map(|(x, y)| (fine(x), fine(y))).to_vec();
-                        let square = move || Polygon::new(corners.clone(), colour.filled());
-                        entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + square())
-                    }
-                    Mark::Crosses => {
-                        entry.legend(move |place| EmptyElement::at(place) + Cross::new((fine(12), 0), fine(4), stroke))
-                    }
-                };
-            }
-        }
-        if self.series.iter().any(|series| !series.name.is_empty()) {
-            let place = match self.legend {
-                Legend::UpperLeft => SeriesLabelPosition::UpperLeft,
-                Legend::Top => SeriesLabelPosition::UpperMiddle,
-                Legend::UpperRight => SeriesLabelPosition::UpperRight,
-                Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
-                Legend::Bottom => SeriesLabelPosition::LowerMiddle,
-                Legend::LowerRight => SeriesLabelPosition::LowerRight,
-            };
-            chart
-                .configure_series_labels()
-                .position(place)
-                .margin(10 * FINE)
-                .legend_area_size(30 * FINE)
-                .background_style(WHITE.mix(0.85))
-                .border_style(GRID.stroke_width(FINE))
-                .label_font((FONT, fine(13)).into_font().color(&INK))
-                .draw()
-                .map_err(failed)?;
         }
         Ok(())
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -440,9 +410,9 @@ mod tests {
     fn every_text_and_curve_is_drawn_and_gaps_interrupt_the_line() {
         let points = vec![(1.0, 1.0), (2.0, f64::NAN), (3.0, 0.0), (4.0, 4.0), (5.0, 5.0), (6.0, 1e3)];
         let series = vec![Series::line("computed", points.clone()), Series::line("exact", points).with(Mark::Points)];
-        let panel = Panel::new("Error", Axis::new("cells"), Axis::logarithmic("error, 1"), series);
+        let panel = Panel::new("Error", Axis::new("cells"), Axis::logarithmic("error"), series);
         let svg = Figure::new("Kernels", vec![panel]).with_header(vec!["nu = 0.3".into()]).svg().unwrap();
-        for text in ["computed", "exact", "Error", "cells", "error, 1", "Kernels", "nu = 0.3"] {
+        for text in ["computed", "exact", "Error", "cells", "error", "Kernels", "nu = 0.3"] {
             assert!(svg.contains(text), "{text} is missing");
         }
         // Positive and finite are the points 1, 4, 5, 6; a single point makes no line.

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{ExitStatus, exit};
 
 use anyhow::{Context, Result, bail};
 
@@ -49,6 +50,17 @@ pub fn program() -> std::io::Result<PathBuf> {
         Some(replaced) => PathBuf::from(replaced),
         None => path,
     })
+}
+
+/// Ends this process with the status of a program that failed and has told why.
+///
+/// # Errors
+/// Where a signal has ended it, so that it has not.
+pub fn leave(status: ExitStatus, program: &str) -> Result<()> {
+    match status.code() {
+        Some(code) => exit(code),
+        None => bail!("{program} was ended ({status})"),
+    }
 }
 
 #[cfg(test)]

@@ -132,27 +132,6 @@ pub fn peers_environment() -> Result<PathBuf> {
     ensure("python-peers", &[PEERS])
 }
 
-/// Writes the table of a CSV file as Parquet, with the pyarrow of the batch examples.
-///
-/// # Errors
-/// Where the environment cannot be made, or a file not be read or written.
-pub fn parquet(csv: &Path, parquet: &Path) -> Result<()> {
-    const PROGRAM: &str = "import sys, pyarrow.csv as csv, pyarrow.parquet as parquet; \
-                           parquet.write_table(csv.read_csv(sys.argv[1]), sys.argv[2])";
-    let python = batch_environment()?;
-    let (csv, parquet) = (csv.as_os_str(), parquet.as_os_str());
-    let output = Command::new(&python)
-        .args(["-c".as_ref(), PROGRAM.as_ref(), csv, parquet])
-        .stdin(Stdio::null())
-        .output()
-        .with_context(|| format!("starting {}", python.display()))?;
-    if !output.status.success() {
-        let told = String::from_utf8_lossy(&output.stderr);
-        bail!("writing {}: {}", parquet.display(), told.trim().lines().last().unwrap_or("Python failed"));
-    }
-    Ok(())
-}
-
 /// Requirements of a tier, including those of the tiers before it.
 fn requirements(tier: Tier) -> Vec<Requirements> {
     REQUIREMENTS.iter().filter(|(own, ..)| *own <= tier).map(|&(_, name, text)| (name, text)).collect()

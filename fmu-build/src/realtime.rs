@@ -3,11 +3,12 @@
 mod histogram;
 
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Legend, Panel, Series};
-use crate::{bench, package, project, scenes};
+use crate::plot::{Axis, Figure, Panel, Series};
+use crate::{arguments, bench, package, project, scenes};
 use anyhow::{Context, Result, bail, ensure};
 use fmu_host::timing::{Component, Instance, Variables};
 use histogram::Histogram;
+use scene::message::Number;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,8 @@ const STEP: f64 = 1e-3;
 const USUAL: f64 = 100.0;
 /// No step may take longer, microseconds.
 const LONGEST: f64 = 1000.0;
+/// Largest factor on the velocity of the drive.
+const FASTEST: f64 = 100.0;
 /// Largest delay of the probe at which the limits are enforced, microseconds.
 const QUIET: f64 = 200.0;
 /// Duration of the probe's work without interruption.
@@ -32,20 +35,20 @@ const WARM_UP: usize = 2000;
 ///
 /// The scene is the stock front disc brake at the line level, its pads never off the disc. Beside every step a probe does a fixed
 /// amount of work: its time beyond its fastest time measures the interruptions by the machine. 99.9 % of the steps must take less
-/// than 100 us and none more than 1 ms; that is enforced where the probe loses less than 200 us, and only reported elsewhere.
+/// than 100 µs and none more than 1 ms; that is enforced where the probe loses less than 200 µs, and only reported elsewhere.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Bodies that do not expand, or resolved heat with thermal distortion.
     #[arg(long, value_enum, default_value = "cold")]
     contact: Contact,
     /// Cells of the contact line.
-    #[arg(long, default_value_t = 33, value_parser = clap::value_parser!(u16).range(1..=1025))]
+    #[arg(long, default_value_t = 33, value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
     cells: u16,
     /// Simulated time in seconds.
-    #[arg(long, default_value_t = 600.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 600.0, value_parser = arguments::number, allow_negative_numbers = true)]
     seconds: f64,
-    /// Factor on the sliding velocity of the drive.
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    /// Factor on the sliding velocity of the drive, at most 100.
+    #[arg(long, default_value_t = 1.0, value_parser = arguments::number, allow_negative_numbers = true)]
     speed: f64,
     /// Wait for the clock's next millisecond before every step, as a real-time host does, instead of stepping back to
     /// back.
@@ -111,7 +114,7 @@ pub struct Case {
     pub cells: u16,
     /// Simulated time, s.
     pub seconds: f64,
-    /// Factor on the sliding velocity of the drive.
+    /// Factor on the sliding velocity of the drive, at most 100.
     pub speed: f64,
     /// One step every millisecond of the clock, or back to back.
     pub paced: bool,
@@ -141,9 +144,9 @@ pub struct Run {
 /// Where the FMU cannot be built or refuses a step.
 pub fn measure(case: &Case) -> Result<Run> {
     let Case { contact, cells, seconds, speed, paced } = *case;
-    ensure!(speed.is_finite(), "--speed {speed} must be finite");
+    ensure!(speed > 0.0 && speed <= FASTEST, "--speed {} must be above 0 and at most {FASTEST}", Number(speed));
     let count = (seconds / STEP).round();
-    ensure!((1.0..=1e8).contains(&count), "--seconds {seconds} must be from {STEP} to {}", 1e8 * STEP);
+    ensure!((1.0..=1e8).contains(&count), "--seconds {} must be from {STEP} to {}", Number(seconds), 1e8 * STEP);
     let count = count as usize;
     let folder = project::target().join("realtime");
     let fmu = build(contact, cells, &folder)?;
@@ -286,8 +289,8 @@ impl Run {
             (false, false) => "beyond the limits, which are not enforced on a machine that takes so much",
         };
         format!(
-            "{} steps of the line ({}, N = {}), median {:.1} us, 99.9 % below {:.1} us, longest {:.0} us; the machine \
-             took up to {:.0} us from the probe: {verdict}",
+            "{} steps of the line ({}, N = {}), median {:.1} µs, 99.9 % below {:.1} µs, longest {:.0} µs; the machine \
+             took up to {:.0} µs from the probe: {verdict}",
             self.steps.count(),
             self.case.contact.name(),
             self.case.cells,
@@ -317,9 +320,9 @@ impl Run {
         series.push(
             Series::line("limits", vec![(USUAL, 1.0), (USUAL, 1e-3), (LONGEST, 1e-3), (LONGEST, lowest)]).coloured(6),
         );
-        let axis = Axis::logarithmic("time, µs");
-        let share = Axis::logarithmic("share that takes longer, 1").over(lowest, 1.0);
-        let panel = Panel::new("How many steps take longer", axis, share, series).with_legend(Legend::LowerLeft);
+        let axis = Axis::logarithmic("time (µs)");
+        let share = Axis::logarithmic("share that takes longer").over(lowest, 1.0);
+        let panel = Panel::new("How many steps take longer", axis, share, series);
         let how = if self.case.paced { "one every millisecond of the clock" } else { "back to back" };
         let mut figure = Figure::new(
             format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),
@@ -400,7 +403,7 @@ mod tests {
             steps[..slow].fill(time);
             steps
         };
-        // One in a thousand may take longer than 100 us, none longer than 1 ms.
+        // One in a thousand may take longer than 100 µs, none longer than 1 ms.
         for (slow, time, within) in
             [(9, 500_000, true), (11, 500_000, false), (1, 1_100_000, false), (11, 99_000, true)]
         {
@@ -423,7 +426,7 @@ mod tests {
     fn the_histogram_is_printed_and_drawn() {
         let run = run(vec![3_000, 4_000, 150_000], 700);
         let text = run.to_string();
-        assert!(text.contains("longest 150 us") && text.contains("beyond the limits"), "{text}");
+        assert!(text.contains("longest 150 µs") && text.contains("beyond the limits"), "{text}");
         assert!(run.table().lines().count() > 3, "{}", run.table());
         assert!(run.figure().svg().unwrap().contains("share that takes longer"));
         assert_eq!(run.record()["steps"], 3);

@@ -5,7 +5,7 @@ mod cycle;
 mod scene;
 
 use crate::output::{self, print_text};
-use crate::{native, package, project, python};
+use crate::{arguments, native, package, project, python};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::io::{self, BufRead, BufReader};
@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long)]
     cycle: Option<String>,
     /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, value_parser = arguments::number, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Folder for CSV and plots; the default is run in cargo's target folder, for the coupled examples a folder in it.
     #[arg(long, short, value_name = "FOLDER")]
@@ -158,7 +158,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
-        bail!("the drive did not finish ({status})");
+        project::leave(status, "the drive")?;
     }
     Ok(())
 }
@@ -182,7 +182,7 @@ fn compare(arguments: &Arguments) -> Result<()> {
     }
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
-        bail!("the comparison failed ({status})");
+        project::leave(status, "the comparison")?;
     }
     Ok(())
 }
@@ -213,7 +213,7 @@ fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
             bail!("--step {step} does not apply to {name}: disc_brake takes it, the coupled examples choose their own");
         }
         if !(step.is_finite() && step > 0.0) {
-            bail!("--step {step} s must be a finite number above 0");
+            bail!("--step {step} s must be a finite number above 0 s");
         }
     }
     Ok(())

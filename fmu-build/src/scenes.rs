@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use scene::slot::LARGEST_TOLERANCE;
+use scene::variables::TOLERANCES;
 pub use scene_file::assign;
 use scene_file::{SceneFile, shipped};
 
@@ -48,8 +48,8 @@ pub fn warn(scene: &SceneFile) {
 /// With the limits.
 pub fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(value) if value > 0.0 && value <= LARGEST_TOLERANCE => Ok(value),
-        _ => Err(format!("must be a number above 0 and at most {LARGEST_TOLERANCE}")),
+        Ok(value) if TOLERANCES.contains(&value) => Ok(value),
+        _ => Err(format!("must be a number from {:e} to {}", TOLERANCES.start(), TOLERANCES.end())),
     }
 }
 
@@ -80,6 +80,7 @@ mod tests {
             "holder.pivot_height=30 mm",
             "holder.constraint = translate_and_rotate",
             "wear_acceleration=10",
+            "punch.width [mm] = 50",
             "contact.friction_fade.factor[2] = 70 %",
         ] {
             assign(&mut scene, assignment).unwrap();
@@ -92,10 +93,13 @@ mod tests {
         assert_eq!(starts("holder.constraint"), [1.0, 2.0]);
         assert_eq!(starts("wear_acceleration"), [1.0, 10.0]);
         assert_eq!(starts("punch.height"), [0.1, 0.1]);
+        assert_eq!(starts("punch.width")[1], 0.05);
         assert_eq!(starts("contact.friction_fade.factor[2]")[1], 0.7);
         for (wrong, reason) in [
             ("holder.pivot_height", "must be KEY=VALUE"),
             ("holder.pivot_heigth=1", "holder.pivot_height"),
+            ("punch.width [kN]=1", "the wrong unit \"kN\""),
+            ("name=x", "name is no variable"),
             ("holder.pivot_height=-30 mm", "holder.pivot_height"),
             ("experiment.stop=1", "is no variable"),
             ("contact.friction_fade.factor[99]=1", "has the elements 1 to"),

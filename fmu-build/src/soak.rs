@@ -1,7 +1,7 @@
 //! `cargo fmu soak`: very many steps, life cycles and states in one process; memory stays flat and results stay the same.
 
 use crate::output::print_line;
-use crate::{bench, package, project, scenes};
+use crate::{arguments, bench, package, project, scenes};
 use anyhow::{Context, Result, ensure};
 use fmu_host::timing::{Component, Instance, Variables};
 use scene::fnv::Fnv;
@@ -33,16 +33,16 @@ const GROWTH: i64 = 1024;
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Steps of the lumped level.
-    #[arg(long, default_value_t = 100_000_000)]
+    #[arg(long, default_value_t = 100_000_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     lumped: usize,
     /// Steps of the contact line with resolved heat.
-    #[arg(long, default_value_t = 1_000_000)]
+    #[arg(long, default_value_t = 1_000_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     line: usize,
     /// Rounds of loading the library, instantiating, initialising, stepping, freeing and unloading it.
-    #[arg(long, default_value_t = 5000)]
+    #[arg(long, default_value_t = 5000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     rounds: usize,
     /// States that are saved, restored and stepped from again.
-    #[arg(long, default_value_t = 100_000)]
+    #[arg(long, default_value_t = 100_000, value_parser = arguments::whole::<usize>(0..=1_000_000_000_000), allow_negative_numbers = true)]
     states: usize,
     /// A five hundredth of all: seconds.
     #[arg(long, conflicts_with_all = ["lumped", "line", "rounds", "states"])]

@@ -57,14 +57,16 @@ def region(axis: Axes, found: Any) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     outline = np.linalg.cholesky(found.covariance[:2, :2]) @ np.array([np.cos(angle), np.sin(angle)]) * np.sqrt(size)
     percent = f"{100 * found.confidence:g} %"
-    # 1 mm3/(N.m) = 1e-9 m2/N.
-    coefficient = 1e9 * np.exp(centre[0] + outline[0])
+    # 1 mm3/(N.m) = 1e-9 m2/N; the power of ten stands in the label.
+    power = int(np.floor(np.log10(1e9 * found.values[0])))
+    unit = 1e9 / 10.0**power
+    coefficient = unit * np.exp(centre[0] + outline[0])
     axis.fill(coefficient, centre[1] + outline[1], color=BLUE, alpha=0.25, label=f"joint {percent} region")
     low, high = found.intervals
     axis.errorbar(
-        [1e9 * found.values[0]],
+        [unit * found.values[0]],
         [found.values[1]],
-        xerr=[[1e9 * (found.values[0] - low[0])], [1e9 * (high[0] - found.values[0])]],
+        xerr=[[unit * (found.values[0] - low[0])], [unit * (high[0] - found.values[0])]],
         yerr=[[found.values[1] - low[1]], [high[1] - found.values[1]]],
         fmt="o",
         ms=4,
@@ -73,9 +75,8 @@ def region(axis: Axes, found: Any) -> None:
         label=f"fit, separate {percent} intervals",
     )
     kind = next(kind for kind, name in EXPONENTS.items() if name == found.names[1])
-    axis.set_xlabel("wear coefficient k (mm³/(N·m))")
+    axis.set_xlabel(f"wear coefficient k ($10^{{{power}}}$ mm³/(N·m))")
     axis.set_ylabel(f"{kind} exponent")
     axis.set_title("what the records determine", fontsize=9)
-    axis.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
     axis.margins(y=0.25)
     axis.legend(loc="upper right")

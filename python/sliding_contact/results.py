@@ -57,6 +57,11 @@ class Deviation:
     range: float  #: largest less smallest measured value
     outside: int  #: measured points outside of the simulated time
 
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        shown = f"{self.name}: {self.root_mean_square:.3g}{unit} root mean square, at most {self.largest:.3g}{unit} at {self.at:g} s"
+        return f"{shown}, of a range of {self.range:.3g}{unit}; {self.time.size} points"
+
 
 class Simulation(Mapping):
     """A run: every input and output over the time, by name, in SI units or in the one that the name has in brackets.
@@ -333,7 +338,7 @@ def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -
         import matplotlib
         import matplotlib.pyplot as plt
     except ImportError as error:
-        raise ImportError("figures need matplotlib: pip install 'sliding_contact[plot]'") from error
+        raise ImportError("figures need matplotlib: pip install matplotlib") from error
     from . import _figure
 
     with plt.rc_context(_figure.STYLE):

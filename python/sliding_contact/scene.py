@@ -82,6 +82,8 @@ class Scene:
         >>> Scene.load("pin_on_disk").name
         'pin_on_disk'
         """
+        if scene is not None and not isinstance(scene, (str, os.PathLike)):
+            raise Error(f"{scene!r} is no scene; accepted are the path of a scene file and the names {', '.join(scenes())}")
         return cls(None if scene is None else os.fspath(scene))
 
     def copy(self) -> "Scene":
@@ -93,7 +95,7 @@ class Scene:
     ) -> "Scene":
         """Gives variables other values, `set({name: value})` or `set(name, value)`, and returns the scene itself.
 
-        Numbers are in the SI unit, texts have a unit or are the item of an enumeration. Arrays are lists as in a scene file: where a
+        Numbers are in the SI unit, or in the one that the name has in brackets (`"punch.width [mm]"`); texts have a unit or are the item of an enumeration. Arrays are lists as in a scene file: where a
         shorter one is allowed, the elements that it leaves out have the values of the scene file. What is refused changes nothing.
 
         >>> brake = Scene.load("disc_brake").set({"normal_load": "12 kN", "solver.fidelity": "line"})
@@ -108,16 +110,20 @@ class Scene:
             ...
         sliding_contact.Error: setting punch.widht=0.1: ...did you mean punch.width?...
         """
-        if isinstance(values, str) != (value is not None):
+        if isinstance(values, str) != (value is not None) or not isinstance(values, (str, Mapping, type(None))):
             raise Error("set takes a dictionary of names and values, or one name and its value")
-        given: dict[str, Any] = {values: value, **more} if isinstance(values, str) else {**(values or {}), **more}
+        named: dict[str, Any] = {values: value, **more} if isinstance(values, str) else {**(values or {}), **more}
+        given: dict[str, Any] = {}
+        for name, own in named.items():
+            plain, unit = split(name)
+            given[plain] = own if unit is None else _with_unit(name, own, unit)
 
         def is_replaced(assignment: str) -> bool:
             name = assignment.split("=", 1)[0].strip()
             return name in given or name.split("[")[0] in given
 
         kept = [assignment for assignment in self._assignments if not is_replaced(assignment)]
-        self._read([*kept, *(f"{name}={_literal(own)}" for name, own in given.items())])
+        self._read([*kept, *(f"{name}={_literal(name, own)}" for name, own in given.items())])
         return self
 
     def set_numbers(self, values: Mapping[str, float]) -> "Scene":
@@ -224,7 +230,7 @@ class Scene:
         """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
 
         `inputs`: columns by name with a unit, as a dictionary, a table of pandas or a CSV file; a single number holds for all
-        times. `step`: longest communication step [s]. `at`: times of the profiles over the contact [s]. `progress` is called with the
+        times. `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise. `progress` is called with the
         part that is done. Raises `StepFailed`, which holds the run so far, where a step fails.
 
         >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
@@ -232,7 +238,9 @@ class Scene:
         >>> round(float(result["dissipated_energy [kJ]"][-1]), 1)
         64.0
         """
-        request = self._request("simulate", inputs=source(inputs, "inputs"), step=step, at=[float(time) for time in at])
+        longest = None if step is None else seconds("step", step)
+        times = [seconds("at", time) for time in ([at] if np.ndim(at) == 0 else at)]
+        request = self._request("simulate", inputs=source(inputs, "inputs"), step=longest, at=times)
         answer = _native.ask(request, progress=progress)
         result = Simulation(answer)
         for time, text in result.warnings:
@@ -250,7 +258,8 @@ class Scene:
         >>> round(float(punch.strokes[0].pressure.max() / punch.mean_pressure), 2)
         2.0
         """
-        request = self._request("steady", cells=cells, return_speed=return_speed, cold=cold)
+        speed = None if return_speed is None else number("return_speed", return_speed)
+        request = self._request("steady", cells=count("cells", cells), return_speed=speed, cold=bool(cold))
         return SteadyState(self._warn(_native.ask(request).record))
 
     def cycles(
@@ -262,7 +271,8 @@ class Scene:
         >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
         3900.0
         """
-        request = self._request("cycles", cycles=float(cycles), tolerance=tolerance, cells=cells, cold=cold)
+        request = self._request("cycles", cycles=number("cycles", cycles), tolerance=number("tolerance", tolerance), cells=count("cells", cells),
+                                cold=bool(cold))  # fmt: skip
         return Cycles(self._warn(_native.ask(request).record))
 
     def plan(self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None) -> Union[Plan, LevelComparison]:
@@ -272,14 +282,15 @@ class Scene:
         >>> plan.settings["solver.fidelity"] in ("lumped", "line")
         True
         """
-        request = self._request("plan", inputs=source(inputs, "inputs"), tolerance=tolerance)
+        wanted = None if tolerance is None else number("tolerance", tolerance)
+        request = self._request("plan", inputs=source(inputs, "inputs"), tolerance=wanted)
         record = self._warn(_native.ask(request).record)
         return Plan(record) if inputs is None else LevelComparison(record)
 
     def fit(
         self,
         records: Union[str, "os.PathLike[str]", "Records"],
-        exponents: Sequence[str] = ("pressure",),
+        exponents: Union[str, Sequence[str]] = ("pressure",),
         confidence: float = 0.95,
     ) -> "Fit":
         """Fits the wear law of the punch to worn volumes: coefficient and exponents with confidence intervals; needs scipy.
@@ -289,7 +300,8 @@ class Scene:
         from . import wear_law
 
         own = records if isinstance(records, wear_law.Records) else wear_law.Records.read(records)
-        return wear_law.fit(wear_law.Model(self, own), tuple(exponents), confidence)
+        fitted = (exponents,) if isinstance(exponents, str) else tuple(exponents)
+        return wear_law.fit(wear_law.Model(self, own), fitted, confidence)
 
     def _warn(self, record: dict[str, Any]) -> dict[str, Any]:
         for text in record["scene_warnings"]:
@@ -301,6 +313,8 @@ class Scene:
 
 def split(name: str) -> tuple[str, Optional[str]]:
     """Name and unit of `name [unit]`."""
+    if not isinstance(name, str):
+        raise Error(f"{name!r} is no name of a variable")
     # Elements of arrays have an index right behind the name, units stand apart.
     at = name.rfind(" [")
     return (name[:at].rstrip(), name[at + 2 : -1].strip()) if at > 0 and name.endswith("]") else (name, None)
@@ -321,7 +335,47 @@ def quantity(name: str, text: str, difference: bool = False) -> float:
     return float(_native.ask({"analysis": "quantity", "name": name, "text": text, "difference": difference}).record)
 
 
-def _literal(value: Value) -> str:
+def number(name: str, value: Any) -> float:
+    """A finite number among the arguments."""
+    try:
+        own = float(value)
+    except (TypeError, ValueError):
+        own = float("nan")
+    if not np.isfinite(own):
+        raise Error(f"{name} = {value!r} must be a finite number")
+    return own
+
+
+def count(name: str, value: Any, most: int = 1025) -> Optional[int]:
+    """A whole number from 1 among the arguments, or none."""
+    if value is None:
+        return None
+    own = number(name, value)
+    if not (1 <= own <= most and own == int(own)):
+        raise Error(f"{name} = {value!r} must be a whole number from 1 to {most}")
+    return int(own)
+
+
+def seconds(name: str, value: Any) -> float:
+    """A time among the arguments, in seconds or with its unit as "20 ms"."""
+    if not isinstance(value, str):
+        return number(name, value)
+    try:
+        return quantity("nominal.duration", value)
+    except Error as error:
+        raise Error(f"{name} = {value!r}: {str(error).split(': ', 1)[-1]}") from None
+
+
+def _with_unit(name: str, value: Any, unit: str) -> Value:
+    """A number or numbers in a unit, as texts."""
+    if isinstance(value, (str, bytes)):
+        raise Error(f"{name} = {value!r}: the name has the unit already; a number is accepted")
+    if np.ndim(value) == 0:
+        return f"{number(name, value)!r} {unit}"
+    return [f"{number(name, entry)!r} {unit}" for entry in value]
+
+
+def _literal(name: str, value: Value) -> str:
     """A value as it stands in a scene file."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
@@ -330,8 +384,10 @@ def _literal(value: Value) -> str:
     if isinstance(value, (int, np.integer)):
         return str(int(value))
     if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(json.dumps(entry) if isinstance(entry, str) else _literal(entry) for entry in value) + "]"
-    return repr(float(value))  # type: ignore[arg-type]
+        return "[" + ", ".join(json.dumps(entry) if isinstance(entry, str) else _literal(name, entry) for entry in value) + "]"
+    if not isinstance(value, (float, np.floating)):
+        raise Error(f"{name} = {value!r}: accepted are numbers, texts with a unit or of an item, and lists of them")
+    return repr(float(value))
 
 
 def _is_text(path: str) -> bool:

@@ -23,7 +23,7 @@ from ._errors import Error
 try:
     from scipy import optimize, stats
 except ImportError as missing:
-    raise ImportError("fits need scipy: pip install 'sliding_contact[fit]'") from missing
+    raise ImportError("fits need scipy: pip install scipy") from missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,11 +49,25 @@ class Records:
     distance: np.ndarray  # m
     volume: np.ndarray  # m3, lost by the pin
 
+    def __post_init__(self) -> None:
+        for name in ("load", "speed", "distance", "volume"):
+            try:
+                own = np.asarray(getattr(self, name), float).ravel()
+            except (TypeError, ValueError):
+                raise Error(f"records: {name} = {getattr(self, name)!r} are no numbers") from None
+            object.__setattr__(self, name, own)
+            if own.size != self.load.size:
+                raise Error(f"records: {name} has {own.size} values, load {self.load.size}")
+            for index in np.flatnonzero(~(np.isfinite(own) & (own > 0.0)))[:1]:
+                raise Error(f"records: {name}[{index}] = {own[index]:g} must be a finite number above 0")
+
     @classmethod
     def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Records":
         """From a CSV file with a column for each of them, its unit behind the name: `load [N]` or `load_N`; lines that start with # are
         notes.
         """
+        if not isinstance(path, (str, os.PathLike)):
+            raise Error(f"records: {type(path).__name__} is no file; accepted are a CSV file and `wear_law.Records`")
         # The command refuses with the same reader what is wrong in a file before it builds anything.
         found = _native.ask({"analysis": "records", "path": os.fspath(path)}).record
         return cls(*(np.array(found[name]) for name in ("load", "speed", "distance", "volume")))
@@ -129,8 +143,10 @@ def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: floa
     """
     records = model.records
     unknown = [name for name in exponents if name not in EXPONENTS]
-    if unknown or not 0.0 < confidence < 1.0:
-        raise Error(f"exponents {unknown or list(exponents)} must be among {', '.join(EXPONENTS)}, confidence {confidence} between 0 and 1")
+    if unknown or len(set(exponents)) < len(exponents):
+        raise Error(f"exponents = {list(exponents)}: accepted are {', '.join(EXPONENTS)}, each once")
+    if not (isinstance(confidence, (int, float)) and 0.0 < confidence < 1.0):
+        raise Error(f"confidence = {confidence!r} must be above 0 and below 1")
     names = (COEFFICIENT, *(EXPONENTS[name] for name in exponents))
     if records.volume.size <= len(names):
         raise Error(f"{records.volume.size} tests do not determine {len(names)} parameters and their scatter")

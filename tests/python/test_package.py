@@ -14,9 +14,11 @@ import pytest
 
 import sliding_contact
 from conftest import ROOT, STOP, needed
-from sliding_contact import Error, Scene, SceneWarning, StepFailed, fmu, host, scenes
+from sliding_contact import Error, Scene, SceneWarning, StepFailed, fmu, host, scenes, wear_law
 
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
+
+TESTS = wear_law.Records([5.0, 10.0, 20.0, 40.0], [0.1] * 4, [1000.0] * 4, [1e-10, 2e-10, 4e-10, 8e-10])
 
 
 def command(folder, *arguments):
@@ -136,6 +138,27 @@ def test_what_only_python_can_get_wrong_is_refused():
         (lambda: scene.simulate({"time [s]": [0, 1], "speed [m/s]": 1}), 'inputs, line 1, column 2: "speed [m/s]"'),
         (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocity [m/s]": [1, "fast"]}), '"fast" is no number'),
         (lambda: scene.simulate(STOP, step=0.0), "step = 0 s must be above 0 s"),
+        (lambda: scene.simulate(STOP, step="5 kN"), "step = '5 kN': \"5 kN\" has the wrong unit \"kN\"; accepted are s, min, h, ms"),
+        (lambda: scene.simulate(STOP, step=float("nan")), "step = nan must be a finite number"),
+        (lambda: scene.simulate(STOP, at="late"), "at = 'late'"),
+        (lambda: scene.steady(cells=9.5), "cells = 9.5 must be a whole number from 1 to 1025"),
+        (lambda: scene.steady(cells=100_000), "cells = 100000 must be a whole number from 1 to 1025"),
+        (lambda: scene.steady(return_speed="fast"), "return_speed = 'fast' must be a finite number"),
+        (lambda: scene.cycles("ten"), "cycles = 'ten' must be a finite number"),
+        (lambda: scene.plan(STOP, tolerance=float("nan")), "tolerance = nan must be a finite number"),
+        (lambda: scene.set({"punch.width": None}), "punch.width = None: accepted are numbers"),
+        (lambda: scene.set({"punch.width": 1j}), "punch.width = 1j: accepted are numbers"),
+        (lambda: scene.set(["punch.width"]), "set takes a dictionary"),
+        (lambda: scene.set({"punch.width [kN]": 3}), "wrong unit \"kN\"; accepted are m, mm"),
+        (lambda: scene.set({"punch.width [mm]": "3 mm"}), "punch.width [mm] = '3 mm': the name has the unit already"),
+        (lambda: scene[3], "3 is no name of a variable"),
+        (lambda: Scene.load(3), "3 is no scene; accepted are the path of a scene file and the names clutch, disc_brake"),
+        (lambda: scene.fit(3), "records: int is no file"),
+        (lambda: scene.fit(TESTS, ("load",)), "exponents = ['load']: accepted are pressure, velocity, each once"),
+        (lambda: scene.fit(TESTS, ("pressure", "pressure")), "accepted are pressure, velocity, each once"),
+        (lambda: scene.fit(TESTS, confidence=95), "confidence = 95 must be above 0 and below 1"),
+        (lambda: wear_law.Records([1.0, 2.0], [1.0], [1.0, 1.0], [1.0, 1.0]), "records: speed has 1 values, load 2"),
+        (lambda: wear_law.Records([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]), "records: volume[1] = -1 must be a finite number above 0"),
         (lambda: result["contact_temprature"], "no input or output 'contact_temprature'"),
         (lambda: result["contact_temperature [bar]"], "wrong unit"),
         (lambda: result.profiles, "solver.fidelity"),

@@ -69,6 +69,9 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
             scene.nominal_velocity
         );
     }
+    if scene.nominal_load == 0.0 {
+        bail!("the scene {name}: nominal.load = 0 N must be above 0 N for the wear of a cycle");
+    }
     if !(options.cycles >= 1.0 && options.cycles <= 1e15 && options.cycles.fract() == 0.0) {
         bail!("--cycles {}: must be a whole number from 1 to 1e15", options.cycles);
     }

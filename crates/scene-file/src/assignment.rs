@@ -6,13 +6,24 @@ use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use toml::de::DeTable;
 
 /// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
-/// text may stand without its quotes (`holder.pivot_height = 30 mm`), or of one element of an array.
+/// text may stand without its quotes (`holder.pivot_height = 30 mm`, or `holder.pivot_height [mm] = 30`), or of one element of an
+/// array.
 ///
 /// # Errors
 /// Where it is no assignment, or what a scene file with that line would be refused for.
 pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     let Some((key, value)) = assignment.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
         bail!("{assignment:?} must be KEY=VALUE, as holder.pivot_height=\"30 mm\"");
+    };
+    // As in the header of a column.
+    let with_unit = key.strip_suffix(']').and_then(|key| key.rsplit_once(" ["));
+    let joined;
+    let (key, value) = match with_unit {
+        Some((name, unit)) => {
+            joined = format!("{value} {unit}");
+            (name.trim(), joined.as_str())
+        }
+        None => (key, value),
     };
     let as_it_is =
         value.parse::<f64>().is_ok() || value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value);
@@ -24,6 +35,9 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
         scene.given.sort_unstable();
         scene.given.dedup();
         return Ok(());
+    }
+    if key == "name" {
+        bail!("{key} is no variable of the scene");
     }
     let line = parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
         .with_context(|| format!("setting {assignment}"))?;

@@ -5,7 +5,7 @@
 
 use crate::unit_names::canonical;
 use crate::{nearest, quantity};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
 use std::fs::File;
@@ -127,7 +127,16 @@ impl Table {
 /// is not accepted or stands twice, or it has a unit that does not fit, a cell that is no finite number, or a time that does not
 /// increase.
 pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
-    parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path, accepted)
+    parse(open(path)?, path, accepted)
+}
+
+/// A file to be read.
+///
+/// # Errors
+/// Where there is none, or a folder.
+pub fn open(path: &Path) -> Result<File> {
+    ensure!(!path.is_dir(), "{} is a folder; a CSV file is needed", path.display());
+    File::open(path).with_context(|| format!("reading {}", path.display()))
 }
 
 /// Reads the content of a file; `path` names it in messages.

@@ -1,9 +1,8 @@
 //! Records of wear tests: load, speed, distance and worn volume of every test, for the fit of a wear law.
 
 use crate::columns::{self, Column};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use scene::variables::units::{CUBIC_METRE, METRE, METRE_PER_SECOND, NEWTON, Unit};
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -30,7 +29,7 @@ impl Records {
     /// # Errors
     /// Names file, line, column and value: as [`columns::read`], and where a value is not above 0.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path)
+        Self::parse(columns::open(path)?, path)
     }
 
     /// Reads the content of a file; `path` names it in messages.

@@ -109,6 +109,13 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             }
             descriptions.push((chart.problem.name, document::describe(&chart, &findings::of(&chart))));
         }
+        if wanted(SCALING) {
+            let scaling = scaling::read(&folder)?;
+            for path in scaling.write(&folder)? {
+                print_line!("{}", path.display());
+            }
+            descriptions.push((SCALING, document::Description { passage: scaling.table(), details: String::new() }));
+        }
         return document::write(&descriptions);
     }
     let peers = !(arguments.quick || arguments.no_peers);

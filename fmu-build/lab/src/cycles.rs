@@ -1,8 +1,8 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
-use crate::scenes;
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
+use crate::{arguments, scenes};
 use analyses::cycles::{Course, Options, Station, advance};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,14 +17,14 @@ pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Number of cycles.
-    #[arg(long, value_name = "N", default_value_t = 1e6, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1e6, value_parser = arguments::number, allow_negative_numbers = true)]
     cycles: f64,
     /// Largest estimated error of a jump: of the shape over the elastic displacement under the mean pressure, of the heat over
     /// the heat, of the wear over that of the jump.
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-3, allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-3, value_parser = arguments::number, allow_negative_numbers = true)]
     tolerance: f64,
     /// Cells of the contact line; by default the scene's, or 33.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
     cells: Option<u16>,
     /// Without heat.
     #[arg(long)]
@@ -95,8 +95,8 @@ impl Presentation for Course {
             "estimate",
             "computed",
             "p_max/p_m",
-            "punch, um",
-            "strip, um"
+            "punch, µm",
+            "strip, µm"
         );
         text += if self.warm { "    T, degC\n" } else { "\n" };
         // Of cycles computed one after the other, the first and the last.
@@ -130,7 +130,7 @@ impl Presentation for Course {
         let over = |value: &dyn Fn(&Station) -> f64| -> Vec<(f64, f64)> {
             self.stations.iter().map(|station| (station.cycles, value(station))).collect()
         };
-        let cycles = || Axis::logarithmic("cycles, 1");
+        let cycles = || Axis::logarithmic("cycles");
         let worn = ["punch", "strip"].into_iter().enumerate().filter_map(|(body, name)| {
             let depth = over(&|s| 1e6 * s.worn[body]);
             let wears = depth.iter().any(|(_, depth)| *depth > 0.0);
@@ -141,15 +141,14 @@ impl Presentation for Course {
             Panel::new(
                 "Largest mean pressure of the forward half-stroke",
                 cycles(),
-                Axis::new("pressure, MPa"),
+                Axis::new("pressure (MPa)"),
                 vec![Series::line("", over(&|s| 1e-6 * s.highest_pressure)).with(Mark::LineAndPoints)],
             ),
-            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth, µm"), worn)
-                .with_legend(Legend::UpperLeft),
+            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth (µm)"), worn),
         ];
         if self.warm {
             let temperature = vec![Series::line("", over(&|s| s.temperature - 273.15)).with(Mark::LineAndPoints)];
-            panels.push(Panel::new("Mean contact temperature", cycles(), Axis::new("temperature, °C"), temperature));
+            panels.push(Panel::new("Mean contact temperature", cycles(), Axis::new("temperature (°C)"), temperature));
         }
         Figure::new(format!("{} over its cycles", self.name), panels)
     }
@@ -178,6 +177,6 @@ mod tests {
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
         assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
         assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
-        assert!(course.figure().svg().unwrap().contains("depth, µm"));
+        assert!(course.figure().svg().unwrap().contains("depth (µm)"));
     }
 }

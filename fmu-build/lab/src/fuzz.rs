@@ -33,6 +33,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
+use crate::arguments;
 use crate::output::print_line;
 
 /// Result of an execution: what was found.
@@ -56,20 +57,20 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     target: Vec<Target>,
     /// Seed of the only execution, whose calls are printed.
-    #[arg(long, conflicts_with_all = ["seconds", "executions", "from", "corpus"])]
+    #[arg(long, conflicts_with_all = ["seconds", "executions", "from", "corpus"], value_parser = arguments::whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     seed: Option<u64>,
     /// First seed; the next executions have the next ones.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = arguments::whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     from: u64,
     /// Time of all targets together.
-    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 60.0, value_parser = arguments::number, allow_negative_numbers = true)]
     seconds: f64,
     /// Most executions of each target.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_parser = arguments::whole::<u64>(1..=u64::MAX), allow_negative_numbers = true)]
     executions: Option<u64>,
     /// Longest time that a call may take, in seconds. A step ends with an error after 200,000 internal steps or 2^20 contact
     /// solutions, which take about 10 s on one core.
-    #[arg(long, default_value_t = 60.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 60.0, value_parser = arguments::number, allow_negative_numbers = true)]
     limit: f64,
     /// Only the committed executions of tests/fuzz.
     #[arg(long)]

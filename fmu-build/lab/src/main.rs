@@ -18,7 +18,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use fmu_build::{arguments, columns, output, package, plot, project, python, scenes};
+use fmu_build::{arguments, columns, output, package, parquet, plot, project, python, scenes};
 
 /// Commands of `cargo fmu` that compute natively.
 #[derive(Parser, Debug)]

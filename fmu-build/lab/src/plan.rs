@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use scene::Fidelity;
 
 use crate::output::{self, print_line};
-use crate::scenes;
+use crate::{arguments, scenes};
 
 /// Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and
 /// the error of each.
@@ -42,10 +42,10 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["scene", "set", "tolerance"])]
     campaign: bool,
     /// Scenes of the campaign, held-out ones counted.
-    #[arg(long, default_value_t = 1000, requires = "campaign")]
+    #[arg(long, default_value_t = 1000, requires = "campaign", value_parser = arguments::whole::<usize>(1..=1_000_000), allow_negative_numbers = true)]
     scenes: usize,
     /// Number of the first of them.
-    #[arg(long, default_value_t = 0, requires = "campaign")]
+    #[arg(long, default_value_t = 0, requires = "campaign", value_parser = arguments::whole::<usize>(0..=1_000_000), allow_negative_numbers = true)]
     first: usize,
     /// Only scenes whose name contains this.
     #[arg(long, value_name = "TEXT", requires = "campaign")]

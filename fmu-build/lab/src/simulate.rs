@@ -100,7 +100,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         output::make_above(path)?;
         write::courses(path, &recording)?;
         if let Some(parquet) = parquet {
-            crate::python::parquet(path, parquet)?;
+            crate::parquet::write(path, parquet)?;
             files.push(parquet.display().to_string());
         }
         files.push(path.display().to_string());

@@ -1,7 +1,7 @@
 //! `cargo fmu stability`: maps of where the methods are accurate, oscillate, grow or are refused, and a page with all of them.
 
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -146,7 +146,7 @@ fn figure(map: &Map) -> Figure {
         // The theory on top.
         let (theory, runs): (Vec<Series>, Vec<Series>) = curves.partition(|series| series.mark == Mark::Dashes);
         let series: Vec<Series> = judged.chain(runs).chain(theory).collect();
-        Panel::new(panel.title.clone(), axis(&panel.x), axis(&panel.y), series).with_legend(Legend::UpperRight)
+        Panel::new(panel.title.clone(), axis(&panel.x), axis(&panel.y), series)
     });
     let mut header: Vec<String> = map.header.iter().flat_map(|line| wrapped(line, 74 * map.columns)).collect();
     header.push(format!("Computed on {} {}.", std::env::consts::ARCH, std::env::consts::OS));

@@ -12,8 +12,8 @@ use scene::Scene;
 use scene_file::SceneFile;
 
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
-use crate::scenes;
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
+use crate::{arguments, scenes};
 
 /// Default number of cells for the law, which computes many states.
 const LAW_CELLS: usize = 33;
@@ -32,10 +32,10 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Cells of the contact line; by default the scene's, or 65.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
     cells: Option<u16>,
     /// Speed of the backward half-stroke, in m/s, where it is not the nominal velocity.
-    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M_PER_S", value_parser = arguments::number, allow_negative_numbers = true)]
     return_speed: Option<f64>,
     /// Give a variable of the scene another value, as holder.pivot_height="30 mm"; may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -138,21 +138,21 @@ impl Presentation for Solved {
             lines.extend([
                 (format!("{name}: peak pressure, MPa"), number(1e-6 * largest(&stroke.pressure))),
                 (format!("{name}: pressure at -x, +x edge, MPa"), format!("{left}, {right}")),
-                (format!("{name}: approach, um"), number(1e6 * stroke.approach)),
+                (format!("{name}: approach, µm"), number(1e6 * stroke.approach)),
                 (format!("{name}: tilt, urad"), number(1e6 * stroke.tilt)),
             ]);
         }
         if let [forward, backward] = &state.strokes[..] {
             // Rounding is no jump.
             let jump = |a: f64, b: f64| if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) { 1e6 * (a - b) } else { 0.0 };
-            lines.push(("jump of the approach, um".into(), number(jump(forward.approach, backward.approach))));
+            lines.push(("jump of the approach, µm".into(), number(jump(forward.approach, backward.approach))));
             lines.push(("jump of the tilt, urad".into(), number(jump(forward.tilt, backward.tilt))));
         }
         let range = |values: &[f64]| 1e6 * (largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min));
         let [punch, strip] = state.volume_rates.map(|rate| number(1e9 * rate));
         lines.extend([
-            ("range of the punch's shape, um".into(), number(range(&state.shape))),
-            ("depth of the strip's groove, um".into(), number(range(&state.groove))),
+            ("range of the punch's shape, µm".into(), number(range(&state.shape))),
+            ("depth of the strip's groove, µm".into(), number(range(&state.groove))),
             ("wear rate of the punch, nm/s".into(), number(1e9 * state.punch_wear_rate)),
             ("wear of punch, strip, mm3/s".into(), format!("{punch}, {strip}")),
             ("wear dissipation power, W".into(), number(state.dissipation_power)),
@@ -176,7 +176,7 @@ impl Presentation for Solved {
         let half_width = 1e3 * self.cells.half_width();
         let axis = || {
             let along = self.scene.geometry == scene::Geometry::Annular;
-            Axis::new(if along { "radius less the mean one, mm" } else { "x along the sliding direction, mm" })
+            Axis::new(if along { "radius less the mean one (mm)" } else { "x along the sliding direction (mm)" })
                 .over(-half_width, half_width)
         };
         let mean = 1e-6 * self.mean_pressure();
@@ -192,7 +192,7 @@ impl Presentation for Solved {
         let most = self.state.strokes.iter().map(|stroke| 1e-6 * largest(&stroke.pressure)).fold(0.0, f64::max);
         // Contact without wear of the punch is singular at its edges.
         let top = (1.06 * most).min(4.0 * mean);
-        let pressure = Axis::new("pressure, MPa").over(-0.04 * top, top);
+        let pressure = Axis::new("pressure (MPa)").over(-0.04 * top, top);
         let mut shapes = vec![Series::line("punch", curve(&self.state.shape, 1e6))];
         if self.state.groove.iter().any(|depth| *depth > 0.0) {
             shapes.push(Series::line("groove of the strip", curve(&self.state.groove, 1e6)).with(Mark::Dashes));
@@ -213,10 +213,10 @@ impl Presentation for Solved {
                 number(self.state.friction_power)
             ),
         ];
-        let shape_axis = Axis::new("depth of the unloaded surface, µm");
+        let shape_axis = Axis::new("depth of the unloaded surface (µm)");
         let mut panels = vec![
-            Panel::new("Pressure", axis(), pressure, pressures).with_legend(Legend::Bottom),
-            Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Top),
+            Panel::new("Pressure", axis(), pressure, pressures),
+            Panel::new("Worn shape", axis(), shape_axis, shapes),
         ];
         panels.extend(heat::panel(self, axis(), &curve));
         Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
@@ -259,7 +259,7 @@ mod tests {
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
         // With heat: all friction heat leaves the bodies.
-        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, °C"), "{table}");
+        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature (°C)"), "{table}");
         let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
         assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));
@@ -302,7 +302,7 @@ mod tests {
         let mut wearing = arguments("reciprocating_punch");
         wearing.return_speed = Some(-1.0);
         let error = format!("{:#}", solved(&wearing).err().unwrap());
-        assert!(error.contains("--return-speed -1 m/s must be a finite number above 0"), "{error}");
+        assert!(error.contains("--return-speed -1 m/s must be above 0 m/s and at most 10000 m/s"), "{error}");
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Only the problems with this text in their name or quantity, upper and lower case alike.
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     filter: Option<String>,
 }
 

@@ -1,7 +1,7 @@
 //! The scripts of examples/batch with everything they need ready.
 
 use crate::{package, project, python};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use std::process::Command;
 
 /// A script of examples/batch.
@@ -51,7 +51,7 @@ pub fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Resul
         .env("PYTHONDONTWRITEBYTECODE", "1");
     let status = command.status().with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
-        bail!("{file} did not finish ({status})");
+        project::leave(status, file)?;
     }
     Ok(())
 }

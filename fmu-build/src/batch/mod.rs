@@ -11,7 +11,7 @@ pub use course::points;
 pub use tables::{Inputs, Table};
 
 use crate::output::{self, print_line};
-use crate::{arguments, package, project, python, scenes};
+use crate::{arguments, package, parquet, project, scenes};
 use anyhow::{Context, Result, anyhow, bail};
 use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
@@ -59,7 +59,7 @@ pub struct Arguments {
     #[arg(long)]
     replace: bool,
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<usize>(1..=1024), allow_negative_numbers = true)]
     jobs: Option<usize>,
     /// Communication step in seconds, or with its unit as "20 ms". By default about a thousandth of the time of the inputs and no longer than their rows are
     /// apart; without --inputs that of the scene.
@@ -177,13 +177,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let inputs = arguments.inputs.as_ref();
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
-    if jobs == 0 {
-        bail!("--jobs must be at least 1");
-    }
-    let parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
+    let as_parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
     output::check_ending(Some(output), &["csv", "parquet"])?;
     // Rows are appended to a CSV file in any case, which stands beside the other.
-    let rows = &if parquet { output.with_extension("csv") } else { output.clone() };
+    let rows = &if as_parquet { output.with_extension("csv") } else { output.clone() };
     let own = fs::canonicalize(rows).ok();
     if let Some(read) =
         [Some(design), inputs].into_iter().flatten().find(|read| own.is_some() && fs::canonicalize(read).ok() == own)
@@ -251,8 +248,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     bar.finish_and_clear();
     let seconds = begin.elapsed().as_secs_f64();
     let failures = results.finish()?;
-    if parquet {
-        python::parquet(rows, output)?;
+    if as_parquet {
+        parquet::write(rows, output)?;
     }
     let failed = failures.count;
     let reasons: Vec<results::Reason> = failures.reasons.into_iter().take(REASONS).collect();

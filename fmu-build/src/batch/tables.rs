@@ -2,12 +2,11 @@
 
 use super::FACTOR;
 use crate::columns::{self, Column};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
 use scene::variables::units::{self, ONE};
 use scene::variables::{self, Kind, Row};
 use scene_file::quantity;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -31,7 +30,7 @@ impl Table {
     /// # Errors
     /// Where it cannot be read, has no row, a column twice, or a row of another length.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path)
+        Self::parse(columns::open(path)?, path)
     }
 
     /// Reads the content of a file; `path` names it in messages.
@@ -189,7 +188,7 @@ impl Inputs {
     /// # Errors
     /// As [`columns::read`].
     pub fn read(path: &Path, description: &Description) -> Result<Self> {
-        Self::parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path, description)
+        Self::parse(columns::open(path)?, path, description)
     }
 
     /// Reads the content of a file; `path` names it in messages.

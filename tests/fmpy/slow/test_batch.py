@@ -407,10 +407,10 @@ def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
     arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
     environment = {**clean_environment(), "CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
 
-    def run(widths):
+    def run(widths, *more):
         table.write_text("punch.width\n" + "".join(f"{width}\n" for width in widths))
-        done = subprocess.run([*arguments, "--jobs", "1"], capture_output=True, text=True, env=environment)
-        return done.returncode, done.stdout
+        done = subprocess.run([*arguments, "--jobs", "1", *more], capture_output=True, text=True, env=environment)
+        return done.returncode, done.stdout + done.stderr
 
     status, printed = run([0.08, 0.09, -1])
     assert status == 0 and "3 run now" in printed and "1 x" in printed and "line 4, column 1 (punch.width): -1 m" in printed
@@ -421,13 +421,28 @@ def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
     with open(tmp_path / "out.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert rows[:3] == first and len(rows) == 5
-    # A row that has changed is run again.
-    assert "1 run now" in run([0.08, 0.095, -1, 0.1, 0.11])[1]
-    status, printed = run([-1, -2])
+    assert parquet(output) == rows
+    # A row that has changed is run again, but not without being told.
+    status, printed = run([0.08, 0.095, -1, 0.1, 0.11])
+    assert status != 0 and "the first of scene 1" in printed and "--replace" in printed
+    assert "1 run now" in run([0.08, 0.095, -1, 0.1, 0.11], "--replace")[1]
+    status, printed = run([-1, -2], "--replace")
     assert status != 0 and "1 x" in printed
-    code = "import json, sys, pyarrow.parquet as p; print(json.dumps(p.read_table(sys.argv[1]).to_pydict()['status']))"
-    read = subprocess.run([needed("SLIDING_CONTACT_BATCH_PYTHON"), "-c", code, str(output)], check=True, capture_output=True)
-    assert json.loads(read.stdout) == ["initialisation"] * 2
+    assert [row["status"] for row in parquet(output)] == ["request"] * 2
+
+
+def parquet(path):
+    """Rows of a Parquet file as another reader has them, with its values as they stand in the CSV."""
+    code = "import json, sys, pyarrow.parquet as p; print(json.dumps(p.read_table(sys.argv[1]).to_pylist()))"
+    read = subprocess.run([needed("SLIDING_CONTACT_BATCH_PYTHON"), "-c", code, str(path)], check=True, capture_output=True)
+    texts = [row for row in csv.DictReader(open(path.with_suffix(".csv"), newline=""))]
+    rows = json.loads(read.stdout)
+    for row, text in zip(rows, texts, strict=True):
+        for name, value in row.items():
+            written = text[name]
+            own = "" if value is None else written if not isinstance(value, str) and float(written) == value else value
+            assert own == written, (name, value, written)
+    return texts
 
 
 def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
@@ -435,7 +450,8 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
     inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
     with open(inputs, "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["time", *cycle.inputs])
+        units = {"sliding_velocity": "m/s", "normal_load": "N"}
+        writer.writerow(["time [s]", *(f"{name} [{units[name]}]" for name in cycle.inputs)])
         writer.writerows([time, *values] for time, values in zip(cycle.times.tolist(), cycle.values.tolist()))
     widths = np.linspace(0.08, 0.11, 200)
     widths[7] = -1.0
@@ -455,7 +471,7 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
     with open(output, newline="") as file:
         rows = list(csv.DictReader(file))
     assert [int(row["scene"]) for row in rows] == list(range(200))
-    assert rows[7]["status"] == "initialisation" and "punch.width: -1 m" in rows[7]["reason"] and rows[7]["wear_depth [m]"] == ""
+    assert rows[7]["status"] == "request" and "line 9, column 1 (punch.width): -1 m" in rows[7]["reason"] and rows[7]["wear_depth [m]"] == ""
     for scene, points in itertools.product((0, 199), (np.arange(0.0, 240.5, 1.0),)):
         expected = host.run_schedule(
             brake,

@@ -3,7 +3,8 @@
 use super::trajectory::{Trajectory, unit_of};
 use anyhow::{Result, anyhow, bail};
 use model::levels::ModelOperators;
-use scene::variables::{Causality, TABLE, ValueReference, find};
+use scene::message::{Number, Quantity};
+use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use scene::{Geometry, STATIONS, Scene};
 use scene_file::SceneFile;
 use sliding_contact::component::{Component, Subject};
@@ -79,7 +80,7 @@ impl Recording {
         for channel in &self.channels {
             let value = component.get(channel.reference);
             if !value.is_finite() {
-                return Err(format!("at {time:?} s {} = {value} is not a finite number", channel.name));
+                return Err(format!("at {} s {} = {value} is not a finite number", Number(time), channel.name));
             }
         }
         self.channels.iter_mut().for_each(|channel| channel.values.push(component.get(channel.reference)));
@@ -132,16 +133,26 @@ fn pressed(points: &[f64], trajectory: &Trajectory) -> Vec<f64> {
 }
 
 /// Warnings about inputs that are given and have no effect.
-fn without_effect(trajectory: &Trajectory, scene: &Scene) -> Vec<String> {
+fn without_effect(file: &SceneFile, trajectory: &Trajectory, scene: &Scene) -> Vec<String> {
+    let replaced =
+        trajectory.inputs.iter().filter(|(input, _)| trajectory.file.is_none() && file.given.contains(input));
+    let replaced = replaced.filter_map(|(input, _)| {
+        let (row, _) = lookup(*input)?;
+        let start = Quantity(file.packaged.starts[*input as usize], unit_of(*input));
+        Some(format!(
+            "{} = {start} has no effect: without a file of inputs nominal.load and nominal.velocity act for nominal.duration",
+            row.name
+        ))
+    });
     let given = |name: &str| trajectory.inputs.iter().any(|(input, _)| Some(*input) == find(name));
     let bodies = [("strip", "base", &scene.strip), ("punch", "top", &scene.punch)].into_iter();
     let idle = bodies.filter(|(name, _, body)| given(&format!("{name}.external_temperature")) && !body.has_neighbour());
-    idle.map(|(name, face, _)| {
+    let idle = idle.map(|(name, face, _)| {
         format!(
             "{name}.external_temperature has no effect: {name}.external_conductance is 0 W/K and {name}.{face}_thermal is not external"
         )
-    })
-    .collect()
+    });
+    replaced.chain(idle).collect()
 }
 
 /// Runs the scene along the trajectory, with profiles at the times `at`; where it has none, at the first, middle and last time at which
@@ -181,7 +192,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         radial: operators.as_ref().is_some_and(|operators| operators.scene().geometry == Geometry::Annular),
         warnings: operators
             .iter()
-            .flat_map(|operators| without_effect(trajectory, operators.scene()))
+            .flat_map(|operators| without_effect(file, trajectory, operators.scene()))
             .map(|text| (points[0], text))
             .collect(),
         internal_steps: (0, 0),
@@ -203,7 +214,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
             recording.profiles.push(profiles(time, &mut component));
         }
         if !progress(time) {
-            recording.failure = Some(format!("stopped at {time:?} s"));
+            recording.failure = Some(format!("stopped at {} s", Number(time)));
             break;
         }
     }
@@ -223,9 +234,9 @@ fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) 
             component.set_input_derivative(*input, (after - before) / step);
         }
     }
-    component
-        .step(step)
-        .map_err(|text| format!("the step from {from:?} s to {to:?} s failed{}: {text}", trajectory.place(interval)))
+    component.step(step).map_err(|text| {
+        format!("the step from {} s to {} s failed{}: {text}", Number(from), Number(to), trajectory.place(interval))
+    })
 }
 
 /// Name of the level, and whether it has profiles over the contact.

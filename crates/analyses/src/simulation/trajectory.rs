@@ -1,7 +1,7 @@
 //! Inputs over time: of a file, or nominal ones; and the communication points.
 
 use anyhow::{Result, anyhow, bail};
-use scene::message::apart;
+use scene::message::{Number, apart};
 use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
@@ -116,7 +116,8 @@ impl Trajectory {
     pub fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
         let (first, last) = self.span();
         if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
-            bail!("--at {outside:?} s is outside of the simulated time, {first:?} s to {last:?} s");
+            let [outside, first, last] = [*outside, first, last].map(Number);
+            bail!("--at {outside} s is outside of the simulated time, {first} s to {last} s");
         }
         let mut instants = [self.times.as_slice(), also].concat();
         instants.sort_unstable_by(f64::total_cmp);
@@ -126,9 +127,9 @@ impl Trajectory {
         let count: f64 = instants.windows(2).map(parts).sum();
         if count > MOST_POINTS {
             bail!(
-                "{:?} s in steps of at most {:?} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
-                last - first,
-                self.step
+                "{} s in steps of at most {} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
+                Number(last - first),
+                Number(self.step)
             );
         }
         let mut points = vec![first];
@@ -186,7 +187,7 @@ mod tests {
     fn rows_and_wanted_times_are_communication_points_and_steps_between_them_are_equal() {
         assert_eq!(ramp(0.5).points(&[]).unwrap(), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
         assert_eq!(ramp(10.0).points(&[1.0, 1.25]).unwrap(), [1.0, 1.25, 3.0, 3.5]);
-        for (also, wanted) in [(0.5, "1.0 s to 3.5 s"), (4.0, "--at 4.0 s")] {
+        for (also, wanted) in [(0.5, "1 s to 3.5 s"), (4.0, "--at 4 s")] {
             let told = ramp(1.0).points(&[also]).unwrap_err().to_string();
             assert!(told.contains(wanted), "{told}");
         }

@@ -9,12 +9,16 @@ use anyhow::{Context, Result, bail};
 use elasticity::Cells;
 use elasticity::discretization::{cells_for, compliances};
 use model::line::profile::Profile;
+use scene::message::Number;
 use scene::{Constraint, STATIONS, Scene};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 
 /// Default number of cells.
 const CELLS: usize = 65;
+
+/// Largest speed of a half-stroke, that of `nominal.velocity`, m/s.
+const FASTEST: f64 = 1e4;
 
 /// Computed quantity.
 #[derive(Clone, Copy, Default, Debug)]
@@ -59,8 +63,8 @@ pub fn solve(file: &SceneFile, options: &Options) -> Result<Solved> {
     let mut sliding = Sliding::nominal(&scene);
     match (options.return_speed, &mut sliding) {
         (None, _) => {}
-        (Some(speed), Sliding::Reciprocating { .. }) if !(speed.is_finite() && speed > 0.0) => {
-            bail!("--return-speed {speed} m/s must be a finite number above 0 m/s")
+        (Some(speed), Sliding::Reciprocating { .. }) if !(speed > 0.0 && speed <= FASTEST) => {
+            bail!("--return-speed {} m/s must be above 0 m/s and at most {FASTEST} m/s", Number(speed))
         }
         (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(

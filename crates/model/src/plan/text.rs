@@ -24,7 +24,7 @@ impl Plan {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.summary()];
         lines.push(format!(
-            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step, {} s for the nominal \
+            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} µs for an internal step, {} s for the nominal \
              duration; compared in {} internal steps over {:.3} % of it, {} s",
             self.estimated_error.map_or("that of the steps".into(), short),
             short(self.tolerance),
@@ -52,7 +52,7 @@ impl Plan {
             let model_level = candidate.model_level.to_string();
             let chosen = if candidate.model_level == self.model_level { "  <" } else { "" };
             lines.push(format!(
-                "{model_level:28} errors of wear {wear}, temperature {temperature}, force {force}; {:.1} us a step{chosen}",
+                "{model_level:28} errors of wear {wear}, temperature {temperature}, force {force}; {:.1} µs a step{chosen}",
                 candidate.cost
             ));
         }

@@ -56,7 +56,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
 }
 
 fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
-    let conductance = || axis("contact conductance, W/(m².K) (left: 0)", true, (0.05, 2e12));
+    let conductance = || axis("contact conductance (W/(m²·K)); left: 0", true, (0.05, 2e12));
     let known: Vec<(f64, f64)> = (0..=130)
         .map(|k| 10f64.powf(-1.0 + 0.1 * f64::from(k)))
         .map(|conductance| (conductance, HalfSpaces { ratio: RATIO, conductance }.share(0.1 * f64::from(STEPS))))
@@ -67,7 +67,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let judged = Panel {
         title: "default: part of the heat in the punch".to_owned(),
         x: conductance(),
-        y: axis("communication step, s", true, (6e-5, 300.0)),
+        y: axis("communication step (s)", true, (6e-5, 20.0)),
         points,
         curves: vec![curve("the interface's own time", vec![own(6e-5), own(16.0)], true)],
     };
@@ -95,7 +95,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let split = Panel {
         title: "after ten steps of .1 s".to_owned(),
         x: conductance(),
-        y: axis("part of the heat in the punch", false, (0.0, 0.7)),
+        y: axis("part of the heat in the punch", false, (0.0, 0.6)),
         points: Vec::new(),
         curves: vec![curve("theory", known, true), curve("default", shares, false)],
     };

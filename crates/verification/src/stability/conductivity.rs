@@ -41,14 +41,14 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
 }
 
 fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
-    let ratio = || axis("conductivity of the punch over the strip's (left: 0)", true, (5e-10, 2.0));
+    let ratio = || axis("conductivity of the punch over the strip's; left: 0", true, (5e-10, 2.0));
     let part = |ratio: f64| ratio.sqrt() / (1.0 + ratio.sqrt());
     let known: Vec<(f64, f64)> =
         (0..=90).map(|k| 10f64.powf(-9.0 + 0.1 * f64::from(k))).map(|ratio| (ratio, part(ratio))).collect();
     let judged = Panel {
         title: "default: part of the heat in the punch".to_owned(),
         x: ratio(),
-        y: axis("communication step, s", true, (6e-4, 300.0)),
+        y: axis("communication step (s)", true, (6e-4, 20.0)),
         points,
         curves: Vec::new(),
     };
@@ -71,7 +71,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let split = Panel {
         title: "after ten steps of .1 s".to_owned(),
         x: ratio(),
-        y: axis("part of the heat in the punch", true, (1e-5, 10.0)),
+        y: axis("part of the heat in the punch", true, (1e-5, 1.0)),
         points: Vec::new(),
         curves: vec![
             curve("theory", known, true),

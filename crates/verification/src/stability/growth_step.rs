@@ -315,7 +315,7 @@ type Rates = (f64, Vec<Vec<(f64, f64)>>);
 
 fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64, f64)>, rates: [Rates; 2]) -> Map {
     let speed = || axis("speed over the critical speed, V/Vcr", true, (0.3, 33.0));
-    let step = || axis("step times kd m²", true, (0.008, 300.0));
+    let step = || axis("step times kd m²", true, (0.008, 20.0));
     let critical = || curve("exact: grows to the right", vec![(1.0, 0.008), (1.0, 300.0)], true);
     let farthest = measured.iter().map(|&(ratio, step)| (ratio / hidden_from(step) - 1.0).abs()).fold(0.0, f64::max);
     let [split, unguarded, default] = points;
@@ -357,7 +357,7 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
         Panel {
             title: format!("growth rate at V = {ratio} Vcr"),
             x: axis("exact growth per step, b h", true, (0.01, 100.0)),
-            y: axis("growth rate over the exact one", false, (-0.5, 3.0)),
+            y: axis("growth rate over the exact one", false, (-0.5, 2.0)),
             points: Vec::new(),
             curves: theory.into_iter().chain(runs).collect(),
         }

@@ -105,8 +105,8 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
             ];
             Panel {
                 title: title.to_owned(),
-                x: axis("Peclet number V l/(2 kd) (left: 0)", true, (7e-4, 2e6)),
-                y: axis("step over the thermal time, kd h/l²", true, (7e-3, 1e5)),
+                x: axis("Peclet number V l/(2 kd); left: 0", true, (7e-4, 2e6)),
+                y: axis("step over the thermal time, kd h/l²", true, (7e-3, 2e3)),
                 points,
                 curves: vec![curve("longest wave turns 1 rad a step", ends.to_vec(), true)],
             }
@@ -143,7 +143,7 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     let trace = Panel {
         title: "brake disc at 10 m/s, step .1 s".to_owned(),
         x: axis("steps from rest", false, (0.0, count + 1.0)),
-        y: axis("error over the temperature", true, (1e-6, 1e3)),
+        y: axis("error over the temperature", true, (1e-6, 1.0)),
         points: Vec::new(),
         curves: std::iter::once(bound).chain(curves).collect(),
     };

@@ -158,7 +158,7 @@ fn trace() -> Result<[Vec<(f64, f64)>; 3], String> {
 }
 
 fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<(f64, f64)>; 3]) -> Map {
-    let step = || axis("step over the thermal time, kd h/l²", true, (7e-4, 3e5));
+    let step = || axis("step over the thermal time, kd h/l²", true, (7e-4, 2e3));
     let peclet = || axis("Peclet number V l/(2 kd)", true, (7e-3, 1.4e3));
     let titles = ["Crank-Nicolson", "default"];
     let judged: Vec<Panel> = (titles.into_iter().zip([other, default]))
@@ -188,7 +188,7 @@ fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<
     let errors = Panel {
         title: "error by the step, Pe between 1 and 40".to_owned(),
         x: step(),
-        y: axis("error over the steady temperature", true, (1e-8, 1e3)),
+        y: axis("error over the steady temperature", true, (1e-8, 1.0)),
         points: Vec::new(),
         curves: vec![
             curve("bound of the verdicts", vec![(7e-4, AGREEMENT), (3e5, AGREEMENT)], true),
@@ -200,7 +200,7 @@ fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<
     let traces = Panel {
         title: "steps of 100 thermal times, Pe = 10".to_owned(),
         x: axis("steps after the reversal", false, (0.0, last)),
-        y: axis("mean contact temperature over the steady one", false, (0.0, 1.6)),
+        y: axis("mean contact temperature over the steady one", false, (0.0, 1.1)),
         points: Vec::new(),
         curves: vec![
             curve("exact", known, true),

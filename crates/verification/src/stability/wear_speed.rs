@@ -137,7 +137,7 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
     let judged = Panel {
         title: "default: growth or decay".to_owned(),
         x: wear(),
-        y: axis("speed over the critical speed without wear, V/Vcr", true, (0.3, 1e3)),
+        y: axis("speed over the critical speed without wear, V/Vcr", true, (0.3, 100.0)),
         points,
         curves: vec![
             curve("theory: grows above", theory(critical_ratio), true),
@@ -164,7 +164,7 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
     let frequency = Panel {
         title: "oscillation at the threshold".to_owned(),
         x: wear(),
-        y: axis("angular frequency over kd m²", true, (0.1, 300.0)),
+        y: axis("angular frequency over kd m²", true, (0.1, 100.0)),
         points: Vec::new(),
         curves: vec![curve("theory", theory(critical_frequency), true), curve("measured", frequencies, false)],
     };

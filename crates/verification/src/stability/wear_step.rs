@@ -332,7 +332,7 @@ fn assemble(
 ) -> Map {
     let axis = |label, range| Axis { label, logarithmic: true, range };
     let cells = || axis("number of cells N", Some((7.0, 330.0)));
-    let step = || axis("wear step over the explicit limit", Some((0.01, 1e4)));
+    let step = || axis("wear step over the explicit limit", Some((0.01, 150.0)));
     let curve = |name: &str, points, theory| Curve { name: name.to_owned(), points, theory };
     let bound = || curve("bound of the theory", vec![(7.0, 1.0), (330.0, 1.0)], true);
     let errors = |count: f64| {
@@ -344,7 +344,7 @@ fn assemble(
         Panel {
             title: format!("error from the tenth step on, N = {count}"),
             x: axis("wear step over the explicit limit", Some((0.01, 100.0))),
-            y: axis("error over the deviation at the start", Some((1e-7, 1e3))),
+            y: axis("error over the deviation at the start", Some((1e-7, 10.0))),
             points: Vec::new(),
             curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-7), (1.0, 1e3)], true)]).collect(),
         }

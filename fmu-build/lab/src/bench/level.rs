@@ -108,7 +108,7 @@ fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
         }
         let after = component.work();
         eprintln!(
-            "N = {count:3}, {name:24} {:8.2} us a doStep, {:6.2} solutions of {:.3} us; {:.2} internal steps, {:.3} rejected",
+            "N = {count:3}, {name:24} {:8.2} µs a doStep, {:6.2} solutions of {:.3} µs; {:.2} internal steps, {:.3} rejected",
             1e6 * fastest,
             fastest / unit,
             1e6 * unit,

@@ -28,7 +28,7 @@ pub fn measure() -> Result<Vec<Cost>> {
             let best = fastest.iter().sum::<f64>() / STEPS as f64;
             let counter = line.work();
             eprintln!(
-                "N = {count:3}, {:24} {:8.2} us a step, {:6.2} solutions of {:.3} us; {counter}",
+                "N = {count:3}, {:24} {:8.2} µs a step, {:6.2} solutions of {:.3} µs; {counter}",
                 case.name,
                 1e6 * best,
                 best / unit,

@@ -79,7 +79,7 @@ pub fn measure() -> Result<Vec<Cost>> {
         }
         let seconds: f64 = fastest.iter().sum();
         eprintln!(
-            "N = {cells:3}, brake stop, {:8.2} us a doStep, {:8.2} us an internal step; {internal} internal steps in {count}, \
+            "N = {cells:3}, brake stop, {:8.2} µs a doStep, {:8.2} µs an internal step; {internal} internal steps in {count}, \
              {rejected} rejected, {factorisations} factorisations",
             1e6 * seconds / count as f64,
             1e6 * seconds / (internal + rejected) as f64

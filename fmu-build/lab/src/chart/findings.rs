@@ -115,7 +115,7 @@ impl fmt::Display for Reached {
 /// A time with its unit.
 pub fn time(seconds: f64) -> String {
     match seconds {
-        s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
+        s if s < 1e-3 => format!("{:.3} µs", 1e6 * s),
         s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
         s => format!("{s:.3} s"),
     }

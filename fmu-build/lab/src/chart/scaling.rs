@@ -1,7 +1,7 @@
 //! Cost of an internal step against the number of cells, of thermal states and of Fourier modes, with cached factors.
 
 use super::{clock, machine};
-use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result, anyhow};
 use model::levels::ModelOperators;
 use scene::Scene;
@@ -19,12 +19,14 @@ const STEPS: usize = 20;
 const CHUNKS: usize = 8;
 /// Steps before, in which factors and tables are made.
 const BEFORE: usize = 40;
+/// The measured costs.
+const TABLE: &str = "cost_per_step.csv";
 /// The exponent is that of the costs from here on, relative to the largest: below, calls cost more than arithmetic.
 const FITTED: f64 = 0.24;
 
 /// Cost over a size.
 struct Law {
-    name: &'static str,
+    name: String,
     /// Size and s per internal step.
     points: Vec<(f64, f64)>,
 }
@@ -42,6 +44,13 @@ impl Law {
         (fitted.len() > 1 && spread > 0.0).then(|| joint / spread)
     }
 }
+
+/// Titles and horizontal axes of the panels.
+const GROUPS: [(&str, &str); 3] = [
+    ("Cells of the contact line", "cells N"),
+    ("Thermal states (33 cells, by the tolerance)", "states of both bodies"),
+    ("Fourier waves of the strip (33 cells, by the length of the strip)", "waves"),
+];
 
 /// Laws that share an axis.
 struct Group {
@@ -86,7 +95,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
                 (None, _) => omissions.push(format!("{name}: heat is not carried along the line")),
             }
         }
-        Law { name, points }
+        Law { name: name.to_owned(), points }
     };
     let counts: &[f64] = if quick { &[17.0, 33.0, 65.0, 129.0] } else { &[17.0, 33.0, 65.0, 129.0, 193.0, 257.0] };
     let line = |values: &Values, cells: f64, tolerance: f64| {
@@ -99,8 +108,8 @@ pub fn measure(quick: bool) -> Result<Scaling> {
     // The hot punch creeps: at held inputs it would soon leave its stroke.
     let (slow, hard) = ([0.5, 100.0], [5e-4, 10e3]);
     let by_cells = Group {
-        title: "Cells of the contact line",
-        label: "cells N",
+        title: GROUPS[0].0,
+        label: GROUPS[0].1,
         laws: vec![
             law("pressure and wear", &over(&cold, 1e-3, slow)?, &cells),
             law("with heat and distortion", &over(&hot, 1e-3, hard)?, &cells),
@@ -109,8 +118,8 @@ pub fn measure(quick: bool) -> Result<Scaling> {
     let tolerances = if quick { &[1e-1, 1e-3][..] } else { &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4][..] };
     let runs: Result<Vec<_>> = tolerances.iter().map(|&t| Ok((line(&hot, 33.0, t)?, 1e-3, hard))).collect();
     let by_states = Group {
-        title: "Thermal states (33 cells, by the tolerance)",
-        label: "states of both bodies",
+        title: GROUPS[1].0,
+        label: GROUPS[1].1,
         laws: vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[0]))],
     };
     let lengths = if quick { &[1.0, 4.0][..] } else { &[0.5, 1.0, 2.0, 4.0, 8.0][..] };
@@ -122,8 +131,8 @@ pub fn measure(quick: bool) -> Result<Scaling> {
         })
         .collect();
     let by_waves = Group {
-        title: "Fourier waves of the strip (33 cells, by the length of the strip)",
-        label: "waves",
+        title: GROUPS[2].0,
+        label: GROUPS[2].1,
         laws: vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[1]))],
     };
     let header = vec![
@@ -131,6 +140,35 @@ pub fn measure(quick: bool) -> Result<Scaling> {
         format!("{}; commit {}.", machine::name(), machine::commit()),
     ];
     Ok(Scaling { groups: vec![by_cells, by_states, by_waves], omissions, header })
+}
+
+/// What [`Scaling::write`] wrote into the folder.
+///
+/// # Errors
+/// Where the table cannot be read.
+pub fn read(folder: &Path) -> Result<Scaling> {
+    let path = folder.join(TABLE);
+    let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+    let mut groups = GROUPS.map(|(title, label)| Group { title, label, laws: Vec::new() });
+    let (mut header, mut omissions) = (Vec::new(), Vec::new());
+    for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
+        match line.strip_prefix("left out: ") {
+            Some(omission) => omissions.push(omission.to_owned()),
+            None => header.push(line.to_owned()),
+        }
+    }
+    let mut rows = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    for row in rows.deserialize() {
+        let (label, name, size, cost): (String, String, f64, f64) =
+            row.with_context(|| format!("reading {}", path.display()))?;
+        let group = groups.iter_mut().find(|group| group.label == label);
+        let laws = &mut group.with_context(|| format!("{}: there is no group {label:?}", path.display()))?.laws;
+        match laws.last_mut().filter(|law| law.name == name) {
+            Some(law) => law.points.push((size, cost)),
+            None => laws.push(Law { name, points: vec![(size, cost)] }),
+        }
+    }
+    Ok(Scaling { groups: groups.into(), omissions, header })
 }
 
 /// Thermal states of both bodies and Fourier modes of the strip.
@@ -185,10 +223,10 @@ impl Scaling {
             }
             let costs = all().map(|p| 1e6 * p.1).filter(|cost| *cost > 0.0);
             let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(l, m), cost| (l.min(cost), m.max(cost)));
-            // Room for the legend below, and for round numbers on a narrow axis.
-            let cost = Axis::logarithmic("time of a step, µs").over((0.1 * least).max(1e-3), 2.0 * most.max(1e-2));
+            // Room for round numbers on a narrow axis.
+            let cost = Axis::logarithmic("time of a step (µs)").over((0.5 * least).max(1e-3), 2.0 * most.max(1e-2));
             let size = Axis::logarithmic(group.label).over((0.6 * smallest).min(0.6 * largest), 1.6 * largest.max(1.0));
-            Panel::new(group.title, size, cost, series).with_legend(Legend::LowerRight)
+            Panel::new(group.title, size, cost, series)
         });
         let mut header = self.header.clone();
         header.extend(self.omissions.iter().map(|text| format!("Left out: {text}")));
@@ -201,7 +239,7 @@ impl Scaling {
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2]> {
-        let (svg, csv) = (folder.join("cost_per_step.svg"), folder.join("cost_per_step.csv"));
+        let (svg, csv) = (folder.join("cost_per_step.svg"), folder.join(TABLE));
         self.figure().write(&svg)?;
         let mut text: String = self.header.iter().map(|line| format!("# {line}\n")).collect();
         text.extend(self.omissions.iter().map(|line| format!("# left out: {line}\n")));

@@ -88,8 +88,8 @@ pub fn draw(chart: &Chart) -> Figure {
     let title = chart.problem.title.split(':').next().unwrap_or_default();
     let panel = Panel::new(
         "",
-        Axis::logarithmic("processor time of the whole run, s").over(low, high),
-        Axis::logarithmic("largest relative error, 1").over(0.6 * least, 1.5),
+        Axis::logarithmic("processor time of the whole run (s)").over(low, high),
+        Axis::logarithmic("largest relative error").over(0.6 * least, 1.5),
         curves,
     );
     Figure { columns: 1, key, panel_size: (820, 380), ..Figure::new(title, vec![panel]) }

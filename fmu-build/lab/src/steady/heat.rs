@@ -1,6 +1,6 @@
 //! The steady state with heat: table and drawing of `cargo fmu steady`.
 
-use crate::plot::{Axis, Legend, Mark, Panel, Series};
+use crate::plot::{Axis, Mark, Panel, Series};
 use analyses::steady::heat::{difference, hottest, known};
 use analyses::steady::{Solved, direction, largest, number};
 use steady::thermal::HotState;
@@ -37,7 +37,7 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
         ("  its range in a cycle, K".into(), number(most - least)),
         ("  highest surface temperature, degC".into(), celsius(heat.highest)),
         ("  contact.temperature_limit, degC".into(), limit(solved, hot)),
-        ("  range of the punch's shape, um".into(), number(1e6 * range(&hot.state.shape))),
+        ("  range of the punch's shape, µm".into(), number(1e6 * range(&hot.state.shape))),
         ("  friction heat, W".into(), number(flows.friction)),
         ("  into punch, strip, W".into(), format!("{}, {}", number(flows.punch), number(flows.strip))),
         (
@@ -87,5 +87,5 @@ pub fn panel(solved: &Solved, axis: Axis, curve: &Course<'_>) -> Option<Panel> {
         }
     }
     let title = "Temperature of the surfaces";
-    Some(Panel::new(title, axis, Axis::new("temperature, °C"), series).with_legend(Legend::Bottom))
+    Some(Panel::new(title, axis, Axis::new("temperature (°C)"), series))
 }

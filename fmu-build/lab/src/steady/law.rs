@@ -1,6 +1,6 @@
 //! `cargo fmu steady --law`: influence of heat on the steady pressures against cycle length.
 
-use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result};
 use elasticity::discretization::{cells_for, compliances};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -101,7 +101,7 @@ impl Law {
             let at = |ratio: f64| (ratio, value(through) * (ratio / through.ratio).powf(exponent));
             vec![at(first.ratio), at(0.3)]
         };
-        let ratio = || Axis::logarithmic("cycle time / thermal time of the contact, 1");
+        let ratio = || Axis::logarithmic("cycle time / thermal time of the contact");
         let level = |name: &str, value: f64| {
             Series::line(name, vec![(0.3, value), (last.ratio, value)]).with(Mark::Dashes).coloured(6)
         };
@@ -124,12 +124,10 @@ impl Law {
             Panel::new(
                 "Steady pressures with heat less those without",
                 ratio(),
-                Axis::logarithmic("rms difference / mean pressure, 1"),
+                Axis::logarithmic("rms difference / mean pressure"),
                 pressures,
-            )
-            .with_legend(Legend::LowerRight),
-            Panel::new("Temperature", ratio(), Axis::logarithmic("range in a cycle / mean rise, 1"), swings)
-                .with_legend(Legend::LowerRight),
+            ),
+            Panel::new("Temperature", ratio(), Axis::logarithmic("range in a cycle / mean rise"), swings),
         ];
         Figure::new(format!("What heat changes in the steady cycle of {}", self.name), panels).with_header(vec![
             "the heat capacities of both bodies vary; load, friction heat, stroke and steady distortion stay".into(),
