@@ -3,8 +3,8 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::robin_correction::RANK;
 use super::scratch::Scratch;
+use super::stage_response::RANK;
 use super::state_layout::{Carrier, Parts, add_products, carry, observe};
 use super::step::StageWeights;
 use super::{StripHeat, TAIL};

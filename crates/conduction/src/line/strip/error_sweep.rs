@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 4.5, 4.12.
 
 use super::depth::{Depth, DepthModes};
-use super::operators::Resolution;
+use super::properties::Resolution;
 use super::waves::{Shapes, Wave};
 use crate::reduced::ReducedBody;
 use crate::slab::Slab;

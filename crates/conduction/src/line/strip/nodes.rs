@@ -7,9 +7,10 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
-use super::operators::{ImageDamping, StripOperators};
+use super::interval::{Interval, Workspace};
+use super::operators::StripOperators;
+use super::properties::ImageDamping;
 use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
-use super::step::{Interval, Workspace};
 
 /// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
 /// that mode, and decreases with the fourth power of the wave number for longer ones.

@@ -4,104 +4,20 @@
 
 use super::depth::Expansion;
 use super::distance::DistanceSum;
+use super::properties::{ImageDamping, Resolution, SlidingPath, StripProperties};
 use super::reduction::{Layer, Reduction};
 use super::robin_correction::RobinCorrection;
+use super::stage_response::{Layout, RANK};
 use super::state_layout::{Level, of_mode, state_layout};
 use super::static_correction::StaticCorrection;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave};
-use crate::lateral::Lateral;
 use crate::reduced::ReducedBody;
 use crate::slab::{CoolingPort, Slab};
 use elasticity::{self, Cells, OutOfRange};
 use numerics::dense;
 use scene::FarBoundary;
 use std::f64::consts::PI;
-
-/// Path of the contact on the strip.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum SlidingPath {
-    /// Closed after this length, m (circumference over the number of equal punches); at least the contact's width.
-    Closed(f64),
-    /// Reciprocating sliding along a stroke, m, on a strip of this length, m (0: the length that heat reaches).
-    Stroke {
-        /// Length of one stroke.
-        stroke: f64,
-        /// Length of the strip.
-        length: f64,
-    },
-    /// Unidirectional sliding on a straight path over fresh material.
-    Unidirectional,
-}
-
-/// A conducting strip.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct StripProperties {
-    /// h, m.
-    pub height: f64,
-    /// K, W/(m K), > 0.
-    pub conductivity: f64,
-    /// rho c, J/(m3 K).
-    pub capacity: f64,
-    /// Heat transfer coefficient of the top beside the contact, W/(m2 K).
-    pub convection: f64,
-    /// Condition at the base.
-    pub base: FarBoundary,
-    /// Path of the contact.
-    pub path: SlidingPath,
-    /// Thermal expansion; `None`: no thermal distortion.
-    pub expansion: Option<Expansion>,
-    /// Conduction out of the plane; `None`: the strip is as deep as the contact.
-    pub lateral: Option<Lateral>,
-}
-
-/// Resolution in time of the reduction.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Resolution {
-    /// Longest time over which heat is resolved, s.
-    pub duration: f64,
-    /// Shortest step, s: faster decays act as direct feedthrough.
-    pub shortest: f64,
-    /// Permitted relative error of the contact temperature by the reduction.
-    pub tolerance: f64,
-}
-
-/// Damping of periodic images: the rate that sliding on fresh material adds to every decay, so that heat left behind
-/// does not return with the next periodic image of the contact. It is not used where the contact does not pass a period
-/// within the whole time.
-///
-/// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: proportional to `v^2` near rest and to `|v|` beyond, smooth in
-/// between, so that quantities depending on it can be interpolated through rest.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ImageDamping {
-    /// Decay rate per sliding velocity, 1/m; 0: no damping.
-    pub per_length: f64,
-    /// Velocity at which one period is passed in the whole duration, m/s.
-    pub slow: f64,
-}
-
-/// Change of the velocity, relative to `hypot(v, slow)`, up to which Simpson's rule gives the mean rate to 1e-6.
-const STRAIGHT: f64 = 0.25;
-
-impl ImageDamping {
-    /// Rate at a velocity, 1/s.
-    pub fn rate(&self, velocity: f64) -> f64 {
-        self.per_length * velocity * velocity / (velocity.hypot(self.slow) + self.slow)
-    }
-
-    /// Mean rate over an interval in which the velocity is linear.
-    pub fn mean(&self, [from, to]: [f64; 2]) -> f64 {
-        if self.per_length == 0.0 {
-            return 0.0;
-        }
-        let middle = 0.5 * (from + to);
-        if (to - from).abs() <= STRAIGHT * middle.hypot(self.slow) {
-            return (self.rate(from) + 4.0 * self.rate(middle) + self.rate(to)) / 6.0;
-        }
-        let integral = |v: f64| 0.5 * (v * v.hypot(self.slow) + self.slow * self.slow * (v / self.slow).asinh());
-        self.per_length * ((integral(to) - integral(from)) / (to - from) - self.slow)
-    }
-}
 
 /// Operators of the strip: constant after construction, except for the tables and caches.
 #[derive(Debug)]
@@ -150,63 +66,10 @@ pub struct StripOperators {
     pub error: f64,
 }
 
-/// Lower bound of the period of a unidirectional path, in widths of the contact.
-const SHORTEST_PERIOD: f64 = 12.0;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
 /// Decay exponent of the damping of periodic images while the contact passes one period.
 const DECAY_EXPONENT: f64 = 4.0;
-/// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
-const FLATTEST: f64 = 2000.0;
-
-impl StripProperties {
-    fn check(&self, width: f64) -> Result<(), OutOfRange> {
-        for (quantity, value, requirement) in [
-            ("strip height", self.height, "positive, in m"),
-            ("strip conductivity", self.conductivity, "positive, in W/(m K)"),
-            ("strip heat capacity", self.capacity, "positive, in J/(m3 K)"),
-        ] {
-            OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, requirement)?;
-        }
-        let convection = self.convection;
-        let requirement = "at least a two thousandth of the contact's width";
-        OutOfRange::unless(self.height * FLATTEST >= width, "strip height", self.height, requirement)?;
-        OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
-        match self.path {
-            // Full periodic contact must be accepted despite rounding of the width.
-            SlidingPath::Closed(length) => OutOfRange::unless(
-                length.is_finite() && length >= width * (1.0 - 1e-12),
-                "strip length",
-                length,
-                "at least the width of the contact zone",
-            ),
-            SlidingPath::Unidirectional => Ok(()),
-            SlidingPath::Stroke { stroke, .. } => {
-                OutOfRange::unless(stroke > 0.0 && stroke.is_finite(), "stroke", stroke, "positive, in m")
-            }
-        }
-    }
-
-    /// Length of the period, and largest distance between heated and observed point along the material.
-    fn period(&self, width: f64, duration: f64) -> (f64, f64) {
-        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
-        if self.convection > 0.0 {
-            reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
-        }
-        if self.base == FarBoundary::Held {
-            reach = reach.min(self.height);
-        }
-        match self.path {
-            SlidingPath::Closed(length) => (length.max(width), f64::INFINITY),
-            // The allowance covers a stroke longer than planned.
-            SlidingPath::Stroke { stroke, length } => {
-                ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
-            }
-            SlidingPath::Unidirectional => ((width + 8.0 * reach).max(SHORTEST_PERIOD * width), f64::INFINITY),
-        }
-    }
-}
-
 impl StripOperators {
     /// See [`super::StripHeat::new`].
     pub fn new(
@@ -319,7 +182,10 @@ impl StripOperators {
             }
         }
         if convection > 0.0 {
-            operators.robin_correction = Some(RobinCorrection::new(cells, convection, &operators));
+            operators.robin_correction =
+                Some(RobinCorrection::new(cells, convection, &operators.weight, |wave, polynomial| {
+                    operators.over_cells(wave, |i| polynomial[i])
+                }));
         }
         Ok(operators)
     }
@@ -336,6 +202,16 @@ impl StripOperators {
             tilt += sign * value * odd[at];
         }
         (sum, tilt)
+    }
+
+    /// Dimensions of a stage response; weights in the states exist for the end of a step only.
+    pub fn response_layout(&self, at_end: bool) -> Layout {
+        Layout {
+            count: self.widths.len(),
+            states: if at_end { self.rate.len() } else { 0 },
+            waves: self.waves.len(),
+            rank: self.robin_correction.as_ref().map_or(0, |_| RANK),
+        }
     }
 
     /// Number of states before those of the Fourier modes: of the mean mode, and on fresh material of a second one

@@ -4,7 +4,7 @@
 
 use super::depth::{Depth, DepthModes};
 use super::error_sweep::ErrorSweep;
-use super::operators::{Resolution, StripProperties};
+use super::properties::{Resolution, StripProperties};
 use super::waves::{Shapes, Wave, harmonics};
 use crate::reduced::ReducedBody;
 use crate::slab::Slab;

@@ -11,14 +11,10 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::operators::StripOperators;
-use super::stage_response::{Parts, StageResponse};
+use super::stage_response::{Parts, RANK, StageResponse};
 use elasticity::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 use numerics::dense;
-
-/// Largest dimension of the polynomial space.
-pub const RANK: usize = 8;
 
 /// Polynomials orthonormal on the cells, and the projections of the modes on them.
 #[derive(Clone, PartialEq, Debug)]
@@ -35,8 +31,14 @@ pub struct RobinCorrection {
 }
 
 impl RobinCorrection {
-    /// The space on `cells` for the heat transfer coefficient `transfer`.
-    pub fn new(cells: &Cells, transfer: f64, operators: &StripOperators) -> RobinCorrection {
+    /// The space on `cells` for the heat transfer coefficient `transfer`. `weight`: of every mode's amplitude in the temperature;
+    /// `over_cells`: integrals over the cells of the even and odd part of a mode times the values of a polynomial.
+    pub fn new(
+        cells: &Cells,
+        transfer: f64,
+        weight: &[f64],
+        over_cells: impl Fn(usize, &[f64]) -> (f64, f64),
+    ) -> RobinCorrection {
         let (count, widths) = (cells.count(), cells.widths().to_vec());
         let rank = RANK.min(count);
         let mut polynomials: Vec<Vec<f64>> = Vec::new();
@@ -56,12 +58,12 @@ impl RobinCorrection {
             next.iter_mut().for_each(|value| *value /= norm);
             polynomials.push(next);
         }
-        let waves = (0..operators.waves.len())
+        let waves = (0..weight.len())
             .map(|wave| {
                 let mut row = [0.0; RANK];
                 for (degree, polynomial) in polynomials.iter().enumerate() {
-                    let (even, odd) = operators.over_cells(wave, |i| polynomial[i]);
-                    row[degree] = operators.weight[wave] * if degree % 2 == 0 { even } else { -odd };
+                    let (even, odd) = over_cells(wave, polynomial);
+                    row[degree] = weight[wave] * if degree % 2 == 0 { even } else { -odd };
                 }
                 row
             })

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::operators::StripOperators;
-use super::robin_correction::RANK;
+use super::stage_response::RANK;
 
 /// Preallocated vectors of the evaluations.
 #[derive(Clone, Debug)]

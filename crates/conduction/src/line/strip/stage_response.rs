@@ -3,32 +3,27 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.1.
 
-use super::operators::StripOperators;
-use super::robin_correction::RANK;
 use crate::line::SurfaceInfluence;
 use nalgebra::DMatrix;
 use numerics::dense;
 
+/// Largest dimension of the polynomial space of the Robin correction.
+pub const RANK: usize = 8;
+
 /// Dimensions of the parts.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Layout {
-    count: usize,
-    states: usize,
-    waves: usize,
-    rank: usize,
+    /// Cells.
+    pub count: usize,
+    /// States with weights.
+    pub states: usize,
+    /// Modes.
+    pub waves: usize,
+    /// Polynomials of the Robin correction.
+    pub rank: usize,
 }
 
 impl Layout {
-    /// Dimensions for a strip; weights in the states exist for the end of a step only.
-    pub fn new(operators: &StripOperators, at_end: bool) -> Layout {
-        Layout {
-            count: operators.widths.len(),
-            states: if at_end { operators.rate.len() } else { 0 },
-            waves: operators.waves.len(),
-            rank: operators.robin_correction.as_ref().map_or(0, |_| RANK),
-        }
-    }
-
     fn lengths(&self) -> [usize; 5] {
         let lifted = self.rank * self.count;
         [4 * self.states, 4 * self.waves, 2 * self.count, 3 * lifted, self.rank * self.rank]

@@ -12,7 +12,7 @@
 use super::depth::{Depth, DepthModes, Expansion};
 use super::distance::{DistanceSum, Nodes};
 use super::moving_kernel::MovingSource;
-use super::operators::ImageDamping;
+use super::properties::ImageDamping;
 use super::waves::{CONTINUOUS, Wave, continuous};
 use crate::lateral::Lateral;
 use crate::slab::{Slab, principal_root};

@@ -2,10 +2,9 @@
 //!
 //! Theory: docs/theory.md, sections 5.3, 4.1.
 
-mod interval;
 pub mod stage;
 
-pub use interval::{Interval, OWN, Workspace};
+pub use super::interval::{OWN, Workspace};
 pub use stage::StageWeights;
 
 use super::operators::StripOperators;

@@ -3,11 +3,11 @@
 //! Theory: docs/theory.md, section 5.3.
 
 use super::add;
-use super::interval::{Interval, Workspace, stage_fluxes};
+use crate::line::strip::interval::{Interval, Workspace, stage_fluxes};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::Motion;
-use crate::line::strip::stage_response::{FeedthroughTerms, Layout, StageResponse};
+use crate::line::strip::stage_response::{FeedthroughTerms, StageResponse};
 use crate::line::strip::state_layout::{self, of_mode, phases};
 use crate::line::{GAMMA, Stage};
 use nalgebra::Complex;
@@ -59,7 +59,7 @@ impl StageWeights {
     /// Weights with a cache of `cached` responses.
     pub fn new(operators: &StripOperators, at_end: bool, cached: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
-        let layout = Layout::new(operators, at_end);
+        let layout = operators.response_layout(at_end);
         StageWeights {
             at_end,
             factor: [vec![0.0; states], vec![0.0; states]],
