@@ -8,12 +8,10 @@
 mod cholesky;
 mod elimination;
 mod products;
-mod single;
 
 pub use cholesky::cholesky;
 pub use elimination::{factorise, substitute};
 pub use products::{combine, dot, multiply_add, multiply_add_each, multiply_add_pair, multiply_transposed_add};
-pub use single::SingleMatrix;
 
 use nalgebra::DMatrix;
 

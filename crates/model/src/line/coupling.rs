@@ -34,13 +34,6 @@ use numerics::acceleration::Anderson;
 use scene::Scheme;
 pub use staggered::Refusal;
 
-/// Part of the tolerance allowed for the error in pressure from operators in single precision. Their rounding errors roughen the
-/// distortion on the scale of a cell, and the resulting error in pressure grows with the number of cells.
-const ROUNDING: f64 = 0.02;
-
-/// Number of cells above which products in single precision are faster; smaller operators fit the processor's caches.
-const MANY: usize = 72;
-
 /// Differences stored for the Anderson acceleration of a stage.
 const ACCELERATION_DEPTH: usize = 8;
 
@@ -184,10 +177,7 @@ impl ThermalCoupling {
         let conductance = operators.scene.conductance;
         let strip = &operators.scene.strip;
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
-        let rounded = f64::from(f32::EPSILON) * count as f64;
-        let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
         let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
-        let own = if rough { partition().in_single_precision() } else { partition() };
         let mut bodies = bodies.copies();
         // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
@@ -201,7 +191,7 @@ impl ThermalCoupling {
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            partitions: PartitionCache::new(&own, count),
+            partitions: PartitionCache::new(&partition(), count),
             installed: [usize::MAX; 2],
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),

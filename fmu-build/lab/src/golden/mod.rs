@@ -16,6 +16,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// A tolerance of a comparison as an argument.
+///
+/// # Errors
+/// With what is accepted.
+fn positive(given: &str) -> Result<f64, String> {
+    match crate::arguments::number(given)? {
+        value if value > 0.0 => Ok(value),
+        value => Err(format!("{value} must be above 0")),
+    }
+}
+
 /// Relative tolerance on a machine other than the one that recorded, five times the largest difference that another
 /// choice of mathematical functions was seen to make; see tests/golden/README.md.
 const OTHER_MACHINE: f64 = 1e-4;
@@ -40,7 +51,7 @@ enum Action {
         chosen: Chosen,
         /// Compare values with this tolerance instead of bits, relative to the largest magnitude of the variable in the scene
         /// or a thousandth of its nominal value; work counters and derivatives are then not compared.
-        #[arg(long, value_parser = crate::scenes::tolerance, allow_negative_numbers = true)]
+        #[arg(long, value_parser = positive, allow_negative_numbers = true)]
         tolerance: Option<f64>,
     },
 }

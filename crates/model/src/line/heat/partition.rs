@@ -19,8 +19,7 @@
 //!
 //! Building these operators costs N^3, and the strip's influence matrices change with the velocity. So they are built at a
 //! linearization point and reused within its validity radius; a stage iterates with them on the residual of its own influence
-//! matrices, at N^2 per iteration. From a hundred cells on these products are limited by memory bandwidth, and may run in single
-//! precision ([`HeatPartition::in_single_precision`]).
+//! matrices, at N^2 per iteration.
 //!
 //! Theory: docs/theory.md, sections 6.2, 6.5.
 
@@ -30,7 +29,7 @@ mod tests;
 use conduction::line::SurfaceInfluence;
 use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
-use numerics::dense::{self, SingleMatrix};
+use numerics::dense;
 use numerics::maximum::{largest, maximum};
 
 /// Heat partition operators of a stage. Nothing is allocated after construction.
@@ -74,21 +73,6 @@ pub struct HeatPartition {
     multipliers: Vec<f64>,
     /// See [`HeatPartition::open_temperature_jump`].
     open_temperature_jump: Vec<f64>,
-    /// See [`HeatPartition::in_single_precision`].
-    single: Option<Box<Single>>,
-}
-
-/// Operators of the products in every stage, in single precision.
-#[derive(Clone, Debug)]
-struct Single {
-    inverse: SingleMatrix,
-    shares: SingleMatrix,
-    relative_distortion: SingleMatrix,
-    /// Influence matrix of the punch's temperature.
-    punch: SingleMatrix,
-    /// Thermal compliance for the heat per pressure `of`.
-    thermal_compliance: SingleMatrix,
-    of: f64,
 }
 
 impl HeatPartition {
@@ -121,7 +105,6 @@ impl HeatPartition {
             column: vec![0.0; count],
             multipliers: vec![0.0; count],
             open_temperature_jump: vec![0.0; count],
-            single: None,
         }
     }
 
@@ -129,20 +112,7 @@ impl HeatPartition {
     pub fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
         let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
-        let own = HeatPartition { resistance: self.resistance, ..partition };
-        if self.single.is_some() { own.in_single_precision() } else { own }
-    }
-
-    /// Uses single precision in products with the inverse, the partition matrix and the relative distortion, which from a hundred
-    /// cells on are limited by memory bandwidth. Heat partition and distortion have relative errors of 1e-7; conservation of heat
-    /// is not affected, nor is the limit of the iteration.
-    pub fn in_single_precision(mut self) -> HeatPartition {
-        let count = self.closed.len();
-        let zeros = || SingleMatrix::zeros(count, count);
-        let [inverse, shares, relative_distortion, punch, thermal_compliance] = [(); 5].map(|()| zeros());
-        self.single =
-            Some(Box::new(Single { inverse, shares, relative_distortion, punch, thermal_compliance, of: f64::NAN }));
-        self
+        HeatPartition { resistance: self.resistance, ..partition }
     }
 
     /// Whether the operators were built for this step (s) and reference velocity (m/s).
@@ -156,9 +126,6 @@ impl HeatPartition {
         self.key = Some(key);
         self.known = false;
         self.per_pressure = f64::NAN;
-        if let Some(single) = &mut self.single {
-            single.of = f64::NAN;
-        }
         for (norms, influence) in self.norms.iter_mut().zip(influence) {
             *norms = influence.map_or([0.0; 2], |influence| {
                 [&influence.temperature, &influence.distortion]
@@ -200,12 +167,6 @@ impl HeatPartition {
                     self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
                 {
                     dense::multiply_add(&self.relative_distortion, share, target);
-                }
-                if let Some(single) = &mut self.single {
-                    single.inverse.copy_from(&self.inverse);
-                    single.shares.copy_from(&self.shares);
-                    single.relative_distortion.copy_from(&self.relative_distortion);
-                    single.punch.copy_from(punch.temperature.as_slice());
                 }
             }
             [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
@@ -265,10 +226,7 @@ impl HeatPartition {
         }
         self.open_temperature_jump[..m].fill(0.0);
         self.column.fill(0.0);
-        match &self.single {
-            Some(single) => single.inverse.multiply_add(residual, &mut self.column),
-            None => dense::multiply_add(&self.inverse, residual, &mut self.column),
-        }
+        dense::multiply_add(&self.inverse, residual, &mut self.column);
         self.constrain_open_cells();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
@@ -329,16 +287,7 @@ impl HeatPartition {
     /// Adds the displacement by `pressure` through the current thermal compliance, with the low-rank update where it is
     /// `reduced`.
     pub fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
-        match &mut self.single {
-            Some(single) if !self.per_pressure.is_nan() => {
-                if single.of != self.per_pressure {
-                    single.of = self.per_pressure;
-                    single.thermal_compliance.copy_from(self.thermal_compliance.as_slice());
-                }
-                single.thermal_compliance.multiply_add(pressure, moved);
-            }
-            _ => dense::multiply_add(self.thermal_compliance.as_slice(), pressure, moved),
-        }
+        dense::multiply_add(self.thermal_compliance.as_slice(), pressure, moved);
         if !reduced {
             return;
         }
@@ -368,10 +317,7 @@ impl HeatPartition {
     /// Leaves the punch's part of the friction heat (W/m2) in `column`, for all cells in contact.
     fn share_on_all(&mut self, heat: &[f64]) {
         self.column.fill(0.0);
-        match &self.single {
-            Some(single) => single.shares.multiply_add(heat, &mut self.column),
-            None => dense::multiply_add(&self.shares, heat, &mut self.column),
-        }
+        dense::multiply_add(&self.shares, heat, &mut self.column);
     }
 
     /// Adds to the punch's flux its part of additional friction heat (W/m2), which is 0 on open cells.
@@ -395,18 +341,12 @@ impl HeatPartition {
     /// Adds the temperature rise of the punch's surface, K, by the flux into it (W/m2), where both bodies conduct; `influence`
     /// are the matrices from which the operators were built.
     pub fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
-        match &self.single {
-            Some(single) => single.punch.multiply_add(flux, temperature),
-            None => dense::multiply_add(influence.temperature.as_slice(), flux, temperature),
-        }
+        dense::multiply_add(influence.temperature.as_slice(), flux, temperature);
     }
 
     /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) from the strip into the punch.
     pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
-        match &self.single {
-            Some(single) => single.relative_distortion.multiply_add(flux, moved),
-            None => dense::multiply_add(&self.relative_distortion, flux, moved),
-        }
+        dense::multiply_add(&self.relative_distortion, flux, moved);
     }
 
     /// Norms of the surface influence matrices of each body, K and m per W/m2: bounds in the root mean square over the contact.
