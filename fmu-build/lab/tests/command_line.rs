@@ -50,7 +50,7 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
         ("plan --tolerance 0", &["from 1e-10 to 0.5"]),
         ("plan --tolerance nan", &["from 1e-10 to 0.5"]),
         ("tables --tolerance 7", &["from 1e-10 to 0.5"]),
-        ("golden compare --tolerance 7", &["from 1e-10 to 0.5"]),
+        ("golden compare --tolerance 7", &["7 must be above 0 and at most 0.5"]),
         ("golden compare lumped_hold", &["\"lumped_hold\" is no golden scene; they are ", "lumped_held"]),
         ("plan -o plans.csv", &["--campaign"]),
         ("plan --campaign --set punch.width=1", &["--set"]),

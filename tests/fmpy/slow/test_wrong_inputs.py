@@ -482,7 +482,7 @@ WRONG = {
     "golden": [
         ("golden compare lumped_hold", ["\"lumped_hold\"", "lumped_held"]),
         ("golden record lumped_hold", ["\"lumped_hold\"", "lumped_held"]),
-        ("golden compare --tolerance 7", ["--tolerance", "from 1e-10 to 0.5"]),
+        ("golden compare --tolerance 7", ["--tolerance", "7 must be above 0 and at most 0.5"]),
         ("golden compare --tolerance nan", ["--tolerance"]),
         ("golden compare lumped_held --folder nowhere", ["nowhere"]),
         ("golden compare lumped_held --folder kept.csv", ["kept.csv"]),

@@ -42,7 +42,6 @@ mod scratch;
 mod stage_response;
 mod state_layout;
 mod static_correction;
-mod steady;
 mod step;
 #[cfg(test)]
 pub(super) mod tests;

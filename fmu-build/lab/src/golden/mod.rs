@@ -16,14 +16,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A tolerance of a comparison as an argument.
+/// Largest tolerance of a comparison.
+const MOST: f64 = 0.5;
+
+/// A tolerance of a comparison as an argument; differences of rounding may be allowed alone, so it has no least value.
 ///
 /// # Errors
 /// With what is accepted.
-fn positive(given: &str) -> Result<f64, String> {
+fn tolerance(given: &str) -> Result<f64, String> {
     match crate::arguments::number(given)? {
-        value if value > 0.0 => Ok(value),
-        value => Err(format!("{value} must be above 0")),
+        value if value > 0.0 && value <= MOST => Ok(value),
+        value => Err(format!("{value} must be above 0 and at most {MOST}")),
     }
 }
 
@@ -51,7 +54,7 @@ enum Action {
         chosen: Chosen,
         /// Compare values with this tolerance instead of bits, relative to the largest magnitude of the variable in the scene
         /// or a thousandth of its nominal value; work counters and derivatives are then not compared.
-        #[arg(long, value_parser = positive, allow_negative_numbers = true)]
+        #[arg(long, value_parser = tolerance, allow_negative_numbers = true)]
         tolerance: Option<f64>,
     },
 }

@@ -11,6 +11,7 @@ use super::interval::{Interval, Workspace};
 use super::operators::StripOperators;
 use super::properties::ImageDamping;
 use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
+use numerics::cache::KeyedCache;
 
 /// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
 /// that mode, and decreases with the fourth power of the wave number for longer ones.
@@ -18,10 +19,8 @@ const NODE_PHASE: f64 = 0.25;
 /// Spacing of the nodes in asinh(v/slow) where the damping rate of periodic images curves: the error of the cubic is
 /// 3e-4 of the rate at `slow`. This error accumulates over the steps, so it must not depend on their length.
 const NODE_SPACING: f64 = 0.25;
-/// Cached nodes for the usual length of the interval, and for any other.
-const SLOTS: [usize; 2] = [8, 4];
-/// Requests after which another length becomes the usual one.
-const REQUESTS: u32 = 3;
+/// Cached nodes: four of each of two lengths between which a step control alternates, and as many that a changing velocity left.
+const CACHED: usize = 12;
 
 /// Velocities of the nodes: the number of a node is `v/phase + asinh(v/bend)/NODE_SPACING`.
 #[derive(Clone, Copy, Debug)]
@@ -67,68 +66,24 @@ impl Grid {
 /// large.
 const MOST_ITERATIONS: usize = 20;
 
-/// Cached interpolation nodes for two lengths of the interval.
+/// Cached interpolation nodes, by the bits of the length of the interval and their number.
 #[derive(Clone, Debug)]
 pub struct InterpolationNodes {
-    sets: [Set; 2],
+    cache: KeyedCache<(u64, i64), Node>,
 }
 
-/// Nodes of one length of the interval.
+/// Velocity (m/s) and stage response of a node.
 #[derive(Clone, Debug)]
-struct Set {
-    length: f64,
-    requests: u32,
-    /// Number, velocity and stage response, in the slot `number mod number of slots`.
-    slots: Vec<Slot>,
-}
-
-#[derive(Clone, Debug)]
-struct Slot {
-    number: i64,
+struct Node {
     velocity: f64,
     response: StageResponse,
-}
-
-impl Set {
-    fn begin(&mut self, length: f64) {
-        self.length = length;
-        self.requests = 0;
-        self.slots.iter_mut().for_each(|slot| slot.number = i64::MIN);
-    }
 }
 
 impl InterpolationNodes {
     /// An empty cache.
     pub fn new(layout: Layout) -> InterpolationNodes {
-        let set = |slots: usize| Set {
-            length: f64::NAN,
-            requests: 0,
-            slots: (0..slots)
-                .map(|_| Slot { number: i64::MIN, velocity: 0.0, response: StageResponse::new(layout) })
-                .collect(),
-        };
-        InterpolationNodes { sets: SLOTS.map(set) }
-    }
-
-    /// Nodes of an interval of this length, emptied where they were those of another length.
-    fn set(&mut self, length: f64) -> &mut Set {
-        let [usual, other] = &mut self.sets;
-        if usual.length.is_nan() {
-            usual.begin(length);
-        }
-        if usual.length == length {
-            return usual;
-        }
-        if other.length != length {
-            other.begin(length);
-        }
-        other.requests += 1;
-        if other.requests <= REQUESTS {
-            return other;
-        }
-        other.begin(f64::NAN);
-        usual.begin(length);
-        usual
+        let node = || Node { velocity: 0.0, response: StageResponse::new(layout) };
+        InterpolationNodes { cache: KeyedCache::new((0..CACHED).map(|_| node())) }
     }
 
     /// Response of `interval`, `length` s long, at a constant velocity, direct feedthrough included.
@@ -148,25 +103,19 @@ impl InterpolationNodes {
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
         let grid = Grid::new(NODE_PHASE / (shortest * length), &operators.image_damping);
-        let set = self.set(length);
         let base = grid.position(velocity).floor() as i64;
-        let slots = set.slots.len() as i64;
-        let slot = |k: i64| (base + k - 1).rem_euclid(slots) as usize;
-        let mut nodes = [0.0; 4];
-        for k in 0..4 {
-            let number = base + k - 1;
-            let own = &mut set.slots[slot(k)];
-            if own.number != number {
-                (own.number, own.velocity) = (number, grid.node(number));
-                interval.respond(operators, [own.velocity; 2], workspace, &mut own.response);
-            }
-            nodes[k as usize] = own.velocity;
-        }
+        let places: [usize; 4] = std::array::from_fn(|k| {
+            let number = base + k as i64 - 1;
+            self.cache.get_or_compute((length.to_bits(), number), |node| {
+                node.velocity = grid.node(number);
+                interval.respond(operators, [node.velocity; 2], workspace, &mut node.response);
+            })
+        });
+        let nodes = places.map(|place| self.cache[place].velocity);
         let weights = std::array::from_fn(|k| {
             let others = (0..4).filter(|&other| other != k).map(|other| nodes[other]);
             others.map(|other| (velocity - other) / (nodes[k] - other)).product()
         });
-        let slots = &set.slots;
-        response.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].response), weights, immediate);
+        response.combine(places.map(|place| &self.cache[place].response), weights, immediate);
     }
 }

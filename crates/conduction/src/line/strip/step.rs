@@ -8,9 +8,9 @@ pub use super::interval::{OWN, Workspace};
 pub use stage::StageWeights;
 
 use super::operators::StripOperators;
-use super::steady::SteadySteps;
 use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
 use nalgebra::DMatrix;
+use numerics::cache::KeyedCache;
 use numerics::dense;
 
 /// Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
@@ -26,8 +26,9 @@ pub struct Step {
     euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
-    /// Index of the cached responses after the first.
-    steady: SteadySteps,
+    /// Index of the cached responses after the first: those of steps at a constant velocity, by the bits of length and velocity. A
+    /// step-size control alternates between a few lengths, while a varying velocity hardly recurs.
+    steady: KeyedCache<[u64; 2], ()>,
     workspace: Workspace,
     immediate: DirectFeedthrough,
 }
@@ -38,44 +39,33 @@ fn rounded(velocity: f64) -> f64 {
     f64::from_bits((velocity.to_bits() + 0x800) & !0xfff)
 }
 
-/// Direct feedthrough on the cells at the velocities last used: the end of a step is the start of the next.
+/// Direct feedthrough on the cells at the velocities last used, by their bits: the end of a step is the start of the next.
 #[derive(Clone, Debug)]
 struct DirectFeedthrough {
-    known: [(f64, u64, [DMatrix<f64>; 2]); 3],
-    clock: u64,
+    cache: KeyedCache<u64, [DMatrix<f64>; 2]>,
 }
 
 impl DirectFeedthrough {
     fn new(operators: &StripOperators) -> DirectFeedthrough {
         let count = operators.widths.len();
         let moving = if operators.expands { count } else { 0 };
-        let matrices = || (f64::NAN, 0, [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)]);
-        DirectFeedthrough { known: [matrices(), matrices(), matrices()], clock: 0 }
+        let matrices = |_| [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)];
+        DirectFeedthrough { cache: KeyedCache::new((0..3).map(matrices)) }
     }
 
     /// Cache slot of the influence matrices at a velocity.
     fn find(&mut self, operators: &StripOperators, velocity: f64) -> usize {
         let velocity = rounded(velocity);
-        self.clock += 1;
-        let found = self.known.iter().position(|known| known.0 == velocity);
-        let place = found.unwrap_or_else(|| (0..3).min_by_key(|&place| self.known[place].1).unwrap_or(0));
-        let (of, used, matrices) = &mut self.known[place];
-        *used = self.clock;
-        if found.is_none() {
-            *of = velocity;
-            for (moving, matrix) in matrices.iter_mut().enumerate() {
-                if matrix.ncols() == 0 {
-                    continue;
-                }
+        self.cache.get_or_compute(velocity.to_bits(), |matrices| {
+            for (moving, matrix) in matrices.iter_mut().enumerate().filter(|(_, matrix)| !matrix.is_empty()) {
                 operators.table.respond(moving, velocity, matrix);
             }
-        }
-        place
+        })
     }
 
     /// Influence matrices in a cache slot.
     fn at(&self, place: usize) -> &[DMatrix<f64>; 2] {
-        &self.known[place].2
+        &self.cache[place]
     }
 }
 
@@ -102,7 +92,7 @@ impl Step {
             euler: false,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
-            steady: SteadySteps::new(cached),
+            steady: KeyedCache::new(vec![(); cached]),
             workspace: Workspace::new(operators),
             immediate: DirectFeedthrough::new(operators),
         }
@@ -115,12 +105,22 @@ impl Step {
         }
     }
 
+    /// Place of the responses of a step among the cached ones, and whether they are stored there; place 0 serves varying velocities.
+    fn response_place(&mut self, length: f64, [from, to]: [f64; 2]) -> (usize, bool) {
+        if from != to || self.steady.capacity() == 0 {
+            return (0, false);
+        }
+        let key = [length.to_bits(), from.to_bits()];
+        let known = self.steady.lookup(&key);
+        (1 + known.unwrap_or_else(|| self.steady.insert(key)), known.is_some())
+    }
+
     pub fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         if self.length == length && self.velocity == velocity && !self.euler {
             return;
         }
         (self.length, self.velocity, self.euler) = (length, velocity, false);
-        let (place, known) = self.steady.take(length, velocity);
+        let (place, known) = self.response_place(length, velocity);
         (self.first.current, self.end.current) = (place, place);
         if known {
             self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
@@ -162,5 +162,57 @@ impl Step {
         for stage in [&mut self.first, &mut self.end] {
             add(self.immediate.at(end), 1.0, &mut stage.responses[0].influence);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::*;
+    use crate::line::{cache_capacity, strip};
+    use elasticity::Material;
+    use scene::FarBoundary;
+
+    /// Up to six alternating lengths, interspersed with steps of varying velocity and implicit Euler steps.
+    #[test]
+    fn steps_by_turns_keep_their_responses_to_the_bit() {
+        let cells = Cells::graded(0.02, 9).unwrap();
+        let material = Material::new(2e11, 0.3).unwrap();
+        let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
+        let properties = StripProperties {
+            conductivity: 50.0,
+            capacity: 3.6e6,
+            height: 0.02,
+            base: FarBoundary::Held,
+            convection: 30.0,
+            path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
+            expansion: Some(expansion),
+            lateral: None,
+        };
+        let resolution = Resolution { duration: 10.0, shortest: 1e-3, tolerance: 1e-2 };
+        let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut kept = body.clone();
+        let mut places = std::collections::BTreeSet::new();
+        for phase in 0..40_u32 {
+            let length = 1e-3 * f64::from(1 << (phase % 6));
+            let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
+            if phase % 7 == 3 {
+                kept.prepare_euler(length, velocity);
+            }
+            kept.prepare(length, velocity);
+            let mut fresh = body.clone();
+            fresh.prepare(length, velocity);
+            let (one, other) = (&kept.step, &fresh.step);
+            for (one, other) in [(&one.first, &other.first), (&one.end, &other.end)] {
+                assert_eq!(one.current_response().influence, other.current_response().influence, "{phase}");
+                assert_eq!(one.current_response().weights(), other.current_response().weights(), "{phase}");
+                assert_eq!(one.current_response().carried(), other.current_response().carried(), "{phase}");
+                assert_eq!(one.factor, other.factor, "{phase}");
+                assert_eq!(one.mean_weight, other.mean_weight, "{phase}");
+            }
+            places.insert((std::ptr::from_ref(kept.influence(Stage::End)) as usize, velocity == [0.1; 2]));
+        }
+        // One slot per length, and one for a varying velocity.
+        assert!(cache_capacity(9) >= 6);
+        assert_eq!(places.len(), 7);
     }
 }
