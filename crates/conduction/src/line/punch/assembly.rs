@@ -18,7 +18,7 @@ use scene::FarBoundary;
 pub(super) struct Mode {
     pub wave: Wave,
     pub states: Vec<Shape>,
-    pub immediate: Option<Shape>,
+    pub feedthrough: Option<Shape>,
 }
 
 /// Assembly of the operators from the selected modes.
@@ -58,8 +58,8 @@ impl<'a> Assembly<'a> {
         let modes: Vec<Mode> = (shift_selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
                 let mut states = mode.basis.shapes(points);
-                let immediate = if mode.fastest_is_steady { states.pop() } else { None };
-                Mode { wave: mode.wave, states, immediate }
+                let feedthrough = if mode.fastest_is_steady { states.pop() } else { None };
+                Mode { wave: mode.wave, states, feedthrough }
             })
             .collect();
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
@@ -212,7 +212,7 @@ impl<'a> Assembly<'a> {
         for (m, mode) in self.modes.iter().enumerate() {
             let integrals = self.waves.integrals(m).to_vec();
             let means: Vec<f64> = integrals.iter().zip(&operators.widths).map(|(f, width)| f / width).collect();
-            if let Some(shape) = &mode.immediate {
+            if let Some(shape) = &mode.feedthrough {
                 let gain = shape.contact * shape.contact / shape.rate;
                 for (j, integral) in integrals.iter().enumerate() {
                     for (i, mean) in means.iter().enumerate() {
@@ -241,10 +241,10 @@ impl<'a> Assembly<'a> {
     /// of the quasi-static shape.
     fn static_correction(&self, wave: &Wave, mode: Option<&Mode>) -> SteadyMode {
         let states = mode.map_or(&[][..], |mode| &mode.states[..]);
-        let immediate = mode.and_then(|mode| mode.immediate.as_ref());
+        let feedthrough = mode.and_then(|mode| mode.feedthrough.as_ref());
         let (mut left, sign, counted) = match self.steady(wave) {
             Some(steady) => (steady, -1.0, states),
-            None => (SteadyMode::default(), 1.0, immediate.map_or(&[][..], std::slice::from_ref)),
+            None => (SteadyMode::default(), 1.0, feedthrough.map_or(&[][..], std::slice::from_ref)),
         };
         for shape in counted {
             let input = self.input(wave, shape);

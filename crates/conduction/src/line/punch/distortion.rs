@@ -272,7 +272,7 @@ impl Assembly<'_> {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             match mode {
-                Some(Mode { immediate: Some(shape), .. }) => {
+                Some(Mode { feedthrough: Some(shape), .. }) => {
                     by_flux.push((fields.len(), shape.contact / shape.rate));
                     fields.push(Field::of(m, shape));
                 }

@@ -78,7 +78,7 @@ impl Assembly<'_> {
         let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
         let mut moment = self.waves.sum(beyond, |_, wave| self.time_constant(wave.decay) * impedance(wave));
         for (m, mode) in self.modes.iter().enumerate() {
-            if let Some(shape) = &mode.immediate {
+            if let Some(shape) = &mode.feedthrough {
                 let gain = shape.contact * shape.contact / shape.rate;
                 let integrals = DVectorView::from_slice(self.waves.integrals(m), count);
                 steady.ger(gain, &integrals, &integrals, 1.0);

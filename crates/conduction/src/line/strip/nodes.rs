@@ -97,7 +97,7 @@ impl InterpolationNodes {
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
-        immediate: FeedthroughTerms<'_>,
+        feedthrough: FeedthroughTerms<'_>,
         workspace: &mut Workspace,
         response: &mut StageResponse,
     ) {
@@ -116,6 +116,6 @@ impl InterpolationNodes {
             let others = (0..4).filter(|&other| other != k).map(|other| nodes[other]);
             others.map(|other| (velocity - other) / (nodes[k] - other)).product()
         });
-        response.combine(places.map(|place| &self.cache[place].response), weights, immediate);
+        response.combine(places.map(|place| &self.cache[place].response), weights, feedthrough);
     }
 }

@@ -146,14 +146,14 @@ impl StageResponse {
 
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
-    pub fn combine(&mut self, responses: [&StageResponse; 4], factors: [f64; 4], immediate: FeedthroughTerms<'_>) {
+    pub fn combine(&mut self, responses: [&StageResponse; 4], factors: [f64; 4], feedthrough: FeedthroughTerms<'_>) {
         let parts = responses.map(|response| &response.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = responses.map(|response| response.influence.temperature.as_slice());
-        sum(self.influence.temperature.as_mut_slice(), parts, factors, immediate, 0);
-        if !immediate[0].0[1].is_empty() {
+        sum(self.influence.temperature.as_mut_slice(), parts, factors, feedthrough, 0);
+        if !feedthrough[0].0[1].is_empty() {
             let parts = responses.map(|response| response.influence.distortion.as_slice());
-            sum(self.influence.distortion.as_mut_slice(), parts, factors, immediate, 1);
+            sum(self.influence.distortion.as_mut_slice(), parts, factors, feedthrough, 1);
         }
     }
 }
@@ -167,17 +167,17 @@ fn sum(
     target: &mut [f64],
     [a, b, c, d]: [&[f64]; 4],
     factors: [f64; 4],
-    immediate: FeedthroughTerms<'_>,
+    feedthrough: FeedthroughTerms<'_>,
     moving: usize,
 ) {
     let [f, g, h, i] = factors;
-    match immediate {
+    match feedthrough {
         [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, *share]),
         [(one, share), (other, rest)] => {
             let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
             dense::combine(target, sources, [f, g, h, i, *share, *rest]);
         }
-        _ => unreachable!("what responses at once is that of one or two velocities"),
+        _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Step {
     /// step-size control alternates between a few lengths, while a varying velocity hardly recurs.
     steady: KeyedCache<[u64; 2], ()>,
     workspace: Workspace,
-    immediate: DirectFeedthrough,
+    feedthrough: DirectFeedthrough,
 }
 
 /// A velocity rounded in the last twelve bits of its significand: the end of one step and the start of the next differ
@@ -94,7 +94,7 @@ impl Step {
             end: StageWeights::new(operators, true, cached),
             steady: KeyedCache::new(vec![(); cached]),
             workspace: Workspace::new(operators),
-            immediate: DirectFeedthrough::new(operators),
+            feedthrough: DirectFeedthrough::new(operators),
         }
     }
 
@@ -133,19 +133,19 @@ impl Step {
     /// Computes the responses of both stages.
     fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
-        let Step { first, end, workspace, immediate, .. } = self;
-        let last = immediate.find(operators, velocity[1]);
+        let Step { first, end, workspace, feedthrough, .. } = self;
+        let last = feedthrough.find(operators, velocity[1]);
         let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
-            let start = immediate.find(operators, velocity[0]);
-            let both = [(immediate.at(start), 1.0 - GAMMA), (immediate.at(last), GAMMA)];
+            let start = feedthrough.find(operators, velocity[0]);
+            let both = [(feedthrough.at(start), 1.0 - GAMMA), (feedthrough.at(last), GAMMA)];
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, workspace);
         } else {
-            let between = immediate.find(operators, middle);
-            let one = [(immediate.at(between), 1.0)];
+            let between = feedthrough.find(operators, middle);
+            let one = [(feedthrough.at(between), 1.0)];
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, workspace);
         }
-        end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], workspace);
+        end.prepare(operators, length, velocity, &[(feedthrough.at(last), 1.0)], workspace);
     }
 
     /// Prepares one implicit Euler step: both stages are its end.
@@ -158,9 +158,9 @@ impl Step {
         for stage in [&mut self.first, &mut self.end] {
             stage.prepare_euler(operators, length, velocity, &mut self.workspace);
         }
-        let end = self.immediate.find(operators, velocity[1]);
+        let end = self.feedthrough.find(operators, velocity[1]);
         for stage in [&mut self.first, &mut self.end] {
-            add(self.immediate.at(end), 1.0, &mut stage.responses[0].influence);
+            add(self.feedthrough.at(end), 1.0, &mut stage.responses[0].influence);
         }
     }
 }

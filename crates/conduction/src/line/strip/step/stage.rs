@@ -79,7 +79,7 @@ impl StageWeights {
         operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
-        immediate: FeedthroughTerms<'_>,
+        feedthrough: FeedthroughTerms<'_>,
         workspace: &mut Workspace,
     ) {
         self.take_length(operators, length);
@@ -92,10 +92,10 @@ impl StageWeights {
         let interpolated = drift < operators.steady && phase < SHORT_ROTATION;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.nodes.interpolate(operators, &interval, length, middle, immediate, workspace, response);
+            self.nodes.interpolate(operators, &interval, length, middle, feedthrough, workspace, response);
         } else {
             interval.respond(operators, velocity, workspace, response);
-            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut response.influence));
+            feedthrough.iter().for_each(|(responses, share)| add(responses, *share, &mut response.influence));
         }
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, workspace, response);
