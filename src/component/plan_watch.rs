@@ -1,5 +1,5 @@
-//! Validity of the plan during a run: once it is left, the level is unchanged, the log receives one message, and the error is
-//! unknown from then on.
+//! Validity of the plan during a run: beyond the nominal conditions the level is unchanged, the log receives one message, and the
+//! error is extrapolated; above the critical speed of a scene planned as stable it is unknown.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
@@ -13,8 +13,9 @@ use scene::value;
 /// History of a run on which the error of its plan depends.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct Course {
-    /// The run has left the validity of the plan, and this has been logged.
-    pub(super) is_beyond: bool,
+    /// Largest ratio of speed, load and friction work so far to the nominal ones; infinite once a scene planned as stable was above
+    /// its critical speed.
+    pub(super) severity: f64,
     /// The load has been released: the levels differ more then than under load.
     pub(super) is_released: bool,
     /// Largest load so far, N.
@@ -22,8 +23,8 @@ pub(super) struct Course {
 }
 
 impl Component {
-    /// Checks whether the step that ended is within the validity of the plan: within the nominal conditions, and below the
-    /// critical speed where the plan was. `began`: inputs at its beginning.
+    /// Compares the step that ended with the nominal conditions, and with the critical speed where the plan was below it. `began`:
+    /// inputs at its beginning.
     pub(super) fn watch_plan(&mut self, began: &[f64; INPUTS]) {
         let (Some(prepared), Some(model)) = (&self.prepared, &self.model) else { return };
         let inputs: [f64; INPUTS] = inputs_of(&self.values);
@@ -32,30 +33,30 @@ impl Component {
             course.is_released |= Prepared::is_released(load, course.largest_load);
             course.largest_load = course.largest_load.max(load);
         }
-        if course.is_beyond {
-            return;
-        }
+        let before = course.severity;
         let scene = &prepared.requested;
         let work = model.friction_work();
         let speed = inputs[0] + scene.mean_radius * inputs[2];
-        let unstable = model.limits() & limit::UNSTABLE != 0;
-        if !(unstable || prepared.is_beyond(speed, inputs[1], work)) {
+        let is_unstable = model.limits() & limit::UNSTABLE != 0;
+        let severity = if is_unstable { f64::INFINITY } else { prepared.severity(speed, inputs[1], work) };
+        course.severity = before.max(severity);
+        if Prepared::is_beyond(before) || !Prepared::is_beyond(severity) {
             return;
         }
-        course.is_beyond = true;
         let (velocity, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         let planned_work = prepared.planned_work();
         let beyond = format_args!(
             "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {} N and {work} J of friction, \
              planned for nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = \
-             {duration} s; the level is unchanged, and estimated_error is 1 from here on",
+             {duration} s; the level is unchanged, and estimated_error {error} from here on",
             Number(inputs[1]),
             speed = Number(speed),
             work = Number(work),
             velocity = Number(velocity),
             load = Number(load),
             planned_work = Number(planned_work),
-            duration = Number(duration)
+            duration = Number(duration),
+            error = if is_unstable { "is 1" } else { "is extrapolated" },
         );
         self.messages.add(Subject::Warning, beyond);
     }
@@ -65,7 +66,7 @@ impl Component {
         if let Some(prepared) = &self.prepared {
             let steps = value!(self.values, "estimated_step_error");
             value!(self.values, "estimated_error") =
-                prepared.estimated_error(steps, self.course.is_beyond, self.course.is_released);
+                prepared.estimated_error(steps, self.course.severity, self.course.is_released);
         }
     }
 }

@@ -150,7 +150,7 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
-        put(f64::from(u8::from(self.course.is_beyond)));
+        put(self.course.severity);
         put(f64::from(u8::from(self.course.is_released)));
         put(self.course.largest_load);
         put(self.tolerance.unwrap_or(f64::NAN));
@@ -200,12 +200,14 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let course = Course { is_beyond: next()? != 0.0, is_released: next()? != 0.0, largest_load: next()? };
+        let course = Course { severity: next()?, is_released: next()? != 0.0, largest_load: next()? };
         let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count)
             || !(0.0..=2.0).contains(&phase)
             || !(0.0..256.0).contains(&reported)
             || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
+            // Infinite above the critical speed.
+            || !(0.0..=f64::INFINITY).contains(&course.severity)
         {
             return None;
         }

@@ -95,7 +95,7 @@ fn warnings(component: &mut Component) -> Vec<String> {
 }
 
 #[test]
-fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_error() {
+fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_its_error_grows_with_it() {
     let mut component = component(LUMPED_ENOUGH);
     let plan: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
     assert!(plan[0].contains("auto takes lumped"), "{plan:?}");
@@ -123,7 +123,10 @@ fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_er
         "{said:?}"
     );
     component.step(1.0).unwrap();
-    assert_eq!((warnings(&mut component).len(), component.get(reference("estimated_error"))), (0, 1.0));
+    assert_eq!(warnings(&mut component).len(), 0);
+    // 2.2 times the nominal load.
+    let beyond_error = component.get(reference("estimated_error"));
+    assert!(beyond_error > error && beyond_error < 0.9, "{beyond_error} after {error}");
     for name in ["wear_depth", "contact_temperature", "friction_force", "stored_heat", "pressure_max"] {
         assert_eq!(component.get(reference(name)).to_bits(), stays.get(name).to_bits(), "{name}");
     }
@@ -134,11 +137,16 @@ fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_er
     component.restore(&saved).unwrap();
     assert_eq!(component.get(reference("estimated_error")), error);
     component.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+    assert_eq!(component.get(reference("estimated_error")), beyond_error);
+    // Beyond ten times the nominal load it is unknown.
+    set(&mut component, 5.1e4);
+    component.step(1.0).unwrap();
+    assert!(warnings(&mut component).iter().all(|text| !text.contains("exceeds the conditions planned")));
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
 #[test]
-fn a_run_that_outlasts_its_plan_leaves_it() {
+fn a_run_that_outlasts_its_plan_says_so_and_its_error_grows() {
     let mut component = component(&[LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat());
     component.messages().for_each(drop);
     component.set_input(reference("sliding_velocity"), 5.0);
@@ -149,6 +157,12 @@ fn a_run_that_outlasts_its_plan_leaves_it() {
     component.step(2.0).unwrap();
     let said = warnings(&mut component);
     assert!(said.len() == 1 && said[0].contains("J of friction, planned for"), "{said:?}");
+    let first = component.get(reference("estimated_error"));
+    component.step(32.0).unwrap();
+    let second = component.get(reference("estimated_error"));
+    assert!(second > first && second < 1.0, "{first}, {second}");
+    // Ten times the planned work after 160 s.
+    component.step(100.0).unwrap();
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 

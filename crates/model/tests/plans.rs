@@ -3,9 +3,10 @@
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
+use model::plan::prepared::Prepared;
 use model::plan::{self, model_level::ModelLevel};
-use scene::variables::STARTS;
-use scene::{HeatResolution, Scene};
+use scene::variables::{STARTS, reference};
+use scene::{Fidelity, HeatResolution, Scene};
 use test_support::{changed_scene, scene};
 use verification::planning::runs;
 use verification::planning::scenes::{Group, generate};
@@ -170,4 +171,33 @@ fn accelerated_wear_is_compared_as_well() {
     let plan = plan::make(&changed_scene(&scene("reciprocating_punch"), &changes), steady::run_in).unwrap().plan;
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatResolution::Resolved, .. }), "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
+}
+
+/// Beyond twice the nominal conditions the error of the level is in proportion to them; beyond ten times, and above a critical
+/// speed that the plan is below, it is unknown.
+#[test]
+fn the_error_of_the_level_is_extrapolated_beyond_the_nominal_conditions() {
+    let mut scene = generate(5).scene(1e-2).unwrap();
+    scene.fidelity = Fidelity::Auto;
+    let prepared = Prepared::new(&scene, steady::run_in).unwrap();
+    let [speed, load] = [scene.nominal_velocity, scene.nominal_load];
+    assert_eq!(prepared.severity(-3.0 * speed, 2.0 * load, 0.0), 3.0);
+    assert_eq!(prepared.severity(speed, 2.5 * load, 4.0 * prepared.planned_work()), 4.0);
+    for released in [false, true] {
+        let at = |severity: f64| prepared.estimated_error(0.0, severity, released);
+        let nominal = at(1.0);
+        assert!(nominal > 0.0 && nominal < 0.02, "{nominal}");
+        assert_eq!([at(0.0), at(2.0), at(4.0), at(10.0)], [nominal, nominal, 2.0 * nominal, 5.0 * nominal]);
+        assert_eq!([at(10.0_f64.next_up()), at(f64::INFINITY)], [plan::UNKNOWN; 2]);
+    }
+}
+
+/// A tolerance at which even a coarse contact line is too costly to compare calls for resolved cells, not for the lumped level.
+#[test]
+fn a_level_too_costly_to_compare_is_the_one_that_neglects_least() {
+    let mut starts = scene("disc_brake");
+    starts[reference("solver.tolerance") as usize] = 1e-6;
+    let plan = plan::make(&Scene::new(&starts, None).unwrap(), steady::run_in).unwrap().plan;
+    assert_eq!((plan.model_level.cells(), plan.estimated_error), (129, Some(plan::UNKNOWN)), "{plan:#?}");
+    assert!(plan.reason.contains("too costly"), "{}", plan.reason);
 }

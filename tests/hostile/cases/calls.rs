@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 3"],
+        &["layout 1", "layout 4"],
     ),
     stepping(
         "noise as a state",

@@ -1,6 +1,7 @@
 //! Estimated errors of the model levels: every level is run over the whole nominal trajectory and compared with a finer one.
 //!
-//! The contact line is run on 9, 17, 33, ... cells with the bodies, steps and tolerance of the user's run. With d the largest
+//! The contact line is run on 9, 17, 33, ... cells with the bodies, steps and tolerance of the user's run, or with those of the
+//! tolerance [`COARSEST`] where that of the user is larger: the error of its steps would conceal the differences. With d the largest
 //! difference of an output between two runs, relative to the largest value of the finer one, and r the ratio of the differences
 //! of successive refinements, the error on the finest cells n is about
 //!
@@ -10,13 +11,13 @@
 //!
 //! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, and where a part of the zone is not in
 //! contact, r is taken as 2: first order in the cell size. The errors of model reduction and time steps are measured on the
-//! lumped level and on the coarsest line, by a run at half of the tolerance: they are proportional to it, so the error is
-//! twice the difference. It is stated as a fraction of `estimated_step_error`, which is a bound for the steps of this
+//! lumped level and on the coarsest line, by the difference d of two runs, at the tolerance and at a smaller one, at most half: they
+//! are proportional to it, so with q the ratio of the two tolerances the error is `d/(1 - q)`. It is stated as a fraction of `estimated_step_error`, which is a bound for the steps of this
 //! trajectory as for those of the user's run. A finer level does not reduce it, so it does not enter the choice.
 //!
 //! Cells are doubled until the choice is certain: a level meets the tolerance, and no cheaper one would with the error
 //! `d(c, n) - e(n)`. They are doubled once more where the error of the chosen level is mostly that of the comparison. No doubling is
-//! made that would cost more than [`BUDGET`]; two more doublings are extrapolated with r, the second by r = 2 at most. Between two
+//! made that would cost more than [`BUDGET`]; more doublings are extrapolated with r, from the second on by r = 2 at most. Between two
 //! numbers of cells, one has the mean of their errors.
 //!
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
@@ -28,7 +29,7 @@
 use super::cost::{self, build_cost};
 use super::model_level::{CELLS, ModelLevel};
 use super::trajectory::{NominalTrajectory, Run, distance};
-use super::{Candidate, RELEASED};
+use super::{Candidate, MOST_IN_VAIN, RELEASED};
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::is_resolved;
 use crate::line::operators::RunIn;
@@ -58,6 +59,9 @@ const DEARER: f64 = 2.5;
 const ASSUMED_RATIO: f64 = 2.0;
 const RATIO: (f64, f64) = (1.5, 4.0);
 
+/// Number of doublings that are extrapolated in any case.
+const EXTRAPOLATED: usize = 2;
+
 /// Ratio of successive differences below which cells do not converge, where the last difference is above the second number.
 const CONVERGING: (f64, f64) = (1.1, 0.05);
 
@@ -68,7 +72,10 @@ const LEAST_COVERED: f64 = 0.2;
 const GROWTH: (f64, f64) = (0.0, 0.5);
 const CARRIED_ON: f64 = 4.0;
 
-/// Tolerance of the runs for the error of reduction and time steps, relative to that of the scene.
+/// Largest tolerance at which levels are compared.
+const COARSEST: f64 = 0.01;
+
+/// Tolerance of a second run for the error of reduction and time steps, relative to the first.
 const STRICTER: f64 = 0.5;
 
 /// Least error of reduction and time steps over its bound: at the few instants of a trajectory their difference may be small by chance,
@@ -122,12 +129,27 @@ struct Progress<'a> {
     steps: u64,
 }
 
+/// Reason for which levels cannot be compared.
+#[derive(Clone, Debug)]
+pub struct Incomparable {
+    /// The reason, with the numbers.
+    pub reason: String,
+    /// The comparison would take too many steps: the contact line has a solution.
+    pub is_too_costly: bool,
+}
+
+impl From<String> for Incomparable {
+    fn from(reason: String) -> Incomparable {
+        Incomparable { reason, is_too_costly: false }
+    }
+}
+
 /// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: with resolved heat where
 /// the contact line resolves it. `may_grow`: cells that neither agree to `enough` nor show a ratio of convergence are taken not
 /// to converge.
 ///
 /// # Errors
-/// Error of a level, or of a step of it.
+/// Error of a level, or of a step of it; too many steps.
 pub fn compare(
     scene: &Scene,
     course: &NominalTrajectory,
@@ -135,10 +157,11 @@ pub fn compare(
     by_cells: bool,
     may_grow: bool,
     run_in: RunIn,
-) -> Result<Comparison, String> {
+) -> Result<Comparison, Incomparable> {
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
     // Strokes are run with the wear of the whole duration, so their operators are not those of the user's run.
-    let run_scene = &course.scene(scene);
+    let own_scene = course.scene(scene);
+    let run_scene = &at_tolerance(&own_scene, scene.tolerance.min(COARSEST));
     let whole = ModelLevel::Line { cells: first, heat: HeatResolution::ResolvedWhereCoupled }.apply(run_scene);
     let heat = match by_cells && is_resolved(&whole) {
         true => HeatResolution::Resolved,
@@ -156,7 +179,7 @@ pub fn compare(
     };
     let mean = progress.lumped(run_scene)?;
     progress.line(run_scene, first, &mean)?;
-    progress.measure_steps(run_scene, first)?;
+    progress.measure_steps(&own_scene, first)?;
     let mut cells = first;
     loop {
         let before = progress.cost;
@@ -180,20 +203,20 @@ pub fn compare(
     let Judgement { mut candidates, ratio, is_known, .. } = progress.judge(may_grow.then_some(enough))?;
     match scene.cells {
         0 => {
-            progress.extrapolate(&mut candidates, ratio);
+            progress.extrapolate(&mut candidates, ratio, is_known);
             progress.interpolate(&mut candidates);
         }
         own => candidates
             .retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
     }
     candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
-    let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
+    let finest = progress.lines().next_back().ok_or_else(|| "no contact line could be compared".to_owned())?;
     let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, maximum);
     let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
     // With a number of cells set by the user, finer ones serve for comparison only.
     let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };
     let (steps, cost) = (progress.steps, progress.cost);
-    let operators = match course.repeats > 1.0 {
+    let operators = match course.repeats > 1.0 || scene.tolerance > COARSEST {
         true => Vec::new(),
         false => progress.levels.into_iter().map(|level| (level.model_level, level.operators)).collect(),
     };
@@ -240,6 +263,13 @@ impl Judgement {
     }
 }
 
+/// The scene at another tolerance.
+fn at_tolerance(scene: &Scene, tolerance: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.tolerance = tolerance;
+    scene
+}
+
 /// About twice the number of cells: the next entry of [`CELLS`].
 fn doubled(cells: usize) -> usize {
     (2 * cells).saturating_sub(1).clamp(2, CELLS[CELLS.len() - 1])
@@ -247,25 +277,26 @@ fn doubled(cells: usize) -> usize {
 
 impl Progress<'_> {
     /// Runs the trajectory on `operators`.
-    fn run(&mut self, operators: &ModelOperators) -> Result<Run, String> {
+    fn run(&mut self, operators: &ModelOperators) -> Result<Run, Incomparable> {
         let per_step = cost::per_step(operators);
         let most = (RUN_PART * BUDGET / per_step).max(LEAST_STEPS);
         let run = self.course.run(operators, most as u32)?;
         if run.history.len() < 2 {
-            return Err(format!("{most:.0} internal steps do not reach a hundredth of the nominal duration"));
+            let reason = format!("{most:.0} internal steps do not reach a hundredth of the nominal duration");
+            return Err(Incomparable { reason, is_too_costly: true });
         }
         self.cost += run.steps as f64 * per_step;
         self.steps += run.steps;
         Ok(run)
     }
 
-    fn add(&mut self, model_level: ModelLevel, operators: ModelOperators) -> Result<(), String> {
+    fn add(&mut self, model_level: ModelLevel, operators: ModelOperators) -> Result<(), Incomparable> {
         let run = self.run(&operators)?;
         self.levels.push(Level { model_level, operators, run });
         Ok(())
     }
 
-    fn lumped(&mut self, scene: &Scene) -> Result<ModelOperators, String> {
+    fn lumped(&mut self, scene: &Scene) -> Result<ModelOperators, Incomparable> {
         let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene), self.run_in)?;
         self.cost += build_cost(&operators);
         self.add(ModelLevel::Lumped, operators.clone())?;
@@ -273,7 +304,7 @@ impl Progress<'_> {
     }
 
     /// Runs the contact line on `cells` cells beside the lumped level `mean`, and the same line with lumped heat.
-    fn line(&mut self, scene: &Scene, cells: usize, mean: &ModelOperators) -> Result<(), String> {
+    fn line(&mut self, scene: &Scene, cells: usize, mean: &ModelOperators) -> Result<(), Incomparable> {
         let model_level = ModelLevel::Line { cells, heat: self.heat };
         let line = mean.line_beside(&model_level.apply(scene), self.run_in)?;
         self.cost += build_cost(&line);
@@ -288,33 +319,39 @@ impl Progress<'_> {
         }
         if self.lines().count() > 2 {
             self.levels.pop();
-            return Err(format!(
+            let reason = format!(
                 "{cells} cells cover less than {LEAST_COVERED} of the nominal duration in the steps they may take"
-            ));
+            );
+            return Err(Incomparable { reason, is_too_costly: true });
         }
         self.falls_short = true;
         Ok(())
     }
 
-    /// Measures the errors of reduction and time steps.
-    fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), String> {
-        let mut stricter = scene.clone();
-        stricter.tolerance *= STRICTER;
-        let mut finer = Progress { levels: Vec::new(), ..*self };
-        let mean = finer.lumped(&stricter)?;
-        finer.line(&stricter, cells, &mean)?;
-        (self.cost, self.steps) = (finer.cost, finer.steps);
-        for (level, finer) in self.levels.iter().zip(&finer.levels) {
-            let (own, stricter) = (&level.run.history, &finer.run.history);
-            let counts = [self.course.loaded.min(own.len()).min(stricter.len()), own.len()];
+    /// Measures the errors of reduction and time steps at the tolerance of `scene`, with a second run of the lumped level and of the
+    /// coarsest line: at that tolerance where the first was at a smaller one, else at a smaller one.
+    fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), Incomparable> {
+        let is_strict = scene.tolerance > COARSEST;
+        let (second, smaller) = match is_strict {
+            true => (scene.clone(), COARSEST / scene.tolerance),
+            false => (at_tolerance(scene, STRICTER * scene.tolerance), STRICTER),
+        };
+        let mut other = Progress { levels: Vec::new(), ..*self };
+        let mean = other.lumped(&second)?;
+        other.line(&second, cells, &mean)?;
+        (self.cost, self.steps) = (other.cost, other.steps);
+        for (first, second) in self.levels.iter().zip(&other.levels) {
+            let (own, strict) = if is_strict { (&second.run, &first.run) } else { (&first.run, &second.run) };
+            let counts = [self.course.loaded.min(strict.history.len()), strict.history.len()];
             let ratio = |count: usize, bound: f64| {
-                let error = largest(distance(&own[..count], stricter)) / (1.0 - STRICTER);
+                let error =
+                    largest(distance(&own.history[..count.min(own.history.len())], &strict.history)) / (1.0 - smaller);
                 if bound > 0.0 { (error / bound).clamp(LEAST_RATIO, 1.0) } else { 1.0 }
             };
-            let [loaded, whole] = std::array::from_fn(|phase| ratio(counts[phase], level.run.step_bounds[phase]));
+            let [loaded, whole] = std::array::from_fn(|phase| ratio(counts[phase], own.step_bounds[phase]));
             // Runs of the same steps under load do not show their error.
-            let shows = finer.run.loaded_steps > level.run.loaded_steps;
-            self.step_ratios[kind(level.model_level)] = [if shows { loaded } else { whole.max(loaded) }, whole];
+            let shows = strict.loaded_steps > own.loaded_steps;
+            self.step_ratios[kind(first.model_level)] = [if shows { loaded } else { whole.max(loaded) }, whole];
         }
         Ok(())
     }
@@ -404,14 +441,18 @@ impl Progress<'_> {
         })
     }
 
-    /// Adds levels with finer cells than were run. The error of lumped heat, where heat feeds back, does not decrease with finer
+    /// Adds levels with finer cells than were run: [`EXTRAPOLATED`] doublings, and more where the errors are known, up to the number of
+    /// cells that is taken where no level is good enough. The error of lumped heat, where heat feeds back, does not decrease with finer
     /// cells.
-    fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
+    fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64, is_known: bool) {
         let finest = candidates.iter().rev().find(|candidate| candidate.model_level.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
         let (cells, mut factor, mut last) = (finest.model_level.cells(), 1.0, finest.model_level.cells());
-        // The second doubling at most by first order: it is further from where the ratio was measured.
-        for (count, ratio) in CELLS.into_iter().filter(|&count| count > cells).zip([ratio, ratio.min(ASSUMED_RATIO)]) {
+        // All but the first doubling at most by first order: they are further from where the ratio was measured.
+        let ratios = std::iter::once(ratio).chain(std::iter::repeat(ratio.min(ASSUMED_RATIO)));
+        let finer = CELLS.into_iter().filter(|&count| count > cells).enumerate();
+        let finer = finer.filter(|&(before, count)| before < EXTRAPOLATED || is_known && count <= MOST_IN_VAIN);
+        for ((_, count), ratio) in finer.zip(ratios) {
             factor *= (last as f64 / count as f64).powf(ratio.log2());
             last = count;
             let cost = cost::per_step_of(count, cost::states(&level.operators));

@@ -2,7 +2,8 @@
 //!
 //! # Method
 //!
-//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run.
+//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run, or of the
+//! tolerance 1e-2 where that is larger.
 //! The trajectory ends with a release of the load; the errors under load and with the release are kept apart.
 //! Its error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the
 //! model reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
@@ -17,7 +18,7 @@
 //!
 //! # Limits
 //!
-//! - The trajectory is that of `nominal.*`. The plan is not valid for a run beyond it: [`prepared::Prepared::is_beyond`].
+//! - The trajectory is that of `nominal.*`. Beyond it the error is extrapolated: [`prepared::Prepared::severity`].
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
 //!   and where the cells do not converge, as above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
@@ -40,7 +41,7 @@ use effects::Effect;
 use groups::Groups;
 use model_level::ModelLevel;
 use numerics::maximum::maximum;
-use scene::Scene;
+use scene::{HeatResolution, Scene};
 use trajectory::NominalTrajectory;
 
 /// Part of the tolerance for the error of the level and its cells.
@@ -143,29 +144,37 @@ pub struct Planned {
 /// # Errors
 /// A text with the numbers where the chosen level cannot be built.
 pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
+    let lumped = |reason: String, error: Option<f64>| uncompared(scene, ModelLevel::Lumped, reason, error, run_in);
     if scene.has_rigid_bodies() {
-        return only_lumped(scene, "both bodies are rigid".into(), None, run_in);
+        return lumped("both bodies are rigid".into(), None);
     }
     let Some(course) = NominalTrajectory::new(scene) else {
         let reason = format!(
             "nominal.load = {} N, nominal.velocity = {} m/s and nominal.duration = {} s leave nothing to compare levels with",
             scene.nominal_load, scene.nominal_velocity, scene.nominal_duration
         );
-        return only_lumped(scene, reason, Some(UNKNOWN), run_in);
+        return lumped(reason, Some(UNKNOWN));
     };
     let groups = Groups::new(scene, 0.0);
     let enough = SAFETY * scene.tolerance;
     let may_grow = groups.speed_over_critical >= 1.0;
-    let reason = match compare(scene, &course, enough, true, may_grow, run_in) {
+    let failure = match compare(scene, &course, enough, true, may_grow, run_in) {
         Ok(comparison) => return decide(scene, comparison, None, run_in),
-        Err(reason) => reason,
+        Err(failure) => failure,
     };
+    let reason = failure.reason;
+    // A tolerance at which even a coarse line is costly calls for the level that neglects least.
+    if failure.is_too_costly {
+        let cells = if scene.cells > 0 { scene.cells } else { MOST_IN_VAIN };
+        let finest = ModelLevel::Line { cells, heat: HeatResolution::ResolvedWhereCoupled };
+        return uncompared(scene, finest, format!("too costly to compare: {reason}"), Some(UNKNOWN), run_in);
+    }
     // Where resolved heat has no solution (thermal runaway by friction, instability), lumped heat still has one.
     if let Ok(comparison) = compare(scene, &course, enough, false, may_grow, run_in) {
         return decide(scene, comparison, Some(format!("nothing to compare the mean heat with: {reason}")), run_in);
     }
     // The lumped level does not reproduce the failure of the contact line.
-    only_lumped(scene, format!("no contact line to compare with: {reason}"), Some(UNKNOWN), run_in)
+    lumped(format!("no contact line to compare with: {reason}"), Some(UNKNOWN))
 }
 
 /// Chooses a level. `doubt`: reason for which its error is not known.
@@ -229,12 +238,19 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
     Ok(Planned { plan, operators })
 }
 
-fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>, run_in: RunIn) -> Result<Planned, String> {
-    let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene), run_in)?;
+/// A level without a comparison.
+fn uncompared(
+    scene: &Scene,
+    model_level: ModelLevel,
+    reason: String,
+    estimated_error: Option<f64>,
+    run_in: RunIn,
+) -> Result<Planned, String> {
+    let operators = ModelOperators::new(&model_level.apply(scene), run_in)?;
     let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
-        model_level: ModelLevel::Lumped,
+        model_level,
         meets: estimated_error.is_none(),
         reason,
         effects: Vec::new(),

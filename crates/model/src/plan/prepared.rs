@@ -7,9 +7,13 @@ use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
 use scene::{Fidelity, Scene};
 
-/// Ratio of load, speed and friction work to the nominal ones up to which a plan is valid: more than the largest speed of a
-/// sinusoid over its mean.
+/// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
+/// more than the largest speed of a sinusoid over its mean.
 const PLANNED: f64 = 2.0;
+
+/// Ratio beyond which the error is unknown. Up to it the error is extrapolated in proportion: the levels differ by the uneven pressure
+/// that the heat causes, which to first order is proportional to the heat.
+const EXTRAPOLATED: f64 = 10.0;
 
 /// Fraction of the largest load so far below which the load counts as released.
 const RELEASED: f64 = 0.5;
@@ -51,13 +55,19 @@ impl Prepared {
         force * scene.nominal_velocity * scene.nominal_duration
     }
 
-    /// Whether a speed (m/s), a load (N) or the friction work (J) so far exceeds twice the nominal one, so that the plan is not
-    /// valid. The work represents a run longer than planned: the effects of a nonuniform temperature accumulate with the heat.
-    pub fn is_beyond(&self, speed: f64, load: f64, work: f64) -> bool {
+    /// Largest ratio of a speed (m/s), a load (N) and the friction work (J) so far to the nominal ones. The work represents a run
+    /// longer than planned: the effects of a nonuniform temperature accumulate with the heat.
+    pub fn severity(&self, speed: f64, load: f64, work: f64) -> f64 {
         let scene = &self.requested;
-        speed.abs() > PLANNED * scene.nominal_velocity
-            || load > PLANNED * scene.nominal_load
-            || work > PLANNED * self.planned_work()
+        let ratio = |value: f64, nominal: f64| if value > 0.0 { value / nominal } else { 0.0 };
+        ratio(speed.abs(), scene.nominal_velocity)
+            .max(ratio(load, scene.nominal_load))
+            .max(ratio(work, self.planned_work()))
+    }
+
+    /// Whether a run of this [`Prepared::severity`] exceeds the conditions of the plan.
+    pub fn is_beyond(severity: f64) -> bool {
+        severity > PLANNED
     }
 
     /// Whether a load counts as released: below half of the largest one so far (N).
@@ -66,18 +76,20 @@ impl Prepared {
     }
 
     /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`]; `step_error` is that of model
-    /// reduction and time steps. `beyond`: the run has left the validity of the plan. `released`: its load has been released.
-    pub fn estimated_error(&self, step_error: f64, beyond: bool, released: bool) -> f64 {
+    /// reduction and time steps. `severity`: the largest [`Prepared::severity`] of the run so far, infinite where it is unstable
+    /// against the plan. `released`: its load has been released.
+    pub fn estimated_error(&self, step_error: f64, severity: f64, released: bool) -> f64 {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if !beyond => {
+            Some(plan) if severity <= EXTRAPOLATED => {
                 let [under_load, with_release] = plan.step_ratios;
                 let (level, step_ratio) = match released {
                     true => (plan.released_error, with_release),
                     false => (plan.estimated_error, under_load),
                 };
-                level.unwrap_or(0.0).hypot(step_ratio * step_error).min(UNKNOWN)
+                let level = level.unwrap_or(0.0) * (severity / PLANNED).max(1.0);
+                level.hypot(step_ratio * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }
