@@ -122,6 +122,25 @@ def half_plane(solid: Solid, wave: float, speed: complex) -> tuple[complex, comp
     return solid.conductivity * rate, lift, 2.0 * (1.0 - solid.poisson**2) / (solid.modulus * wave)
 
 
+def band_speed(bodies: tuple[Solid, Solid], friction: float, wave: float, rate: float) -> float:
+    """Sliding speed normal to the plane of a wave that stands in both half-planes at which it grows at `rate` (1/s)."""
+    # exp(rate t) is a motion at an imaginary speed.
+    parts = [half_plane(body, wave, -1j * rate / wave) for body in bodies]
+    heat, lift, give = (sum(part[index] for part in parts) for index in range(3))
+    return float((give * heat / (friction * lift)).real)
+
+
+def band_growth(bodies: tuple[Solid, Solid], friction: float, wave: float, speed: float) -> float:
+    """Its growth rate (1/s) at this speed, above the critical one."""
+    low, high = 0.0, 1.0
+    while band_speed(bodies, friction, wave, high) < speed:
+        high *= 2.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if band_speed(bodies, friction, wave, middle) < speed else (low, middle)
+    return low
+
+
 def bending_layer(solid: Solid, half: float, wave: float, speed: complex) -> tuple[complex, complex, float]:
     """The same for a layer of half-thickness `half` in its antisymmetric mode."""
     rate, u = solid.depth_rate(wave, speed), wave * half
