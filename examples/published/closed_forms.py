@@ -96,6 +96,23 @@ def flash_mean(peclet: ArrayLike) -> ArrayLike:
     return 1.22 / np.sqrt(np.pi * (0.6575 + peclet))
 
 
+def worn_ball(radius: float, volume: np.ndarray) -> np.ndarray:
+    """Diameter (m) of the flat on a ball that has lost the cap of this volume (m3)."""
+    height = np.sqrt(volume / (np.pi * radius))
+    for _ in range(50):
+        height = np.sqrt(volume / (np.pi * (radius - height / 3.0)))
+    return 2.0 * np.sqrt(height * (2.0 * radius - height))
+
+
+def worn_cylinder(radius: float, length: float, volume: np.ndarray) -> np.ndarray:
+    """Width (m) of the flat along a cylinder that has lost the segment of this volume (m3)."""
+    area = volume / (length * radius**2)
+    angle = np.cbrt(1.5 * area)
+    for _ in range(50):
+        angle = angle - (angle - 0.5 * np.sin(2.0 * angle) - area) / (2.0 * np.sin(angle) ** 2)
+    return 2.0 * radius * np.sin(angle)
+
+
 def growth(ratio: ArrayLike) -> ArrayLike:
     """Growth rate over diffusivity times wave number squared, at `ratio` times the critical speed: Burton's insulated mate."""
     z = 0.5 * (np.sqrt(1.0 + 8.0 * np.asarray(ratio)) - 1.0)
