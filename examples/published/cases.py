@@ -349,6 +349,113 @@ def reciprocating(model: Model) -> Result:
     )
 
 
+def ball_wear(model: Model) -> Result:
+    radius, worn, scar = 5e-3, 0.198e-9, 2.11e-3
+    depth, width = 1.8565e-3, 2.4e-3
+    run = model.simulate("ball_wear", "inputs.csv")
+    distance, flat = run["distance"], width * run["fraction"]
+    circle = np.sqrt(4.0 / np.pi * flat * depth)
+    fine = np.linspace(0.5, 1000.0, 400)
+    cylinder = published.worn_cylinder(radius, depth, worn * fine / 1000.0)
+    ball = published.worn_ball(radius, worn * fine / 1000.0)
+    # Two half-spaces share the heat of a circle, the ball at rest on it and the disk moving under it.
+    conductivity, diffusivity = 45.0, 45.0 / (7800.0 * 460.0)
+    flux = 0.6 * 10.0 * 0.1 / (np.pi * 0.5 * scar * conductivity)
+    ball_alone = flux * published.flash_mean(0.0)
+    disk_alone = flux * published.flash_mean(0.1 * 0.5 * scar / (2.0 * diffusivity))
+    flash = ball_alone * disk_alone / (ball_alone + disk_alone)
+    comparisons = []
+    # The flat grows by two cells at once: 7 % of its width at 100 m, 3 % at 1,000 m.
+    for place, band in ((100.0, 0.04), (1000.0, 0.02)):
+        at = int(np.searchsorted(distance, place - 1e-6))
+        exact = float(published.worn_cylinder(radius, depth, np.array(worn * place / 1000.0)))
+        comparisons.append(Comparison(f"width after {place:g} m, cylinder", "mm", 1e3 * exact, 1e3 * flat[at], (-band, band)))
+    later = distance >= 10.0
+    exponent = np.polyfit(np.log(distance[later]), np.log(flat[later]), 1)[0]
+    comparisons += [
+        Comparison("exponent of the width", "1", 1.0 / 3.0, exponent, (-0.01, 0.01)),
+        Comparison("scar after 1000 m, measured", "mm", 1e3 * scar, 1e3 * circle[-1], (-0.02, 0.01)),
+        Comparison("scar after 1000 m, ball", "mm", 1e3 * ball[-1], 1e3 * circle[-1], (-0.02, 0.01)),
+        Comparison(
+            "scar after 100 m, ball",
+            "mm",
+            1e3 * float(published.worn_ball(radius, np.array(0.1 * worn))),
+            1e3 * float(np.interp(100.0, distance, circle)),
+            (0.15, 0.25),
+        ),
+        Comparison("mean contact rise after 1000 m", "K", float(flash), run["temperature"][-1] - 296.15, (0.4, 0.52)),
+    ]
+    return Result(
+        "Growth of the flat on a ball",
+        "distance slid (m)",
+        "width or diameter (mm)",
+        comparisons,
+        [
+            Curve("width, cylinder", fine, 1e3 * cylinder, True),
+            Curve("model, width", distance, 1e3 * flat, False),
+            Curve("scar, ball", fine, 1e3 * ball, True),
+            Curve("model, circle of equal area", distance, 1e3 * circle, False),
+            Curve("scar, measured", np.array([1000.0]), np.array([1e3 * scar]), True),
+        ],
+        (0.0, 2.3),
+    )
+
+
+def hot_bands(model: Model) -> Result:
+    bronze = published.Solid(30e9, 0.3, 18e-6, 10.0, 10.0 / (5500.0 * 460.0))
+    steel = published.Solid(200e9, 0.3, 12e-6, 45.0, 45.0 / (7800.0 * 460.0))
+    bodies, friction, half = (bronze, steel), 0.3, 6e-3
+    wave = 2.0 * np.pi / 3e-3
+    critical = published.band_speed(bodies, friction, wave, 0.0)
+    scale = steel.diffusivity * wave**2
+
+    # Gap under which a uniform pressure presses two half-planes together, a fifth less for the thermal crowning; and a wave
+    # that fades out towards the edges.
+    stations = np.linspace(-half, half, 33)
+    near, far = half - np.abs(stations), half + np.abs(stations)
+    even = far * np.log(far) + np.where(near > 0.0, near * np.log(np.maximum(near, 1e-9)), 0.0)
+    compliance = sum((1.0 - body.poisson**2) / body.modulus for body in bodies)
+    crown = 0.8 * 2.0 * 1e6 * compliance / np.pi * (even - even.min())
+    ripple = 3e-11 * np.cos(0.5 * np.pi * stations / half) ** 2 * np.cos(wave * stations)
+
+    ratios, exact, rates = (2.0, 3.0, 4.0, 6.0), [], []
+    for ratio in ratios:
+        rate = published.band_growth(bodies, friction, wave, ratio * critical)
+        duration = 4.0 / rate
+        times = tuple(duration * (0.5 + 0.1 * index) for index in range(5))
+        settings = (f"nominal.velocity={ratio * critical!r}", f"nominal.duration={duration!r}")
+        profiles = []
+        for sign in (-1.0, 1.0):
+            gap = crown + 6e-11 + sign * ripple
+            table = tuple(f"contact.initial_gap[{index + 1}]={float(value)!r}" for index, value in enumerate(gap))
+            run = model.simulate("hot_bands", settings=settings + table, at=times, step=duration / 100.0)
+            x = run.profile(0, "x")
+            profiles.append(np.array([run.profile(index, "pressure") for index in range(len(times))]))
+        # The bands that grow from the edges are the same in both runs.
+        amplitudes = np.abs((profiles[1] - profiles[0]) @ np.exp(1j * wave * x))
+        exact.append(rate / scale)
+        rates.append(np.polyfit(times, np.log(amplitudes), 1)[0] / scale)
+    # Arcs shorter than the width is wide, so that no longer wave round the ring comes first; together they cover it.
+    arcs = ("contact.mean_radius=1 m", "punch.count=1000", "depth=6.2706 mm", "solver.fidelity=lumped")
+    run = model.simulate("hot_bands", settings=arcs)
+    longest = published.band_speed(bodies, friction, 0.5 * np.pi / half, 0.0)
+    comparisons = [Comparison("critical speed, half a wave across", "m/s", longest, float(run["critical"][0]), (-0.01, 0.01))]
+    for ratio, one, other in zip(ratios, exact, rates, strict=True):
+        comparisons.append(Comparison(f"growth rate at {ratio:g} times it", "b/(κm²)", one, other, (-0.03, 0.03)))
+    fine = np.linspace(1.0, 6.5, 100)
+    growth = np.array([published.band_growth(bodies, friction, wave, ratio * critical) for ratio in fine]) / scale
+    return Result(
+        "Bands across the radius of two rings",
+        "speed over the critical speed of the wave",
+        "growth rate over κ m² of the steel",
+        comparisons,
+        [
+            Curve("wave at rest in\ntwo half-planes", fine, growth, True),
+            Curve("model", np.array(ratios), np.array(rates), False),
+        ],
+    )
+
+
 CASES = {
     "single_stop": Case(single_stop, "strip.conductivity=50"),
     "repeated_stops": Case(repeated_stops, "strip.density=6800"),
@@ -360,5 +467,7 @@ CASES = {
     "pin_flash_temperature": Case(pin_flash_temperature, "strip.conductivity=42"),
     "hot_spot_growth": Case(hot_spot_growth, "punch.thermal_expansion=11e-6"),
     "disc_critical_speed": Case(disc_critical_speed, "strip.thermal_expansion=11e-6"),
+    "hot_bands": Case(hot_bands, "strip.conductivity=50"),
+    "ball_wear": Case(ball_wear, "contact.initial_radius=4.6 mm"),
     "reciprocating": Case(reciprocating, "punch.wear_pressure_exponent=0.8"),
 }

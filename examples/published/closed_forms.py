@@ -96,6 +96,23 @@ def flash_mean(peclet: ArrayLike) -> ArrayLike:
     return 1.22 / np.sqrt(np.pi * (0.6575 + peclet))
 
 
+def worn_ball(radius: float, volume: np.ndarray) -> np.ndarray:
+    """Diameter (m) of the flat on a ball that has lost the cap of this volume (m3)."""
+    height = np.sqrt(volume / (np.pi * radius))
+    for _ in range(50):
+        height = np.sqrt(volume / (np.pi * (radius - height / 3.0)))
+    return 2.0 * np.sqrt(height * (2.0 * radius - height))
+
+
+def worn_cylinder(radius: float, length: float, volume: np.ndarray) -> np.ndarray:
+    """Width (m) of the flat along a cylinder that has lost the segment of this volume (m3)."""
+    area = volume / (length * radius**2)
+    angle = np.cbrt(1.5 * area)
+    for _ in range(50):
+        angle = angle - (angle - 0.5 * np.sin(2.0 * angle) - area) / (2.0 * np.sin(angle) ** 2)
+    return 2.0 * radius * np.sin(angle)
+
+
 def growth(ratio: ArrayLike) -> ArrayLike:
     """Growth rate over diffusivity times wave number squared, at `ratio` times the critical speed: Burton's insulated mate."""
     z = 0.5 * (np.sqrt(1.0 + 8.0 * np.asarray(ratio)) - 1.0)
@@ -120,6 +137,25 @@ def half_plane(solid: Solid, wave: float, speed: complex) -> tuple[complex, comp
     rate = solid.depth_rate(wave, speed)
     lift = 2.0 * solid.expansion * (1.0 + solid.poisson) / (rate + wave)
     return solid.conductivity * rate, lift, 2.0 * (1.0 - solid.poisson**2) / (solid.modulus * wave)
+
+
+def band_speed(bodies: tuple[Solid, Solid], friction: float, wave: float, rate: float) -> float:
+    """Sliding speed normal to the plane of a wave that stands in both half-planes at which it grows at `rate` (1/s)."""
+    # exp(rate t) is a motion at an imaginary speed.
+    parts = [half_plane(body, wave, -1j * rate / wave) for body in bodies]
+    heat, lift, give = (sum(part[index] for part in parts) for index in range(3))
+    return float((give * heat / (friction * lift)).real)
+
+
+def band_growth(bodies: tuple[Solid, Solid], friction: float, wave: float, speed: float) -> float:
+    """Its growth rate (1/s) at this speed, above the critical one."""
+    low, high = 0.0, 1.0
+    while band_speed(bodies, friction, wave, high) < speed:
+        high *= 2.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if band_speed(bodies, friction, wave, middle) < speed else (low, middle)
+    return low
 
 
 def bending_layer(solid: Solid, half: float, wave: float, speed: complex) -> tuple[complex, complex, float]:

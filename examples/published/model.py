@@ -24,6 +24,7 @@ OUTPUTS = {
     "heat": "dissipated_energy",
     "strip_heat": "heat_received_strip",
     "mean_pressure": "pressure_mean",
+    "fraction": "contact_fraction",
     "x": "profile.x",
     "pressure": "profile.pressure",
     "local_temperature": "profile.temperature",

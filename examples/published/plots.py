@@ -42,7 +42,7 @@ def draw(result: Result, path: Path) -> Path:
             # Points of published values that are few are marked, as those of the model are.
             sparse = curve.x.size <= MANY
             if curve.published:
-                style = dict(linestyle="none", marker="s", markerfacecolor="none") if is_series(result, sparse) else {}
+                style = dict(linestyle="none", marker="s", markerfacecolor="none") if is_series(result, sparse) or curve.x.size == 1 else {}
             elif sparse:
                 style = dict(linestyle="none", marker="o", markersize=3.5)
             else:
