@@ -385,6 +385,10 @@ def ball_wear(model: Model) -> Result:
         ),
         Comparison("mean contact rise after 1000 m", "K", float(flash), run["temperature"][-1] - 296.15, (0.4, 0.52)),
     ]
+    # The width is a whole number of cells: it is drawn at the middle of the distance over which it stays.
+    first = np.flatnonzero(np.diff(flat, prepend=-1.0) != 0.0)
+    last = np.append(first[1:] - 1, flat.size - 1)
+    middle = np.where(first == 0, 0.0, 0.5 * (distance[first] + distance[last]))
     return Result(
         "Growth of the flat on a ball",
         "distance slid (m)",
@@ -392,9 +396,9 @@ def ball_wear(model: Model) -> Result:
         comparisons,
         [
             Curve("width, cylinder", fine, 1e3 * cylinder, True),
-            Curve("model, width", distance, 1e3 * flat, False),
+            Curve("model, width", middle, 1e3 * flat[first], False),
             Curve("scar, ball", fine, 1e3 * ball, True),
-            Curve("model, circle of equal area", distance, 1e3 * circle, False),
+            Curve("model, circle of equal area", middle, 1e3 * circle[first], False),
             Curve("scar, measured", np.array([1000.0]), np.array([1e3 * scar]), True),
         ],
         (0.0, 2.3),
