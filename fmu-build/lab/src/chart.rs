@@ -1,6 +1,5 @@
 //! `cargo fmu chart`: error against cost for six scenes, every level, scheme and peer on the same axes.
 
-mod clock;
 mod document;
 mod figure;
 mod findings;

@@ -1,7 +1,8 @@
 //! Runs the settings of a family and takes their time.
 
-use super::{Chart, clock};
-use verification::drives::{Ending, Errors, Family, Quantity, Record, Sample};
+use super::Chart;
+use verification::drives::{DriveProblem, Ending, Errors, Family, Quantity, Record, Sample, Setting};
+use verification::planning::runs::process_seconds;
 
 /// Time budgets of runs.
 pub struct Budget {
@@ -51,6 +52,11 @@ impl Point {
     }
 }
 
+/// A run with its processor time on all threads: an initialisation runs on one of its own.
+fn timed(problem: &DriveProblem, setting: &Setting, budget: f64) -> Record {
+    problem.run(setting, &process_seconds, budget)
+}
+
 /// Adds the family's runs to the chart: those that are refused to its omissions.
 pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Budget) {
     let duration = chart.problem.samples.last().copied().unwrap_or(1.0);
@@ -62,7 +68,7 @@ pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Bud
             chart.omissions.push(format!("{setting}: a coarser one already took more than {} s", budget.run));
             continue;
         }
-        let mut record = chart.problem.run(setting, &clock::seconds, budget.run);
+        let mut record = timed(&chart.problem, setting, budget.run);
         let reached = match &record.ending {
             Ending::Refused(text) => {
                 if !refused.contains(text) {
@@ -100,10 +106,32 @@ pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Bud
 fn repeat(chart: &Chart, record: &mut Record, budget: &Budget) {
     let mut spent = record.cost();
     while spent < budget.repeats {
-        let again = chart.problem.run(&record.setting, &clock::seconds, f64::INFINITY);
+        let again = timed(&chart.problem, &record.setting, f64::INFINITY);
         spent += again.cost().max(1e-6);
         if again.cost() < record.cost() {
             record.seconds = again.seconds;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::levels::ModelOperators;
+    use scene::{Fidelity, Scene, Scheme};
+    use verification::drives::problems;
+
+    #[test]
+    fn the_time_of_a_run_includes_its_initialisation() {
+        let problem = problems().unwrap().into_iter().find(|problem| problem.name == "brake_stop").unwrap();
+        let (step, scheme) = (problem.step, Scheme::Monolithic);
+        let setting =
+            Setting { fidelity: Fidelity::Line, scheme, tolerance: 1e-4, cells: 65, step, order: 1, heat: true };
+        let scene = Scene::new(&problem.starts_with(&setting), None).unwrap();
+        let begin = process_seconds();
+        ModelOperators::new(&scene, steady::run_in).unwrap();
+        let built = process_seconds() - begin;
+        let record = timed(&problem, &setting, 0.0);
+        assert!(record.seconds[0] > 0.25 * built, "{} s of an initialisation that takes {built} s", record.seconds[0]);
     }
 }

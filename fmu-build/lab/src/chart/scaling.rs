@@ -1,6 +1,6 @@
 //! Cost of an internal step against the number of cells, of thermal states and of Fourier modes, with cached factors.
 
-use super::{clock, machine};
+use super::machine;
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result, anyhow};
 use model::levels::ModelOperators;
@@ -13,6 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use verification::drives;
+use verification::planning::runs::process_seconds;
 
 /// Steps timed together; the fastest of [`CHUNKS`] counts.
 const STEPS: usize = 20;
@@ -189,12 +190,12 @@ fn seconds(values: &Values, step: f64, inputs: [f64; 2]) -> Result<f64, String> 
     (0..BEFORE).try_for_each(|_| component.step(step))?;
     let mut fastest = f64::INFINITY;
     for _ in 0..CHUNKS {
-        let (begin, before) = (clock::seconds(), component.work());
+        let (begin, before) = (process_seconds(), component.work());
         (0..STEPS).try_for_each(|_| component.step(step))?;
         let after = component.work();
         // Lumped heat takes steps of its own; the line takes at least one per communication step.
         let steps = (after.0 + after.1 - before.0 - before.1).max(1) as f64;
-        fastest = fastest.min((clock::seconds() - begin) / steps);
+        fastest = fastest.min((process_seconds() - begin) / steps);
     }
     Ok(fastest)
 }

@@ -1,6 +1,6 @@
 //! The reference solution of a scene: exact, computed now within a limit of time, or stored from a longer computation.
 
-use super::{clock, machine};
+use super::machine;
 use crate::output::print_line;
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 use verification::drives::{DriveProblem, Sample, Truth};
+use verification::planning::runs::process_seconds;
 
 fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))
@@ -33,7 +34,7 @@ pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> 
     {
         return Ok(known);
     }
-    problem.truth(&mut |setting| problem.run(setting, &clock::seconds, budget)).map_err(|text| anyhow!(text))
+    problem.truth(&mut |setting| problem.run(setting, &process_seconds, budget)).map_err(|text| anyhow!(text))
 }
 
 /// Computes the reference without a limit of time and stores it.
@@ -45,10 +46,10 @@ pub fn write(problem: &DriveProblem) -> Result<()> {
         print_line!("{}: exact, nothing to keep", problem.name);
         return Ok(());
     }
-    let begin = clock::seconds();
-    let found = problem.truth(&mut |setting| problem.run(setting, &clock::seconds, f64::INFINITY));
+    let begin = process_seconds();
+    let found = problem.truth(&mut |setting| problem.run(setting, &process_seconds, f64::INFINITY));
     let (how, samples) = found.map_err(|text| anyhow!(text))?;
-    let seconds = clock::seconds() - begin;
+    let seconds = process_seconds() - begin;
     let mut text = format!(
         "# {how}\n# written by cargo fmu chart --write-truth at commit {} in {seconds:.0} s\n# scene {:016x}\n\
          time_s,wear_depth_m,contact_temperature_K,friction_force_N,peak_pressure_Pa\n",
