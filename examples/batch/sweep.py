@@ -155,6 +155,8 @@ def prepare(options):
     design = kind.read(options.design, options.scenes, options.seed)
     schedule, step, distance = schedules.of_name(options.schedule, scene, options.interpolation)
     check(options, design, scene, schedule)
+    if told := left_out(options.scenes, design):
+        print(f"note: {told}", file=sys.stderr)
     step = options.step or step
     every = options.every or (1.0 if options.schedule in schedules.CYCLES else step * max(1, int(schedule.times[-1] / step) // 1000))
     base = tuple((name, value) for name, value in scene.start_values().items() if starts[name] != value)
@@ -171,6 +173,14 @@ def prepare(options):
         base=base,
     )
     return job, design, distance
+
+
+def left_out(asked, design):
+    """What to tell where the design has fewer scenes than were asked for; empty otherwise."""
+    scenes = design.groups * (len(design.variables) + 2) if isinstance(design, TotalOrderDesign) else asked
+    if scenes == asked:
+        return ""
+    return f"--scenes {asked}: total-order indices take a power of two of groups of {len(design.variables) + 2}: {scenes} scenes now, {2 * scenes} next"
 
 
 def check(options, design, scene, schedule):
