@@ -130,7 +130,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         Some(file) => bail!("--fmu {}: there is no such file", file.display()),
     }
     let output = arguments.output.clone().unwrap_or_else(|| example.output());
-    let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE))?;
+    let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &output)?;
     let (python, fmu) = match &arguments.fmu {
         Some(file) => (python::environment()?, file.clone()),
         None => {
@@ -242,7 +242,7 @@ fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
 /// # Errors
 /// As [`execute`].
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
-    let udds = cycle::file(CYCLE)?;
+    let udds = cycle::file(CYCLE, folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);
     let output = command.arg("--one-level").arg("--cycle").arg(udds.path()).output()?;
     if !output.status.success() {

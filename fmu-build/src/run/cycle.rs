@@ -41,8 +41,8 @@ impl Drop for Cycle {
 /// Results have the name of its file, so the converted one has it too, in a folder of its own in cargo's target folder.
 ///
 /// # Errors
-/// Where there is no such file, or what is wrong with it, by line, column and value.
-pub fn file(name: &str) -> Result<Cycle> {
+/// Where there is no such file, what is wrong with it, by line, column and value, or that results in `output` would replace it.
+pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     let folder = project::root().join("examples/data");
     let own = folder.join(format!("{name}.csv"));
     if own.is_file() {
@@ -53,6 +53,12 @@ pub fn file(name: &str) -> Result<Cycle> {
         bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display());
     }
     let table = read(path)?;
+    let result = output.join(path.file_stem().unwrap_or_default()).with_extension("csv");
+    if let (Ok(result), Ok(read)) = (fs::canonicalize(&result), fs::canonicalize(path))
+        && result == read
+    {
+        bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
+    }
     for text in warnings(&table) {
         eprintln!("warning: {text}");
     }
@@ -156,7 +162,7 @@ mod tests {
             told("jump", "time_s,speed_m_per_s\n0,20\n1,7\n").contains("line 3: the speed changes by -13.000 m/s2")
         );
         for name in ["udds", "hwfet"] {
-            let own = file(name).unwrap();
+            let own = file(name, Path::new("unused")).unwrap();
             assert!(own.path().is_file() && warnings(&read(own.path()).unwrap()).is_empty(), "{name}");
         }
     }
@@ -165,15 +171,17 @@ mod tests {
     fn a_converted_cycle_leaves_nothing_behind() {
         let path = std::env::temp_dir().join(format!("run-cycle-{}-town.csv", std::process::id()));
         fs::write(&path, "time [s],speed [km/h]\n0,0\n10,36\n").unwrap();
-        let converted = file(path.to_str().unwrap()).unwrap();
+        let converted = file(path.to_str().unwrap(), Path::new("unused")).unwrap();
         assert_eq!(fs::read_to_string(converted.path()).unwrap(), "time_s,speed_m_per_s\n0,0\n10,10\n");
         assert_eq!(converted.path().file_stem(), path.file_stem());
         let folder = converted.path().parent().unwrap().to_owned();
         drop(converted);
         assert!(!folder.exists() && path.is_file());
+        let told = file(path.to_str().unwrap(), path.parent().unwrap()).unwrap_err().to_string();
+        assert!(told.contains("would replace it"), "{told}");
         fs::remove_file(&path).unwrap();
         // One of the project is no file of the run's own.
-        drop(file("udds").unwrap());
-        assert!(file("udds").is_ok());
+        drop(file("udds", Path::new("unused")).unwrap());
+        assert!(file("udds", Path::new("unused")).is_ok());
     }
 }
