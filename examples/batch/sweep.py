@@ -9,6 +9,7 @@ import argparse
 import difflib
 import json
 import os
+import re
 import sys
 import tempfile
 import time
@@ -43,6 +44,7 @@ BLOCKS = 32
 MOST_IN_A_BLOCK = 200
 # Differences from another batch that a message names.
 MOST_TOLD = 4
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
 
 
 def arguments():
@@ -153,6 +155,8 @@ def prepare(options):
     design = kind.read(options.design, options.scenes, options.seed)
     schedule, step, distance = schedules.of_name(options.schedule, scene, options.interpolation)
     check(options, design, scene, schedule)
+    if told := left_out(options.scenes, design):
+        print(f"note: {told}", file=sys.stderr)
     step = options.step or step
     every = options.every or (1.0 if options.schedule in schedules.CYCLES else step * max(1, int(schedule.times[-1] / step) // 1000))
     base = tuple((name, value) for name, value in scene.start_values().items() if starts[name] != value)
@@ -169,6 +173,14 @@ def prepare(options):
         base=base,
     )
     return job, design, distance
+
+
+def left_out(asked, design):
+    """What to tell where the design has fewer scenes than were asked for; empty otherwise."""
+    scenes = design.groups * (len(design.variables) + 2) if isinstance(design, TotalOrderDesign) else asked
+    if scenes == asked:
+        return ""
+    return f"--scenes {asked}: total-order indices take a power of two of groups of {len(design.variables) + 2}: {scenes} scenes now, {2 * scenes} next"
 
 
 def check(options, design, scene, schedule):
@@ -260,6 +272,15 @@ def life_of(table, distance):
     return (life, "runs of the schedule") if distance is None else (life * distance / 1e3, "km")
 
 
+def kinds_of(reasons):
+    """Numbers of the scenes by their reasons, the most frequent first. Reasons that differ in numbers alone are one, by the text of the
+    first: every scene of a design has values of its own."""
+    kinds = {}
+    for reason in reasons:
+        kinds.setdefault(NUMBER.sub("0", reason), []).append(reason)
+    return {same[0]: len(same) for same in sorted(kinds.values(), key=len, reverse=True)}
+
+
 def summarise(options, job, design, distance, scenes, ran):
     """Table, pictures and summary of a finished batch. Scenes of a larger one before are left out."""
     import charts
@@ -268,12 +289,12 @@ def summarise(options, job, design, distance, scenes, ran):
     table, unit = parts.read_all(job.folder)
     table = table[table["scene"] < scenes].reset_index(drop=True)
     good = table[table["status"] == parts.OK]
-    reasons = table.loc[table["status"] != parts.OK, "reason"].str.slice(0, 300).value_counts()
+    reasons = kinds_of(table.loc[table["status"] != parts.OK, "reason"].str.slice(0, 300))
     summary = {
         "scenes": len(table),
         "ran_now": ran,
         "failed": len(table) - len(good),
-        "reasons": {reason: int(count) for reason, count in reasons.head(10).items()},
+        "reasons": dict(list(reasons.items())[:10]),
         "cpu_seconds_per_scene": float(table["cpu_seconds"].median()),
         "results": {},
         "files": [],

@@ -141,9 +141,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let mut command = script(example, &python, &fmu, &output);
     match example {
         Example::DiscBrake => {
-            command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.unwrap_or(STEP).to_string())
+            command.arg("--cycle").arg(cycle.path()).arg("--step").arg(arguments.step.unwrap_or(STEP).to_string())
         }
-        Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
+        Example::VehicleBrake => command.arg("--cycle").arg(cycle.path()),
         Example::Clutch | Example::PinOnDisk | Example::HotSpots | Example::Published => &mut command,
         Example::ReciprocatingPunch => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
@@ -157,6 +157,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         command.arg("--json");
     }
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
+    // Before this process ends with the status of the script.
+    drop(cycle);
     if !status.success() {
         project::leave(status, "the drive")?;
     }
@@ -242,7 +244,7 @@ fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
     let udds = cycle::file(CYCLE, folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);
-    let output = command.arg("--one-level").arg("--cycle").arg(udds).output()?;
+    let output = command.arg("--one-level").arg("--cycle").arg(udds.path()).output()?;
     if !output.status.success() {
         bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
     }

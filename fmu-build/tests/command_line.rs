@@ -1,7 +1,7 @@
 //! The command as a user starts it: refusals, forwarded commands, and behaviour with a closed output pipe.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 fn command(line: &str) -> Command {
@@ -15,15 +15,32 @@ fn run(line: &str) -> (bool, String, String) {
     (status.success(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
 }
 
-fn file(name: &str, text: &str) -> PathBuf {
+/// A file of a test, removed at its end.
+struct File(PathBuf);
+
+impl std::ops::Deref for File {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+fn file(name: &str, text: &str) -> File {
     let path = std::env::temp_dir().join(format!("command-line-{}-{name}", std::process::id()));
     std::fs::write(&path, text).unwrap();
-    path
+    File(path)
 }
 
 #[test]
 fn nobody_reading_the_output_is_no_panic() {
-    let set = std::env::temp_dir().join(format!("command-line-{}.ssv", std::process::id()));
+    let set = File(std::env::temp_dir().join(format!("command-line-{}.ssv", std::process::id())));
     for line in [&format!("package clutch --ssv -o {}", set.display()), "--help"] {
         let (reader, writer) = io::pipe().unwrap();
         drop(reader);
@@ -63,11 +80,11 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
 
 /// A stand-in for `fmu-lab` that tells its arguments and its input, and ends with status 7.
 #[cfg(unix)]
-fn stand_in(name: &str) -> PathBuf {
+fn stand_in(name: &str) -> File {
     use std::os::unix::fs::PermissionsExt;
     let text = "#!/bin/sh\nprintf '<%s>' \"$@\"\ncat\necho told >&2\nexit 7\n";
     let path = file(name, text);
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    std::fs::set_permissions(&*path, std::fs::Permissions::from_mode(0o755)).unwrap();
     path
 }
 
@@ -94,8 +111,8 @@ fn commands_that_compute_natively_are_forwarded_as_they_are() {
         "bench --line",
     ] {
         let output = command(line)
-            .env("SLIDING_CONTACT_LAB", &lab)
-            .stdin(std::fs::File::open(&input).unwrap())
+            .env("SLIDING_CONTACT_LAB", &*lab)
+            .stdin(std::fs::File::open(&*input).unwrap())
             .output()
             .unwrap();
         let told: String = line.split(' ').map(|word| format!("<{word}>")).collect();

@@ -49,15 +49,39 @@ ROW = 1.55
 MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
 
 
-def draw(axis: Axes, panel: dict[str, Any], wide: bool = False) -> None:
-    """Draws a panel; `wide`: the first of several curves below the others, to be seen where they coincide."""
+START = 0.01  # of the time: a peak within it belongs to the start
+TALL = 5.0  # times what follows it: a peak that leaves the axis
+
+
+def beyond(panel: dict[str, Any], over_time: bool) -> tuple[float, float] | None:
+    """The upper end of the axis, and the value that leaves it, where one peak would flatten all the rest: that of the start over
+    the time, that of one of the curves over the contact. The pressure of a contact that is not run in yet is such a peak."""
+    series = panel["series"]
+    if over_time:
+        end = min(own["x"][0] + START * (own["x"][-1] - own["x"][0]) for own in series)
+        early = [y for own in series for x, y in zip(own["x"], own["y"]) if x <= end and not own["measured"]]
+        rest = [y for own in series for x, y in zip(own["x"], own["y"]) if x > end or own["measured"]]
+    else:
+        tallest = max(series, key=lambda own: max(own["y"]))
+        early = tallest["y"]
+        rest = [y for own in series if own is not tallest for y in own["y"]]
+    if not early or not rest or min(early + rest) < 0.0 or not max(early) > TALL * max(rest) > 0.0:
+        return None
+    return 2.0 * max(rest), max(early)
+
+
+def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
+    """Draws a panel. Where curves coincide, those below are wider, to be seen: the first one over the time, all but the last over
+    the contact."""
     curves = [series for series in panel["series"] if not series["measured"]]
     for series in panel["series"]:
         colour = COLOURS[series["colour"] % len(COLOURS)]
         if series["measured"]:
             axis.plot(series["x"], series["y"], color=colour, **MARKER)
         else:
-            width = 2.0 if wide and len(curves) > 1 and series is curves[0] else 1.1
+            above = len(curves) - 1 - next(index for index, own in enumerate(curves) if own is series)
+            wide = min(0.6 * above, 1.8) if not over_time else 0.9 if above and series is curves[0] else 0.0
+            width = 1.1 + wide
             axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
     axis.set_xlabel(panel["x"])
     axis.set_ylabel(panel["y"])
@@ -69,6 +93,13 @@ def draw(axis: Axes, panel: dict[str, Any], wide: bool = False) -> None:
         # A constant is not drawn as if it varied.
         room = 0.1 * max(abs(low), abs(high)) or 1.0
         axis.set_ylim(low - room, high + room)
+    elif peak := beyond(panel, over_time):
+        axis.set_ylim(0.0, peak[0])
+        # On the half where the curve does not leave the axis.
+        own = next(series for series in panel["series"] if peak[1] in series["y"])
+        x, colour = own["x"][own["y"].index(peak[1])], COLOURS[own["colour"] % len(COLOURS)]
+        place, side = (0.97, "right") if x < (min(ends) + max(ends)) / 2 else (0.03, "left")
+        axis.text(place, 0.96, f"peak {peak[1]:.3g}", transform=axis.transAxes, ha=side, va="top", fontsize=7, color=colour)
     elif 0.0 <= low < 0.2 * high:
         axis.set_ylim(bottom=0.0)
 
@@ -94,7 +125,7 @@ def figure_of(content: dict[str, Any]) -> Figure:
     parts: Any = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
     grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
     for axis, panel in zip(grid, courses):
-        draw(axis, panel, wide=True)
+        draw(axis, panel, over_time=True)
         legend(axis, panel)
     for axis in grid[len(courses):]:
         axis.set_visible(False)

@@ -169,6 +169,19 @@ def test_the_printed_summary_of_a_sweep(capsys):
     ]
 
 
+def test_scenes_that_a_design_leaves_out_are_told():
+    variables = tuple(uniform(name, 0.0, 1.0) for name in "abcd")
+    told = sweep.left_out(200, designs.TotalOrderDesign(variables, 200, 1))
+    assert told.startswith("--scenes 200: ") and told.endswith("192 scenes now, 384 next")
+    assert sweep.left_out(192, designs.TotalOrderDesign(variables, 192, 1)) == "" == sweep.left_out(200, designs.Design(variables, 200, 1))
+
+
+def test_reasons_that_differ_in_numbers_are_one():
+    low = "fmi2SetReal: punch.width: {} m is below the minimum 1e-6 m"
+    reasons = ["worn through at 3 s", low.format(-0.05), low.format("-2.5e-05"), low.format(-1)]
+    assert list(sweep.kinds_of(reasons).items()) == [(low.format(-0.05), 3), ("worn through at 3 s", 1)]
+
+
 def test_what_tells_two_batches_apart_is_named():
     found = {"seed": 1, "step": 0.1, "variables": "a, b"}
     assert sweep.difference(found, {**found, "step": 0.2}) == "step = 0.1 instead of 0.2"

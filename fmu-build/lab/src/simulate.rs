@@ -74,7 +74,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(plot) = &arguments.plot {
         figure::format(plot)?;
     }
-    let written = [("--output", &table), ("--output", &arguments.output), ("--plot", &arguments.plot)];
+    let profiles = table.as_deref().map(write::beside);
+    let written =
+        [("--output", &table), ("--output", &profiles), ("--output", &arguments.output), ("--plot", &arguments.plot)];
     for (option, path) in written {
         let Some(path) = path else { continue };
         output::check_file(option, path)?;

@@ -294,6 +294,7 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
 fn a_wrong_argument_is_refused_with_what_is_accepted() {
     let folder = Folder::new("arguments");
     folder.file("in.csv", STOP).file("later.csv", "time [s],wear_depth [um]\n10,1\n").file("time.csv", "time [s]\n0\n");
+    folder.file("out.profiles.csv", "time [s],wear_depth [um]\n1,1\n");
     folder.file("near.csv", "time [s],wear_dept [um]\n0,1\n").file("scene.toml", "name = \"own\"\npunch.widht = 1\n");
     let cases: &[(&[&str], &[&str])] = &[
         (&["disc_break"], &["no scene \"disc_break\"", "disc_brake"]),
@@ -321,6 +322,7 @@ fn a_wrong_argument_is_refused_with_what_is_accepted() {
         (&["disc_brake", "-o", "in.csv/out.csv"], &["--output in.csv/out.csv", "in.csv is no folder"]),
         (&["disc_brake", "-o", "."], &["is no regular file"]),
         (&["disc_brake", "-i", "in.csv", "-o", "in.csv"], &["in.csv would replace a file that is read"]),
+        (&["disc_brake", "-m", "out.profiles.csv", "-o", "out.csv"], &["out.profiles.csv would replace a file"]),
         (&["disc_brake", "--plot", "out.jpg"], &[".svg, .pdf, .png are drawn, not .jpg"]),
         (&["disc_brake", "-i", "in.csv", "-m", "later.csv"], &["later.csv", "10 s", "0 s to 2.5 s"]),
         (&["disc_brake", "-i", "in.csv", "-m", "time.csv"], &["time.csv", "time only", "wear_depth [um]"]),

@@ -225,10 +225,27 @@ fn column(variable: &Variable) -> Column {
 mod tests {
     use super::*;
 
-    fn file(name: &str, text: &str) -> std::path::PathBuf {
+    /// A file of a test, removed at its end.
+    struct File(std::path::PathBuf);
+
+    impl std::ops::Deref for File {
+        type Target = Path;
+
+        fn deref(&self) -> &Path {
+            &self.0
+        }
+    }
+
+    impl Drop for File {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_file(&self.0);
+        }
+    }
+
+    fn file(name: &str, text: &str) -> File {
         let path = std::env::temp_dir().join(format!("batch-tables-{}-{name}.csv", std::process::id()));
         std::fs::write(&path, text).unwrap();
-        path
+        File(path)
     }
 
     fn description() -> Description {

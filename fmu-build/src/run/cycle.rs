@@ -15,32 +15,60 @@ const UNUSUAL_SPEED: f64 = 70.0;
 /// Implausible acceleration for tyres, m/s2.
 const UNUSUAL_ACCELERATION: f64 = 12.0;
 
-/// A cycle of the project by its name, or any other by its path, as a file with the columns time_s and speed_m_per_s: one
-/// with other units is converted into the folder `output`.
+/// A cycle as a file with the columns time_s and speed_m_per_s.
+#[derive(Debug)]
+pub struct Cycle {
+    path: PathBuf,
+    /// Folder of a converted file, which goes with it.
+    converted: Option<PathBuf>,
+}
+
+impl Cycle {
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Cycle {
+    fn drop(&mut self) {
+        if let Some(folder) = &self.converted {
+            let _ = fs::remove_dir_all(folder);
+        }
+    }
+}
+
+/// A cycle of the project by its name, or any other by its path, converted from its units for as long as the [`Cycle`] lives.
+/// Results have the name of its file, so the converted one has it too, in a folder of its own in cargo's target folder.
 ///
 /// # Errors
-/// Where there is no such file, or what is wrong with it, by line, column and value.
-pub fn file(name: &str, output: &Path) -> Result<PathBuf> {
+/// Where there is no such file, what is wrong with it, by line, column and value, or that results in `output` would replace it.
+pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     let folder = project::root().join("examples/data");
     let own = folder.join(format!("{name}.csv"));
     if own.is_file() {
-        return Ok(own);
+        return Ok(Cycle { path: own, converted: None });
     }
     let path = Path::new(name);
     if !path.is_file() {
         bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display());
     }
     let table = read(path)?;
+    let result = output.join(path.file_stem().unwrap_or_default()).with_extension("csv");
+    if let (Ok(result), Ok(read)) = (fs::canonicalize(&result), fs::canonicalize(path))
+        && result == read
+    {
+        bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
+    }
     for text in warnings(&table) {
         eprintln!("warning: {text}");
     }
-    let converted = output.join("cycle").join(path.file_stem().unwrap_or_default()).with_extension("csv");
-    let write = || {
-        fs::create_dir_all(output.join("cycle"))?;
-        fs::write(&converted, text(&table))
-    };
-    write().with_context(|| format!("writing {}", converted.display()))?;
-    Ok(converted)
+    let folder = project::target().join("cycle").join(std::process::id().to_string());
+    let converted = folder.join(path.file_stem().unwrap_or_default()).with_extension("csv");
+    let cycle = Cycle { path: converted, converted: Some(folder.clone()) };
+    fs::create_dir_all(&folder)
+        .and_then(|()| fs::write(&cycle.path, text(&table)))
+        .with_context(|| format!("writing {}", cycle.path.display()))?;
+    Ok(cycle)
 }
 
 fn read(path: &Path) -> Result<Table> {
@@ -135,7 +163,25 @@ mod tests {
         );
         for name in ["udds", "hwfet"] {
             let own = file(name, Path::new("unused")).unwrap();
-            assert!(warnings(&read(&own).unwrap()).is_empty(), "{name}");
+            assert!(own.path().is_file() && warnings(&read(own.path()).unwrap()).is_empty(), "{name}");
         }
+    }
+
+    #[test]
+    fn a_converted_cycle_leaves_nothing_behind() {
+        let path = std::env::temp_dir().join(format!("run-cycle-{}-town.csv", std::process::id()));
+        fs::write(&path, "time [s],speed [km/h]\n0,0\n10,36\n").unwrap();
+        let converted = file(path.to_str().unwrap(), Path::new("unused")).unwrap();
+        assert_eq!(fs::read_to_string(converted.path()).unwrap(), "time_s,speed_m_per_s\n0,0\n10,10\n");
+        assert_eq!(converted.path().file_stem(), path.file_stem());
+        let folder = converted.path().parent().unwrap().to_owned();
+        drop(converted);
+        assert!(!folder.exists() && path.is_file());
+        let told = file(path.to_str().unwrap(), path.parent().unwrap()).unwrap_err().to_string();
+        assert!(told.contains("would replace it"), "{told}");
+        fs::remove_file(&path).unwrap();
+        // One of the project is no file of the run's own.
+        drop(file("udds", Path::new("unused")).unwrap());
+        assert!(file("udds", Path::new("unused")).is_ok());
     }
 }

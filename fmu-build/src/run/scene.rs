@@ -34,8 +34,11 @@ pub fn check_scene(example: Example, name: &str) -> Result<()> {
 pub fn check_fmu(example: Example, file: &Path) -> Result<()> {
     let context = || format!("reading {}", file.display());
     let mut text = String::new();
-    zip::ZipArchive::new(File::open(file).with_context(context)?)
-        .with_context(context)?
+    let opened = File::open(file).with_context(context)?;
+    zip::ZipArchive::new(opened)
+        .with_context(|| {
+            format!("--fmu {}: it is no .fmu, which is a zip archive with modelDescription.xml", file.display())
+        })?
         .by_name("modelDescription.xml")
         .with_context(context)?
         .read_to_string(&mut text)
@@ -125,5 +128,8 @@ mod tests {
         for part in ["clutch", "disc_brake", "contact.geometry = annular", "covers 1.000 of its path"] {
             assert!(told.contains(part), "{told} does not contain {part}");
         }
+        let text = crate::project::root().join("README.md");
+        let told = format!("{:#}", check_fmu(Example::DiscBrake, &text).unwrap_err());
+        assert!(told.starts_with(&format!("--fmu {}: it is no .fmu", text.display())), "{told}");
     }
 }
