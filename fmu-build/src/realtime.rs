@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "cold")]
     contact: Contact,
     /// Cells of the contact line.
-    #[arg(long, default_value_t = 33, value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 33, value_parser = arguments::whole::<u16>(3..=1025), allow_negative_numbers = true)]
     cells: u16,
     /// Simulated time in seconds.
     #[arg(long, default_value_t = 600.0, value_parser = arguments::number, allow_negative_numbers = true)]

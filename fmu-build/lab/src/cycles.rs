@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, value_name = "ERROR", default_value_t = 1e-3, value_parser = arguments::number, allow_negative_numbers = true)]
     tolerance: f64,
     /// Cells of the contact line; by default the scene's, or 33.
-    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(3..=1025), allow_negative_numbers = true)]
     cells: Option<u16>,
     /// Without heat.
     #[arg(long)]

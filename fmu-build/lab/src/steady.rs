@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Cells of the contact line; by default the scene's, or 65.
-    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(1..=1025), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = arguments::whole::<u16>(3..=1025), allow_negative_numbers = true)]
     cells: Option<u16>,
     /// Speed of the backward half-stroke, in m/s, where it is not the nominal velocity.
     #[arg(long, value_name = "M_PER_S", value_parser = arguments::number, allow_negative_numbers = true)]
