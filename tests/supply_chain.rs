@@ -11,7 +11,7 @@ use serde::Deserialize;
 const WORKSPACES: [&str; 2] = ["Cargo.toml", "tests/importers/Cargo.toml"];
 
 /// Files outside of tests that contain `unsafe`, and why they must.
-const UNSAFE: [(&str, &str); 19] = [
+const UNSAFE: [(&str, &str); 18] = [
     ("python/native/src/lib.rs", "functions of the C interface of the Python package"),
     ("crates/scene/src/slot.rs", "volatile read of the scene that packaging writes into the library"),
     ("crates/numerics/src/cache.rs", "allocator that counts, of a unit test"),
@@ -25,7 +25,6 @@ const UNSAFE: [(&str, &str); 19] = [
     ("src/fmi2/gate.rs", "the importer's logger, of unit tests"),
     ("src/fmi2/types.rs", "types of the importer's functions"),
     ("fmu-build/host/src/timing.rs", "calls of a loaded FMU"),
-    ("fmu-build/lab/src/chart/clock.rs", "processor time of a thread, from the system"),
     ("fmu-build/lab/src/fuzz", "calls of the C interface in any order"),
     ("fmu-build/host/src/functions.rs", "calls of a loaded FMU"),
     ("fmu-build/host/src/worker.rs", "calls of a loaded FMU"),
