@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use std::fmt;
 use std::fs;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use std::process::{ExitCode, exit};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
@@ -144,6 +144,23 @@ pub fn make_above(path: &Path) -> Result<()> {
     }
 }
 
+/// Whether writing `path` would replace the file `read`, however both are spelled; also where a folder of `path` is still to be made.
+pub fn would_replace(path: &Path, read: &Path) -> bool {
+    // What `..` leaves need not exist: it is made before the file is.
+    let written = || {
+        let mut plain = PathBuf::new();
+        for component in std::path::absolute(path)?.components() {
+            match component {
+                Component::ParentDir => drop(plain.pop()),
+                other => plain.push(other),
+            }
+        }
+        fs::canonicalize(plain)
+    };
+    let written = fs::canonicalize(path).or_else(|_| written()).ok();
+    written.is_some() && written == fs::canonicalize(read).ok()
+}
+
 /// A number of things, by the name of one.
 pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
@@ -186,6 +203,22 @@ mod tests {
         let hidden = Heartbeat::with("Compiling", Duration::ZERO, true, move |line| sender.send(line).unwrap());
         assert!(told.recv().is_err());
         drop(hidden);
+    }
+
+    #[test]
+    fn a_file_that_is_read_is_known_in_every_spelling() {
+        let folder = std::env::temp_dir().join(format!("would-replace-{}", std::process::id()));
+        fs::create_dir_all(folder.join("b")).unwrap();
+        let read = folder.join("a.csv");
+        fs::write(&read, "").unwrap();
+        for same in ["a.csv", "./a.csv", "b/../a.csv", "missing/../a.csv", "b/missing/../../a.csv"] {
+            assert!(would_replace(&folder.join(same), &read), "{same}");
+        }
+        for other in ["c.csv", "b/a.csv", "missing/a.csv"] {
+            assert!(!would_replace(&folder.join(other), &read), "{other}");
+        }
+        assert!(!would_replace(&folder.join("c.csv"), &folder.join("d.csv")));
+        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

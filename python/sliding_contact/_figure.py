@@ -2,7 +2,7 @@
 
     python _figure.py FILE FORMAT < figure.json
 
-The panels, with their labels and curves, come as JSON from crates/analyses/src/simulation/figure.rs; nothing is computed here.
+The panels, with their labels and curves, come as JSON from crates/analyses/src/simulation/figure.rs; nothing is computed here but the range of curves with hundreds of strokes.
 """
 
 from __future__ import annotations
@@ -49,6 +49,8 @@ ROW = 1.55
 MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
 
 
+STROKES = 150  # turning points of a curve over the time beyond which its lines would fill the area between its extremes
+INTERVALS = 100  # in which the extremes of such a curve are drawn
 START = 0.01  # of the time: a peak within it belongs to the start
 TALL = 5.0  # times what follows it: a peak that leaves the axis
 
@@ -70,6 +72,37 @@ def beyond(panel: dict[str, Any], over_time: bool) -> tuple[float, float] | None
     return 2.0 * max(rest), max(early)
 
 
+def turns(y: list[float]) -> int:
+    """Number of turning points of a curve that are more than a hundredth of its range apart, and more than rounding."""
+    least = max(0.01 * (max(y) - min(y)), 1e-3 * max(abs(value) for value in y))
+    count, side, extreme = 0, 0, y[0]
+    for value in y:
+        if side * (value - extreme) >= 0.0 and side:
+            extreme = value
+        elif abs(value - extreme) > least:
+            count += side != 0
+            side, extreme = (1 if value > extreme else -1), value
+    return count
+
+
+def extremes(x: list[float], y: list[float]) -> tuple[list[float], list[float], list[float]]:
+    """Ends of `INTERVALS` equal intervals, and the least and the largest value up to each."""
+    at, low, high = [], [], []
+    step = (x[-1] - x[0]) / INTERVALS
+    first = 0
+    for interval in range(1, INTERVALS + 1):
+        end = x[0] + interval * step if interval < INTERVALS else x[-1]
+        last = first
+        while last + 1 < len(x) and x[last + 1] <= end:
+            last += 1
+        values = y[first : last + 1]
+        at.append(end)
+        low.append(min(values))
+        high.append(max(values))
+        first = last
+    return [x[0], *at], [low[0], *low], [high[0], *high]
+
+
 def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
     """Draws a panel. Where curves coincide, those below are wider, to be seen: the first one over the time, all but the last over
     the contact."""
@@ -78,6 +111,9 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
         colour = COLOURS[series["colour"] % len(COLOURS)]
         if series["measured"]:
             axis.plot(series["x"], series["y"], color=colour, **MARKER)
+        elif over_time and turns(series["y"]) > STROKES:
+            name = f"{series['name']}, range" if series["name"] else "range"
+            axis.fill_between(*extremes(series["x"], series["y"]), color=colour, alpha=0.35, linewidth=0.4, label=name)
         else:
             above = len(curves) - 1 - next(index for index, own in enumerate(curves) if own is series)
             wide = min(0.6 * above, 1.8) if not over_time else 0.9 if above and series is curves[0] else 0.0

@@ -38,3 +38,21 @@ def test_other_peaks_are_drawn():
     ):
         top, texts = drawn(content, over_time)
         assert top > 59.0 and not texts, content
+
+
+def test_hundreds_of_strokes_are_drawn_as_their_range():
+    steps = 4000
+    strokes = [(1.0 + 0.5 * step / steps) * (1.0, 0.0, -1.0, 0.0)[step % 4] for step in range(steps + 1)]
+    assert _figure.turns(strokes) == steps // 2 - 1
+    assert _figure.turns([1.0, 1.0 + 1e-6] * 1000) == 0 and _figure.turns([0.0] * 1000) == 0
+    at, low, high = _figure.extremes([0.1 * step for step in range(steps + 1)], strokes)
+    assert (at[0], at[-1], len(at)) == (0.0, 400.0, _figure.INTERVALS + 1)
+    assert low[-1] < -1.49 and high[-1] == 1.5 and high[1] < 1.01 and low[1] > -1.01
+    few = strokes[:200]
+    for y, filled in ((strokes, 1), (few, 0)):
+        series = {"x": [float(index) for index in range(len(y))], "y": y, "name": "velocity", "colour": 0, "measured": False}
+        axis = _figure.plt.figure().subplots()
+        _figure.draw(axis, {"x": "time (s)", "y": "velocity (mm/s)", "series": [series]}, True)
+        assert (len(axis.collections), len(axis.lines)) == (filled, 1 - filled)
+        assert axis.get_legend_handles_labels()[1] == ["velocity, range" if filled else "velocity"]
+        _figure.plt.close("all")

@@ -9,9 +9,8 @@ use crate::columns::{self, Column};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use progress::Progress;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
@@ -142,10 +141,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Refuses to write over a file that is read.
 fn refuse_to_replace(option: &str, path: &Path, arguments: &Arguments) -> Result<()> {
-    let Ok(own) = fs::canonicalize(path) else { return Ok(()) };
     let scene = scenes::locate(&arguments.scene).ok();
     for read in [&arguments.inputs, &arguments.measured, &scene].into_iter().flatten() {
-        if fs::canonicalize(read).with_context(|| format!("reading {}", read.display()))? == own {
+        if output::would_replace(path, read) {
             bail!("{option} {} would replace a file that is read", path.display());
         }
     }

@@ -3,7 +3,7 @@
 mod heat;
 mod law;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use analyses::curve::{CONTACT_POINTS, monotone_cubic};
 use analyses::steady::{Options, Solved, direction, largest, number, solve};
@@ -58,6 +58,11 @@ pub struct Arguments {
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(arguments.output.as_deref(), &["svg"])?;
+    if let (Some(path), Some(scene)) = (&arguments.output, &arguments.scene)
+        && output::would_replace(path, Path::new(scene))
+    {
+        bail!("--output {} would replace the scene file", path.display());
+    }
     if arguments.law {
         return write_law(arguments);
     }

@@ -181,10 +181,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(Some(output), &["csv", "parquet"])?;
     // Rows are appended to a CSV file in any case, which stands beside the other.
     let rows = &if as_parquet { output.with_extension("csv") } else { output.clone() };
-    let own = fs::canonicalize(rows).ok();
-    if let Some(read) =
-        [Some(design), inputs].into_iter().flatten().find(|read| own.is_some() && fs::canonicalize(read).ok() == own)
-    {
+    if let Some(read) = [Some(design), inputs].into_iter().flatten().find(|read| output::would_replace(rows, read)) {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
     if is_scene_file(design) {

@@ -1,6 +1,7 @@
 //! Drive cycles of a car: read by the names of their columns, in any unit, and checked before anything is driven.
 
 use crate::columns::{self, Column, Table};
+use crate::output::would_replace;
 use crate::project;
 use anyhow::{Context, Result, bail};
 use scene::variables::units::METRE_PER_SECOND;
@@ -54,9 +55,7 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     }
     let table = read(path)?;
     let result = output.join(path.file_stem().unwrap_or_default()).with_extension("csv");
-    if let (Ok(result), Ok(read)) = (fs::canonicalize(&result), fs::canonicalize(path))
-        && result == read
-    {
+    if would_replace(&result, path) {
         bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
     }
     for text in warnings(&table) {
