@@ -36,27 +36,31 @@ impl Component {
         let before = course.severity;
         let scene = &prepared.requested;
         let work = model.friction_work();
-        let speed = inputs[0] + scene.mean_radius * inputs[2];
+        // Inputs are finite, and linear within a step: the largest are at one of its ends.
+        let speed_of = |inputs: &[f64; INPUTS]| (inputs[0] + scene.mean_radius * inputs[2]).abs();
+        let speed = speed_of(began).max(speed_of(&inputs));
+        let load = began[1].max(inputs[1]);
         let is_unstable = model.limits() & limit::UNSTABLE != 0;
-        let severity = if is_unstable { f64::INFINITY } else { prepared.severity(speed, inputs[1], work) };
+        let severity = if is_unstable { f64::INFINITY } else { prepared.severity(speed, load, work) };
         course.severity = before.max(severity);
         if Prepared::is_beyond(before) || !Prepared::is_beyond(severity) {
             return;
         }
-        let (velocity, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
+        let (planned_speed, planned_load, duration) =
+            (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         let planned_work = prepared.planned_work();
         let beyond = format_args!(
-            "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {} N and {work} J of friction, \
-             planned for nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = \
+            "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {load} N and {work} J of friction, \
+             planned for nominal.velocity = {planned_speed} m/s, nominal.load = {planned_load} N and {planned_work} J in nominal.duration = \
              {duration} s; the level is unchanged, and estimated_error {error} from here on",
-            Number(inputs[1]),
             speed = Number(speed),
-            work = Number(work),
-            velocity = Number(velocity),
             load = Number(load),
+            work = Number(work),
+            planned_speed = Number(planned_speed),
+            planned_load = Number(planned_load),
             planned_work = Number(planned_work),
             duration = Number(duration),
-            error = if is_unstable { "is 1" } else { "is extrapolated" },
+            error = if Prepared::is_known(severity) { "is extrapolated" } else { "is 1" },
         );
         self.messages.add(Subject::Warning, beyond);
     }

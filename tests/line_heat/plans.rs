@@ -166,6 +166,24 @@ fn a_run_that_outlasts_its_plan_says_so_and_its_error_grows() {
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
+/// A step that begins beyond the plan and ends within it leaves the plan: the first of a stop.
+#[test]
+fn the_beginning_of_a_step_counts() {
+    for (slope, said) in [(-7.5, 1), (0.0, 0)] {
+        let mut component = component(LUMPED_ENOUGH);
+        component.messages().for_each(drop);
+        // Nominal: 10 m/s.
+        component.set_input(reference("sliding_velocity"), if slope == 0.0 { 10.0 } else { 25.0 });
+        component.set_input(reference("normal_load"), 100.0);
+        component.set_input_derivative(reference("sliding_velocity"), slope);
+        component.step(2.0).unwrap();
+        let warnings = warnings(&mut component);
+        let of_plan =
+            warnings.iter().filter(|text| text.contains("exceeds the conditions planned") && text.contains("25 m/s"));
+        assert_eq!(of_plan.count(), said, "{warnings:?}");
+    }
+}
+
 /// The highest speed of a sinusoid is 1.57 times its mean, which is within the plan. Changing the level at that speed raised the
 /// highest temperature from 5.1 to 7.3 K within a step.
 #[test]

@@ -201,3 +201,19 @@ fn a_level_too_costly_to_compare_is_the_one_that_neglects_least() {
     assert_eq!((plan.model_level.cells(), plan.estimated_error), (129, Some(plan::UNKNOWN)), "{plan:#?}");
     assert!(plan.reason.contains("too costly"), "{}", plan.reason);
 }
+
+/// The error of the steps is found from runs whose tolerances are a factor of two apart at least, so also where that of the scene is
+/// just above the one at which levels are compared.
+#[test]
+fn the_error_of_steps_is_continuous_in_the_tolerance() {
+    let ratios = |tolerance: f64| {
+        let plan = plan::make(&generate(5).scene(tolerance).unwrap(), steady::run_in).unwrap().plan;
+        plan.candidates.iter().find(|candidate| candidate.model_level == ModelLevel::Lumped).unwrap().step_ratios
+    };
+    let at = ratios(1e-2);
+    for tolerance in [1.0001e-2, 1.1e-2, 1.9e-2] {
+        for (own, at) in ratios(tolerance).into_iter().zip(at) {
+            assert!(own > 0.5 * at && own < 2.0 * at, "{own} at {tolerance}, {at} at 1e-2");
+        }
+    }
+}

@@ -21,7 +21,7 @@ const STEP: f64 = 0.01;
 
 /// One kind of step.
 pub struct StepCase {
-    /// What changes from step to step.
+    /// Quantities that change from step to step.
     pub name: &'static str,
     /// Most that a step may cost, in solutions; `None`: shown only.
     pub limit: Option<f64>,

@@ -15,7 +15,7 @@ const STEP: f64 = 0.1;
 /// Relative excess of a time over a whole number of steps that is rounding.
 const SAME: f64 = 1e-6;
 
-/// What a scene is driven by, and where its results are taken.
+/// Inputs of a scene, and the times of its results.
 pub struct Course {
     /// Inputs over time.
     pub inputs: Inputs,

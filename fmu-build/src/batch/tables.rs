@@ -114,7 +114,7 @@ fn split(header: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// What the cells of a column are.
+/// Kind of the cells of a column.
 enum Cells {
     /// Values of a variable of the table.
     Variable(&'static Row),
@@ -225,27 +225,13 @@ fn column(variable: &Variable) -> Column {
 mod tests {
     use super::*;
 
-    /// A file of a test, removed at its end.
-    struct File(std::path::PathBuf);
-
-    impl std::ops::Deref for File {
-        type Target = Path;
-
-        fn deref(&self) -> &Path {
-            &self.0
-        }
-    }
-
-    impl Drop for File {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_file(&self.0);
-        }
-    }
-
-    fn file(name: &str, text: &str) -> File {
+    /// What `read` makes of a file with this text, which is removed afterwards.
+    fn from_file<T>(name: &str, text: &str, read: impl FnOnce(&Path) -> T) -> T {
         let path = std::env::temp_dir().join(format!("batch-tables-{}-{name}.csv", std::process::id()));
         std::fs::write(&path, text).unwrap();
-        File(path)
+        let read = read(&path);
+        std::fs::remove_file(&path).unwrap();
+        read
     }
 
     fn description() -> Description {
@@ -266,12 +252,12 @@ mod tests {
 
     #[test]
     fn designs_and_inputs_are_read() {
-        let path = file("design", "# a note\npunch.width, level\n0.1, lumped\n0.2,auto\n");
-        let table = Table::read(&path).unwrap();
+        let text = "# a note\npunch.width, level\n0.1, lumped\n0.2,auto\n";
+        let table = from_file("design", text, Table::read).unwrap();
         assert_eq!(table.columns, ["punch.width", "level"]);
         assert_eq!(table.rows, [["0.1", "lumped"], ["0.2", "auto"]]);
-        let path = file("inputs", "time,normal_load [N],sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n");
-        let inputs = Inputs::read(&path, &description()).unwrap();
+        let text = "time,normal_load [N],sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n";
+        let inputs = from_file("inputs", text, |path| Inputs::read(path, &description())).unwrap();
         assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
         assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
         assert_eq!(inputs.values, [1.0, 10.0, 3000.0, 20.0]);
@@ -279,8 +265,8 @@ mod tests {
 
     #[test]
     fn units_of_a_design_are_those_of_scene_files() {
-        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\n50 mm, 2, 3 mm\n");
-        let converted = Table::read(&path).unwrap().for_fmu(&description()).unwrap();
+        let text = "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\n50 mm, 2, 3 mm\n";
+        let converted = from_file("in_units", text, Table::read).unwrap().for_fmu(&description()).unwrap();
         assert_eq!(converted.columns, ["punch.width", "normal_load.factor", "level"]);
         assert_eq!(converted.rows[0].as_ref().unwrap(), &["0.04", "0.5", "2"]);
         assert_eq!(converted.rows[1].as_ref().unwrap(), &["0.05", "2", "3 mm"]);
@@ -293,7 +279,7 @@ mod tests {
             ("factor", "normal_load.factor [kN]\n1\n", "accepted are 1, %"),
             ("same", "punch.width,punch.width [mm]\n1,1\n", "punch.width stands in another column already"),
         ] {
-            let table = Table::read(&file(name, text)).unwrap();
+            let table = from_file(name, text, Table::read).unwrap();
             let told = format!("{:#}", table.for_fmu(&description()).unwrap_err());
             assert!(told.contains(wanted), "{told}");
         }
@@ -303,7 +289,7 @@ mod tests {
     #[test]
     fn cells_that_no_scene_can_have_are_told_with_their_place_and_unit() {
         let text = "# a note\npunch.width [mm],normal_load.factor\n40,1\nwide,1\n40 kN,1\n-1,1\n\"1,2\",1\nnan,1\n40,-1\n40,x\n";
-        let table = Table::read(&file("cells", text)).unwrap();
+        let table = from_file("cells", text, Table::read).unwrap();
         let rows = table.for_fmu(&description()).unwrap().rows;
         assert!(rows[0].is_ok());
         for (row, wanted) in rows[1..].iter().zip([
@@ -323,11 +309,11 @@ mod tests {
     #[test]
     fn broken_files_are_told_with_the_place() {
         let told = |result: Result<()>| format!("{:#}", result.unwrap_err());
-        let table = |name, text| told(Table::read(&file(name, text)).map(|_| ()));
+        let table = |name, text| told(from_file(name, text, Table::read).map(drop));
         assert!(table("twice", "a,a\n1,2\n").contains("\"a\""));
         assert!(table("empty", "a,b\n").contains("no row"));
         assert!(table("short", "a,b\n1\n").contains("short.csv"));
-        let inputs = |name, text| told(Inputs::read(&file(name, text), &description()).map(|_| ()));
+        let inputs = |name, text| told(from_file(name, text, |path| Inputs::read(path, &description())).map(drop));
         assert!(inputs("notime", "normal_load [N]\n1\n").contains("no column time"));
         assert!(inputs("word", "time,normal_load [N]\n0,heavy\n").contains("column 2 (normal_load [N]): \"heavy\""));
         assert!(inputs("parameter", "time,punch.width\n0,1\n").contains("accepted are time"));

@@ -335,7 +335,7 @@ mod tests {
         assert!(levels.cheapest().is_none());
     }
 
-    /// What is proposed in place of a tolerance that is not met is met.
+    /// A tolerance proposed in place of one that is not met is met.
     #[test]
     fn a_wider_tolerance_that_is_proposed_is_one_that_is_met() {
         let packaged = stock().packaged;

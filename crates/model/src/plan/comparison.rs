@@ -60,7 +60,7 @@ const ASSUMED_RATIO: f64 = 2.0;
 const RATIO: (f64, f64) = (1.5, 4.0);
 
 /// Number of doublings that are extrapolated in any case.
-const EXTRAPOLATED: usize = 2;
+const LEAST_DOUBLINGS: usize = 2;
 
 /// Ratio of successive differences below which cells do not converge, where the last difference is above the second number.
 const CONVERGING: (f64, f64) = (1.1, 0.05);
@@ -179,7 +179,7 @@ pub fn compare(
     };
     let mean = progress.lumped(run_scene)?;
     progress.line(run_scene, first, &mean)?;
-    progress.measure_steps(&own_scene, first)?;
+    progress.measure_steps(&own_scene, run_scene.tolerance, first)?;
     let mut cells = first;
     loop {
         let before = progress.cost;
@@ -233,7 +233,7 @@ struct Judgement {
     is_known: bool,
 }
 
-/// What finer cells would not change.
+/// Part of the result that finer cells would not change.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Certainty {
     None,
@@ -328,20 +328,19 @@ impl Progress<'_> {
         Ok(())
     }
 
-    /// Measures the errors of reduction and time steps at the tolerance of `scene`, with a second run of the lumped level and of the
-    /// coarsest line: at that tolerance where the first was at a smaller one, else at a smaller one.
-    fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), Incomparable> {
-        let is_strict = scene.tolerance > COARSEST;
-        let (second, smaller) = match is_strict {
-            true => (scene.clone(), COARSEST / scene.tolerance),
-            false => (at_tolerance(scene, STRICTER * scene.tolerance), STRICTER),
-        };
+    /// Measures the errors of reduction and time steps with a second run of the lumped level and of the coarsest line: at the tolerance
+    /// of `scene` where that is at least twice that of the first run, `compared`, else at half of it.
+    fn measure_steps(&mut self, scene: &Scene, compared: f64, cells: usize) -> Result<(), Incomparable> {
+        let second = if STRICTER * scene.tolerance >= compared { scene.tolerance } else { STRICTER * compared };
+        let smaller = (compared / second).min(second / compared);
+        let scene = at_tolerance(scene, second);
         let mut other = Progress { levels: Vec::new(), ..*self };
-        let mean = other.lumped(&second)?;
-        other.line(&second, cells, &mean)?;
+        let mean = other.lumped(&scene)?;
+        other.line(&scene, cells, &mean)?;
         (self.cost, self.steps) = (other.cost, other.steps);
         for (first, second) in self.levels.iter().zip(&other.levels) {
-            let (own, strict) = if is_strict { (&second.run, &first.run) } else { (&first.run, &second.run) };
+            let runs = (&first.run, &second.run);
+            let (own, strict) = if scene.tolerance > compared { (runs.1, runs.0) } else { runs };
             let counts = [self.course.loaded.min(strict.history.len()), strict.history.len()];
             let ratio = |count: usize, bound: f64| {
                 let error =
@@ -441,7 +440,7 @@ impl Progress<'_> {
         })
     }
 
-    /// Adds levels with finer cells than were run: [`EXTRAPOLATED`] doublings, and more where the errors are known, up to the number of
+    /// Adds levels with finer cells than were run: [`LEAST_DOUBLINGS`] doublings, and more where the errors are known, up to the number of
     /// cells that is taken where no level is good enough. The error of lumped heat, where heat feeds back, does not decrease with finer
     /// cells.
     fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64, is_known: bool) {
@@ -451,7 +450,7 @@ impl Progress<'_> {
         // All but the first doubling at most by first order: they are further from where the ratio was measured.
         let ratios = std::iter::once(ratio).chain(std::iter::repeat(ratio.min(ASSUMED_RATIO)));
         let finer = CELLS.into_iter().filter(|&count| count > cells).enumerate();
-        let finer = finer.filter(|&(before, count)| before < EXTRAPOLATED || is_known && count <= MOST_IN_VAIN);
+        let finer = finer.filter(|&(before, count)| before < LEAST_DOUBLINGS || is_known && count <= MOST_IN_VAIN);
         for ((_, count), ratio) in finer.zip(ratios) {
             factor *= (last as f64 / count as f64).powf(ratio.log2());
             last = count;

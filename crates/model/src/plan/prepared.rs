@@ -5,15 +5,16 @@
 use super::{Plan, UNKNOWN};
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
+use numerics::maximum::maximum;
 use scene::{Fidelity, Scene};
 
 /// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
 /// more than the largest speed of a sinusoid over its mean.
 const PLANNED: f64 = 2.0;
 
-/// Ratio beyond which the error is unknown. Up to it the error is extrapolated in proportion: the levels differ by the uneven pressure
+/// Ratio up to which the error is known. From [`PLANNED`] on it is extrapolated in proportion: the levels differ by the uneven pressure
 /// that the heat causes, which to first order is proportional to the heat.
-const EXTRAPOLATED: f64 = 10.0;
+const KNOWN: f64 = 10.0;
 
 /// Fraction of the largest load so far below which the load counts as released.
 const RELEASED: f64 = 0.5;
@@ -60,9 +61,14 @@ impl Prepared {
     pub fn severity(&self, speed: f64, load: f64, work: f64) -> f64 {
         let scene = &self.requested;
         let ratio = |value: f64, nominal: f64| if value > 0.0 { value / nominal } else { 0.0 };
-        ratio(speed.abs(), scene.nominal_velocity)
-            .max(ratio(load, scene.nominal_load))
-            .max(ratio(work, self.planned_work()))
+        [ratio(load, scene.nominal_load), ratio(work, self.planned_work())]
+            .into_iter()
+            .fold(ratio(speed.abs(), scene.nominal_velocity), maximum)
+    }
+
+    /// Whether the error of a run of this [`Prepared::severity`] is known.
+    pub fn is_known(severity: f64) -> bool {
+        severity <= KNOWN
     }
 
     /// Whether a run of this [`Prepared::severity`] exceeds the conditions of the plan.
@@ -82,7 +88,7 @@ impl Prepared {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if severity <= EXTRAPOLATED => {
+            Some(plan) if Prepared::is_known(severity) => {
                 let [under_load, with_release] = plan.step_ratios;
                 let (level, step_ratio) = match released {
                     true => (plan.released_error, with_release),

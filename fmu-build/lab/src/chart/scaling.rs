@@ -143,7 +143,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
     Ok(Scaling { groups: vec![by_cells, by_states, by_waves], omissions, header })
 }
 
-/// What [`Scaling::write`] wrote into the folder.
+/// Costs that [`Scaling::write`] wrote into the folder.
 ///
 /// # Errors
 /// Where the table cannot be read.
