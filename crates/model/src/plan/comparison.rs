@@ -73,7 +73,7 @@ const GROWTH: (f64, f64) = (0.0, 0.5);
 const CARRIED_ON: f64 = 4.0;
 
 /// Largest tolerance at which levels are compared.
-const COARSEST: f64 = 0.01;
+const COARSEST: f64 = 0.025;
 
 /// Tolerance of a second run for the error of reduction and time steps, relative to the first.
 const STRICTER: f64 = 0.5;

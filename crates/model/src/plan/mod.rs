@@ -3,7 +3,7 @@
 //! # Method
 //!
 //! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run, or of the
-//! tolerance 1e-2 where that is larger.
+//! tolerance .025 where that is larger.
 //! The trajectory ends with a release of the load; the errors under load and with the release are kept apart.
 //! Its error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the
 //! model reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
