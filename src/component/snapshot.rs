@@ -1,10 +1,10 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
-use super::plan_watch::Course;
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
+use model::plan::course::Course;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 use scene::{Scene, value};
 
@@ -151,6 +151,7 @@ impl Snapshot {
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
         put(self.course.severity);
+        put(self.course.growth);
         put(f64::from(u8::from(self.course.is_released)));
         put(self.course.largest_load);
         put(self.tolerance.unwrap_or(f64::NAN));
@@ -181,7 +182,7 @@ impl Snapshot {
             Some(ModelState::Lumped(mean)) => mean.numbers().len(),
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        8 * (9 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (10 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -200,14 +201,15 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let course = Course { severity: next()?, is_released: next()? != 0.0, largest_load: next()? };
+        let course = Course { severity: next()?, growth: next()?, is_released: next()? != 0.0, largest_load: next()? };
         let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count)
             || !(0.0..=2.0).contains(&phase)
             || !(0.0..256.0).contains(&reported)
             || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
-            // Infinite above the critical speed.
             || !(0.0..=f64::INFINITY).contains(&course.severity)
+            // Infinite where a mode grew that no level contains, negative before the growth that is planned.
+            || course.growth.is_nan()
         {
             return None;
         }

@@ -256,3 +256,16 @@ fn the_error_after_a_release_is_told_once_the_load_is_released() {
         assert!((0.2..most).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
     }
 }
+
+/// A short time above the critical speed: perturbations have no time to grow, and the error stays known. It was 1.
+#[test]
+fn the_error_stays_known_while_perturbations_hardly_grow() {
+    let all = applications::all().unwrap();
+    let stops = all.iter().find(|scene| scene.name == "stop_and_go_2").unwrap();
+    assert!(trial::speed_ratio(stops).unwrap() > 1.2);
+    let truth = trial::fine_run(stops, 17, 2e-3).unwrap();
+    let run = trial::run(stops, Setting::Auto, 1e-1).unwrap();
+    let error = trial::largest(trial::errors(&run.main, &truth.main));
+    let estimate = run.estimated.last().copied().unwrap();
+    assert!((0.5..10.0).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
+}

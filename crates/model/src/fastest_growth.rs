@@ -158,6 +158,11 @@ impl FastestGrowth {
         FastestGrowth { pair, layers, range, heated, free }
     }
 
+    /// Whether waves may also be at rest in neither body, for which the mate is taken as an insulator.
+    pub fn has_free_waves(&self) -> bool {
+        self.free
+    }
+
     /// Fastest growth rate (1/s) of the waves at rest in the punch (0) or strip (1) at this friction coefficient and sliding
     /// speed (m/s); 0: none grows.
     pub fn of_body(&self, body: usize, friction: f64, speed: f64) -> f64 {

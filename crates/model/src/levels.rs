@@ -220,6 +220,11 @@ impl Model {
         }
     }
 
+    /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
+    pub fn friction_at(&self, speed: f64) -> f64 {
+        each!(self, model => model.end_friction(speed))
+    }
+
     /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         each!(self, model => model.set_tunables(tunables));

@@ -1,12 +1,15 @@
 //! Choice of the automatic model level, and cost of the levels compared.
 
 use model::INPUTS;
+use model::instability::CriticalSpeed;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
+use model::plan::course::Course;
+use model::plan::growth::PerturbationGrowth;
 use model::plan::prepared::Prepared;
 use model::plan::{self, model_level::ModelLevel};
 use scene::variables::{STARTS, reference};
-use scene::{Fidelity, HeatResolution, Scene};
+use scene::{Fidelity, Geometry, HeatResolution, Scene, ThermalBoundary};
 use test_support::{changed_scene, scene};
 use verification::planning::runs;
 use verification::planning::scenes::{Group, generate};
@@ -173,8 +176,7 @@ fn accelerated_wear_is_compared_as_well() {
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
 }
 
-/// Beyond twice the nominal conditions the error of the level is in proportion to them; beyond ten times, and above a critical
-/// speed that the plan is below, it is unknown.
+/// Beyond twice the nominal conditions the error of the level is in proportion to them; beyond ten times it is unknown.
 #[test]
 fn the_error_of_the_level_is_extrapolated_beyond_the_nominal_conditions() {
     let mut scene = generate(5).scene(1e-2).unwrap();
@@ -183,13 +185,38 @@ fn the_error_of_the_level_is_extrapolated_beyond_the_nominal_conditions() {
     let [speed, load] = [scene.nominal_velocity, scene.nominal_load];
     assert_eq!(prepared.severity(-3.0 * speed, 2.0 * load, 0.0), 3.0);
     assert_eq!(prepared.severity(speed, 2.5 * load, 4.0 * prepared.planned_work()), 4.0);
-    for released in [false, true] {
-        let at = |severity: f64| prepared.estimated_error(0.0, severity, released);
+    for is_released in [false, true] {
+        let at = |severity: f64| prepared.estimated_error(0.0, &Course { severity, is_released, ..Course::default() });
         let nominal = at(1.0);
         assert!(nominal > 0.0 && nominal < 0.02, "{nominal}");
         assert_eq!([at(0.0), at(2.0), at(4.0), at(10.0)], [nominal, nominal, 2.0 * nominal, 5.0 * nominal]);
         assert_eq!([at(10.0_f64.next_up()), at(f64::INFINITY)], [plan::UNKNOWN; 2]);
     }
+}
+
+/// The bound of the growth rate vanishes below the critical speed and rises above it; a mode of a strip between two faces, which no
+/// level contains, has none.
+#[test]
+fn perturbations_grow_above_the_critical_speed_only() {
+    let starts = scene("hot_spots");
+    let scene = changed_scene(&starts, &[]);
+    let critical = CriticalSpeed::new(&scene);
+    let growth = PerturbationGrowth::new(&scene, &critical);
+    let friction = scene.friction_coefficient;
+    let speed = critical.at(friction);
+    let [below, above, twice] = [0.99, 1.1, 2.0].map(|ratio| growth.rate(friction, ratio * speed));
+    assert!(below == 0.0 && above > 0.0 && twice > above && twice.is_finite(), "{below} {above} {twice}");
+    // A thin ring of iron between two pads bends.
+    let mut ring = changed_scene(&self::scene("disc_brake"), &[]);
+    (ring.geometry, ring.faces, ring.smooth_base) = (Geometry::Periodic, 2.0, true);
+    (ring.width, ring.length, ring.punch.height, ring.strip.height) = (0.7, 0.7, 0.02, 0.0055);
+    (ring.strip.far_thermal, ring.punch.thermal_expansion) = (ThermalBoundary::Insulated, 0.0);
+    let critical = CriticalSpeed::new(&ring);
+    let growth = PerturbationGrowth::new(&ring, &critical);
+    let (all, modelled) = (critical.at(friction), critical.modelled(friction));
+    assert!(all > 0.0 && all < 0.9 * modelled, "{all} {modelled}");
+    let rates = [0.99 * all, 1.01 * all].map(|speed| growth.rate(friction, speed));
+    assert_eq!(rates, [0.0, f64::INFINITY]);
 }
 
 /// A tolerance at which even a coarse contact line is too costly to compare calls for resolved cells, not for the lumped level.

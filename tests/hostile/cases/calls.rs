@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 4"],
+        &["layout 1", "layout 5"],
     ),
     stepping(
         "noise as a state",

@@ -72,7 +72,8 @@ impl Line {
                 )
             }
             limit::UNSTABLE => {
-                let (friction, speed) = (self.friction_at(inputs), self.speed(inputs));
+                let speed = self.speed(inputs);
+                let friction = self.end_friction(speed);
                 let critical = &self.operators.mean.critical_speed;
                 critical.write_message(text, "sliding at", friction, speed, self.heat.is_some())
             }
@@ -85,11 +86,11 @@ impl Line {
         (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs()
     }
 
-    fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
-        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+    /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
+    pub fn end_friction(&self, speed: f64) -> f64 {
         let kinetic_coefficient =
             self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
-        kinetic_coefficient * self.friction.stribeck(velocity)
+        kinetic_coefficient * self.friction.stribeck(speed)
     }
 
     /// Sets the warning bits of [`limit`] for the step that begins at `inputs`.
@@ -110,7 +111,8 @@ impl Line {
         }
         let mean = &self.operators.mean;
         let is_new = !mean.unstable_at_nominal && inputs[1] > 0.0;
-        if is_new && mean.critical_speed.is_exceeded(self.friction_at(inputs), self.speed(inputs)) {
+        let speed = self.speed(inputs);
+        if is_new && mean.critical_speed.is_exceeded(self.end_friction(speed), speed) {
             self.state.limits |= limit::UNSTABLE;
         }
         Ok(())

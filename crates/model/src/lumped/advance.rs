@@ -349,7 +349,7 @@ impl Lumped {
     }
 
     /// Friction coefficient at the temperature of the end of the last step, at this speed, m/s.
-    fn end_friction(&self, speed: f64) -> f64 {
+    pub fn end_friction(&self, speed: f64) -> f64 {
         let temperature = self.state.end_temperature + self.state.reference;
         self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(speed)
     }

@@ -20,25 +20,29 @@
 //!
 //! - The trajectory is that of `nominal.*`. Beyond it the error is extrapolated: [`prepared::Prepared::severity`].
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
-//!   and where the cells do not converge, as above the critical speed of thermoelastic instability.
+//!   and where the cells do not converge, as mostly well above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
 pub mod comparison;
 pub mod cost;
+pub mod course;
 pub mod effects;
 pub mod groups;
+pub mod growth;
 pub mod model_level;
 pub mod prepared;
 mod text;
 pub mod trajectory;
 
+use crate::instability::CriticalSpeed;
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
 use comparison::{Comparison, compare};
 use effects::Effect;
 use groups::Groups;
+use growth::PerturbationGrowth;
 use model_level::ModelLevel;
 use numerics::maximum::maximum;
 use scene::{HeatResolution, Scene};
@@ -50,6 +54,9 @@ const SAFETY: f64 = 0.9;
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
 /// run: a level that is finer for its sake costs up to a few hundred times as much.
 const RELEASED: f64 = 2.0;
+
+/// Exponent of the growth of perturbations over the nominal duration from which on cells have to be seen to converge.
+const GROWN: f64 = 1.0;
 
 /// Stated error where it is unknown.
 pub const UNKNOWN: f64 = 1.0;
@@ -110,8 +117,11 @@ pub struct Plan {
     /// Relative error of the level and its cells over the nominal trajectory, the largest of the three main outputs; [`UNKNOWN`]
     /// where it is not known. `None` where the only errors are those of model reduction and steps: both bodies are rigid.
     pub estimated_error: Option<f64>,
-    /// The same once the load has been released; see [`prepared::Prepared::is_released`].
+    /// The same once the load has been released; see [`course::Course`].
     pub released_error: Option<f64>,
+    /// Exponent of the growth of perturbations over the nominal duration; infinite where a mode grows that no level contains. See
+    /// [`growth`].
+    pub growth: f64,
     /// See [`Candidate::step_ratios`].
     pub step_ratios: [f64; 2],
     /// Relative error of the reduced thermal bodies.
@@ -137,6 +147,8 @@ pub struct Planned {
     pub plan: Plan,
     /// Operators of the chosen level.
     pub operators: ModelOperators,
+    /// Growth of perturbations above the critical speed; none between rigid bodies.
+    pub growth: Option<PerturbationGrowth>,
 }
 
 /// Plans `scene`.
@@ -155,10 +167,16 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
         );
         return lumped(reason, Some(UNKNOWN));
     };
-    let groups = Groups::new(scene, 0.0);
+    let growth = PerturbationGrowth::new(scene, &CriticalSpeed::new(scene));
+    let [exponent, of_the_line] = growth.over(&course, scene);
+    let Planned { plan, operators, .. } = choose(scene, &course, of_the_line >= GROWN, run_in)?;
+    Ok(Planned { plan: Plan { growth: exponent, ..plan }, operators, growth: Some(growth) })
+}
+
+/// Compares the levels over `course` and chooses one. `may_grow`: see [`compare`].
+fn choose(scene: &Scene, course: &NominalTrajectory, may_grow: bool, run_in: RunIn) -> Result<Planned, String> {
     let enough = SAFETY * scene.tolerance;
-    let may_grow = groups.speed_over_critical >= 1.0;
-    let failure = match compare(scene, &course, enough, true, may_grow, run_in) {
+    let failure = match compare(scene, course, enough, true, may_grow, run_in) {
         Ok(comparison) => return decide(scene, comparison, None, run_in),
         Err(failure) => failure,
     };
@@ -170,11 +188,12 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
         return uncompared(scene, finest, format!("too costly to compare: {reason}"), Some(UNKNOWN), run_in);
     }
     // Where resolved heat has no solution (thermal runaway by friction, instability), lumped heat still has one.
-    if let Ok(comparison) = compare(scene, &course, enough, false, may_grow, run_in) {
+    if let Ok(comparison) = compare(scene, course, enough, false, may_grow, run_in) {
         return decide(scene, comparison, Some(format!("nothing to compare the mean heat with: {reason}")), run_in);
     }
     // The lumped level does not reproduce the failure of the contact line.
-    lumped(format!("no contact line to compare with: {reason}"), Some(UNKNOWN))
+    let reason = format!("no contact line to compare with: {reason}");
+    uncompared(scene, ModelLevel::Lumped, reason, Some(UNKNOWN), run_in)
 }
 
 /// Chooses a level. `doubt`: reason for which its error is not known.
@@ -226,6 +245,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         order,
         estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
         released_error: Some(if known { chosen.released.min(UNKNOWN) } else { UNKNOWN }),
+        growth: 0.0,
         step_ratios: chosen.step_ratios,
         reduction_error,
         cost_per_step: chosen.cost,
@@ -235,7 +255,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         planning_cost: comparison.cost,
         rise: comparison.rise,
     };
-    Ok(Planned { plan, operators })
+    Ok(Planned { plan, operators, growth: None })
 }
 
 /// A level without a comparison.
@@ -260,6 +280,7 @@ fn uncompared(
         order,
         estimated_error,
         released_error: estimated_error,
+        growth: 0.0,
         step_ratios: [1.0; 2],
         reduction_error,
         cost_per_step: cost::per_step(&operators),
@@ -269,7 +290,7 @@ fn uncompared(
         planning_cost: cost::build_cost(&operators),
         rise: 0.0,
     };
-    Ok(Planned { plan, operators })
+    Ok(Planned { plan, operators, growth: None })
 }
 
 /// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.

@@ -2,22 +2,13 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+use super::course::Course;
+use super::growth::PerturbationGrowth;
 use super::{Plan, UNKNOWN};
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
 use numerics::maximum::maximum;
 use scene::{Fidelity, Scene};
-
-/// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
-/// more than the largest speed of a sinusoid over its mean.
-const PLANNED: f64 = 2.0;
-
-/// Ratio up to which the error is known. From [`PLANNED`] on it is extrapolated in proportion: the levels differ by the uneven pressure
-/// that the heat causes, which to first order is proportional to the heat.
-const KNOWN: f64 = 10.0;
-
-/// Fraction of the largest load so far below which the load counts as released.
-const RELEASED: f64 = 0.5;
 
 /// Prepared scene, built at the end of initialisation.
 #[derive(Clone, Debug)]
@@ -28,6 +19,8 @@ pub struct Prepared {
     pub plan: Option<Plan>,
     /// Operators of the level.
     pub operators: ModelOperators,
+    /// Growth of perturbations above the critical speed, with a plan.
+    pub growth: Option<PerturbationGrowth>,
 }
 
 impl Prepared {
@@ -38,10 +31,15 @@ impl Prepared {
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<Prepared, String> {
         let requested = scene.clone();
         if scene.fidelity != Fidelity::Auto {
-            return Ok(Prepared { requested, plan: None, operators: ModelOperators::new(scene, run_in)? });
+            return Ok(Prepared {
+                requested,
+                plan: None,
+                operators: ModelOperators::new(scene, run_in)?,
+                growth: None,
+            });
         }
-        let planned = super::make(scene, run_in)?;
-        Ok(Prepared { requested, plan: Some(planned.plan), operators: planned.operators })
+        let super::Planned { plan, operators, growth } = super::make(scene, run_in)?;
+        Ok(Prepared { requested, plan: Some(plan), operators, growth })
     }
 
     /// Whether levels were compared over the nominal course.
@@ -66,36 +64,31 @@ impl Prepared {
             .fold(ratio(speed.abs(), scene.nominal_velocity), maximum)
     }
 
-    /// Whether the error of a run of this [`Prepared::severity`] is known.
-    pub fn is_known(severity: f64) -> bool {
-        severity <= KNOWN
+    /// Exponent of growth over the nominal trajectory.
+    pub fn planned_growth(&self) -> f64 {
+        self.plan.as_ref().map_or(0.0, |plan| plan.growth)
     }
 
-    /// Whether a run of this [`Prepared::severity`] exceeds the conditions of the plan.
-    pub fn is_beyond(severity: f64) -> bool {
-        severity > PLANNED
+    /// Upper bound of the rate (1/s) at which perturbations grow; see [`PerturbationGrowth::rate`]. 0 where it has no meaning beyond
+    /// that of a nominal trajectory above the critical speed: of a mode that no level contains, and where the bound is far above the
+    /// rate.
+    pub fn growth_rate(&self, friction: f64, speed: f64) -> f64 {
+        let Some(growth) = &self.growth else { return 0.0 };
+        let planned = self.planned_growth();
+        let counts = planned == 0.0 || planned.is_finite() && growth.is_close();
+        if counts { growth.rate(friction, speed) } else { 0.0 }
     }
 
-    /// Whether a load counts as released: below half of the largest one so far (N).
-    pub fn is_released(load: f64, largest: f64) -> bool {
-        load < RELEASED * largest
-    }
-
-    /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`]; `step_error` is that of model
-    /// reduction and time steps. `severity`: the largest [`Prepared::severity`] of the run so far, infinite where it is unstable
-    /// against the plan. `released`: its load has been released.
-    pub fn estimated_error(&self, step_error: f64, severity: f64, released: bool) -> f64 {
+    /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`], after this `course`; `step_error` is
+    /// that of model reduction and time steps.
+    pub fn estimated_error(&self, step_error: f64, course: &Course) -> f64 {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if Prepared::is_known(severity) => {
-                let [under_load, with_release] = plan.step_ratios;
-                let (level, step_ratio) = match released {
-                    true => (plan.released_error, with_release),
-                    false => (plan.estimated_error, under_load),
-                };
-                let level = level.unwrap_or(0.0) * (severity / PLANNED).max(1.0);
-                level.hypot(step_ratio * step_error).min(UNKNOWN)
+            Some(plan) if course.is_known() => {
+                let phase = usize::from(course.is_released);
+                let level = [plan.estimated_error, plan.released_error][phase].unwrap_or(0.0);
+                (course.factor() * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }

@@ -1,0 +1,94 @@
+//! Course of a run so far: what the error of its plan depends on.
+//!
+//! Theory: docs/theory.md, section 8.2.
+
+use numerics::maximum::maximum;
+
+/// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
+/// more than the largest speed of a sinusoid over its mean.
+const PLANNED: f64 = 2.0;
+
+/// Ratio up to which the error is known, and factor of growth of a perturbation. From [`PLANNED`] on it is extrapolated in proportion:
+/// the levels differ by the uneven pressure that the heat causes, which to first order is proportional to the heat.
+const KNOWN: f64 = 10.0;
+
+/// Fraction of the largest load so far below which the load counts as released.
+const RELEASED: f64 = 0.5;
+
+/// Course of a run so far.
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
+pub struct Course {
+    /// Largest ratio of speed, load and friction work so far to the nominal ones.
+    pub severity: f64,
+    /// Exponent by which perturbations may have grown above the critical speed, less that of the nominal trajectory, which the plan
+    /// contains; see [`super::growth`].
+    pub growth: f64,
+    /// Largest load so far, N.
+    pub largest_load: f64,
+    /// The load has been released: the levels differ more then than under load.
+    pub is_released: bool,
+}
+
+impl Course {
+    /// Beginning of a run whose plan contains this exponent of growth.
+    pub fn new(planned_growth: f64) -> Course {
+        Course { growth: -planned_growth, ..Course::default() }
+    }
+
+    /// Takes a load (N).
+    pub fn follow_load(&mut self, load: f64) {
+        self.is_released |= load < RELEASED * self.largest_load;
+        self.largest_load = maximum(self.largest_load, load);
+    }
+
+    /// Whether the error of the plan is known.
+    pub fn is_known(&self) -> bool {
+        self.severity <= KNOWN && self.growth <= KNOWN.ln()
+    }
+
+    /// Whether the run exceeds the conditions of the plan.
+    pub fn is_beyond(&self) -> bool {
+        self.severity > PLANNED || self.growth > PLANNED.ln()
+    }
+
+    /// Factor of the error beyond the conditions of the plan, at least 1.
+    pub fn factor(&self) -> f64 {
+        (self.severity / PLANNED).max(1.0) * self.growth.max(0.0).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(severity: f64, growth: f64) -> Course {
+        Course { severity, growth, ..Course::default() }
+    }
+
+    #[test]
+    fn beyond_twice_the_nominal_conditions_the_error_is_in_proportion_up_to_ten_times() {
+        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor()), [1.0, 1.0, 1.0, 2.5]);
+        assert!(!after(2.0, 0.0).is_beyond() && after(2.0_f64.next_up(), 0.0).is_beyond());
+        assert!(after(10.0, 0.0).is_known() && !after(10.0_f64.next_up(), 0.0).is_known());
+    }
+
+    #[test]
+    fn the_error_grows_with_perturbations_up_to_ten_times() {
+        let double = 2.0_f64.ln();
+        assert_eq!(after(4.0, double).factor(), 4.0);
+        assert_eq!([Course::new(3.0), Course::new(f64::INFINITY)].map(|course| course.factor()), [1.0; 2]);
+        assert!(!after(1.0, double).is_beyond() && after(1.0, 1.01 * double).is_beyond());
+        assert!(after(1.0, 9.9_f64.ln()).is_known() && !after(1.0, 10.1_f64.ln()).is_known());
+        assert!(!after(1.0, f64::INFINITY).is_known());
+    }
+
+    #[test]
+    fn a_load_is_released_below_half_of_the_largest() {
+        let mut course = Course::default();
+        for (load, released) in [(0.0, false), (10.0, false), (5.0, false), (20.0, false), (9.0, true), (30.0, true)] {
+            course.follow_load(load);
+            assert_eq!(course.is_released, released, "{load}");
+        }
+        assert_eq!(course.largest_load, 30.0);
+    }
+}
