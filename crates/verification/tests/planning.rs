@@ -3,7 +3,7 @@
 use model::levels::ModelOperators;
 use model::plan::model_level::ModelLevel;
 use model::plan::trajectory::{NominalTrajectory, Run, distance};
-use model::plan::{self, comparison};
+use model::plan::{self, largest};
 use scene::{HeatResolution, Scene, value};
 use verification::applications;
 use verification::planning::judge::{judge, truth};
@@ -57,8 +57,7 @@ fn estimated_errors_of_a_contact_that_opens_are_not_too_small() {
         for cells in [17, 33, 65] {
             let level = ModelLevel::Line { cells, heat: HeatResolution::Resolved };
             let stated = candidates.iter().find(|candidate| candidate.model_level == level).unwrap().error();
-            let error =
-                comparison::largest(distance(&run(cells).history[..course.loaded], &fine.history[..course.loaded]));
+            let error = largest(distance(&run(cells).history[..course.loaded], &fine.history[..course.loaded]));
             assert!(stated > 0.5 * error, "{name} on {cells} cells: {stated} stated, {error} found");
         }
     }

@@ -29,6 +29,7 @@ pub mod comparison;
 pub mod cost;
 pub mod course;
 pub mod effects;
+mod estimates;
 pub mod groups;
 pub mod growth;
 pub mod model_level;
@@ -84,7 +85,7 @@ pub struct Candidate {
 impl Candidate {
     /// Largest error of the level and its cells under the nominal load.
     pub fn error(&self) -> f64 {
-        comparison::largest(self.errors)
+        largest(self.errors)
     }
 
     /// Whether the error is at most `enough`, and [`RELEASED`] times as large after a release.
@@ -291,6 +292,11 @@ fn uncompared(
         rise: 0.0,
     };
     Ok(Planned { plan, operators, growth: None })
+}
+
+/// Largest error; infinite where one is NaN.
+pub fn largest(errors: [f64; 3]) -> f64 {
+    errors.into_iter().fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { error.max(most) })
 }
 
 /// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.
