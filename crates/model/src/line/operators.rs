@@ -121,6 +121,11 @@ impl LineOperators {
         Self::build(scene, heat, None, run_in)
     }
 
+    /// Displacement of cell `i` per pressure on cell `j`, of both bodies, without friction, m/Pa.
+    pub fn normal_compliance(&self, i: usize, j: usize) -> f64 {
+        self.normal[(i, j)]
+    }
+
     fn build(
         scene: &Scene,
         heat: bool,
