@@ -352,9 +352,9 @@ impl<'a> Assembly<'a> {
         }
         let per_kelvin = transfer * operators.cooled_length;
         let (ambient, far) = (&mut operators.ambient_flow, &mut operators.far_flow);
-        // Of the direct feedthrough the far face takes what is left, or the air where that is the only boundary.
+        // Heat of short waves leaves beside the contact rather than through the body.
         let nothing = vec![0.0; by_part.len()];
-        (ambient.by_part, far.by_part) = if open { (nothing, by_part) } else { (by_part, nothing) };
+        (ambient.by_part, far.by_part) = if losing { (by_part, nothing) } else { (nothing, by_part) };
         if losing && open {
             ambient.fluxes = operators.cooled.fluxes.iter().map(|cooled| per_kelvin * cooled).collect();
             ambient.ports = operators.cooled.ports.map(|cooled| per_kelvin * cooled);
