@@ -35,8 +35,9 @@ pub struct Patterns {
     feedthrough: Vec<f64>,
     /// Heat to the air and out of the far face in the long run, m.
     passed: [Vec<f64>; 2],
-    /// Workspace, one number per cell.
+    /// Workspace: one number per cell, and the states of the step under way while others are in their place.
     response: Vec<f64>,
+    aside: Vec<f64>,
 }
 
 impl Patterns {
@@ -54,6 +55,7 @@ impl Patterns {
             feedthrough: room(most),
             passed: [room(most), room(most)],
             response: vec![0.0; most],
+            aside: vec![0.0; if most > 0 { operators.rate.len() } else { 0 }],
         }
     }
 
@@ -134,7 +136,9 @@ impl Patterns {
             return;
         }
         weights.coverage.copy_from(&self.coverage);
-        let Patterns { cells, integrals, areas, feedthrough, response, .. } = self;
+        let Patterns { cells, integrals, areas, feedthrough, response, aside, .. } = self;
+        // Matrices may be made between a free response and the propagation from it.
+        std::mem::swap(&mut scratch.values, aside);
         let count = areas.len();
         for stage in &mut weights.stages {
             let covered = &mut stage.covered;
@@ -160,5 +164,6 @@ impl Patterns {
                 }
             }
         }
+        std::mem::swap(&mut scratch.values, aside);
     }
 }
