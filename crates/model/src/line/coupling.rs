@@ -139,7 +139,6 @@ pub struct ThermalCoupling {
     installed: [usize; 2],
     /// Finds the coverage of the cells by the contact; `None`: whole cells.
     edges: Option<Edges>,
-    unworn: Vec<f64>,
     /// Linearization point of the operators reused from step to step.
     reference: FrozenCoefficients,
     growth: GrowthGuard,
@@ -206,7 +205,6 @@ impl ThermalCoupling {
             partitions: PartitionCache::new(&partition(), count),
             installed: [usize::MAX; 2],
             edges: divides.then(|| Edges::new(operators)),
-            unworn: vec![0.0; count],
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,

@@ -5,6 +5,7 @@
 use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, weighted};
+use crate::line::heat::edges::Worn;
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
@@ -162,12 +163,8 @@ impl ThermalCoupling {
             *slope = if lasting { (end - first) * per_change } else { 0.0 };
         }
         if let Some(edges) = &heat.edges {
-            let [first, end] = [&stages.first, &stages.end];
-            for (i, (overlap, slope)) in state.overlap.iter_mut().zip(&mut state.overlap_slope).enumerate() {
-                let early = edges.overlap(i, first.pressure[i], first.gap[i]);
-                *overlap = edges.overlap(i, end.pressure[i], end.gap[i]);
-                *slope = (*overlap - early) * per_change;
-            }
+            let worn = Worn::new(operators, &line.punch, &line.strip);
+            edges.follow([&stages.first, &stages.end], (1.0 - GAMMA) * step, worn, &mut state.edges);
         }
         state.distortion.copy_from_slice(&heat.distortion);
         state.kinetic_coefficient = match operators.scene.friction_fade.flat {

@@ -7,8 +7,7 @@ use super::{FrozenCoefficients, ThermalCoupling};
 use crate::Inputs;
 use crate::line::heat::air::{balance, cooling};
 use crate::line::heat::bodies::cooled_part;
-use crate::line::heat::edges::Overlap;
-use crate::line::operators::StripWear;
+use crate::line::heat::edges::Worn;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
@@ -153,12 +152,8 @@ impl ThermalCoupling {
     fn cover(&mut self, given: &StepData<'_>, step: f64) {
         let Some(edges) = &self.edges else { return };
         let (line, state) = (given.state, state_of(given));
-        // Where the path wears evenly, or under a worn track, the strip's surface has no kink at the edge.
-        let by_radius = given.operators.strip_wear == StripWear::ByRadius;
-        let strip = if by_radius { &line.strip } else { &self.unworn };
-        let worn = [&line.punch[..], strip];
-        let overlap = Overlap { value: &state.overlap, rate: &state.overlap_slope, ahead: 0.5 * step, worn };
-        edges.cover(&overlap, &mut self.coverage);
+        let worn = Worn::new(given.operators, &line.punch, &line.strip);
+        edges.cover(&state.edges, step, worn, &mut self.coverage);
         self.bodies[0].iter_mut().for_each(|own| own.cover(&self.coverage));
         for (i, half) in self.half_resistance.iter_mut().enumerate() {
             *half = self.parameters.half_resistance / self.coverage.fraction(i);

@@ -8,16 +8,17 @@
 //! c_i p_i/(c_i p_i + g_j) of the distance from i,    c_i = C_ii - mean of C_ji over the neighbours j
 //! ```
 //!
-//! A cell that has never been in contact is not worn, so that the worn surface has a kink at an edge that spreads over it. There
-//! the wear of i counts as overlap of the unworn surfaces, which are smooth across the edge.
+//! Wear makes a kink in the surface at an edge that spreads, because only the side in contact wears. The surfaces as they were when
+//! the gap of j was widest, and the edge furthest from it, are smooth there. So the wear of i since then counts as overlap too.
 //!
 //! The overlaps are extrapolated to the middle of the step, and the coverage of the cells stays the same over it. Its error is of
 //! second order in the step. An edge of the zone is no edge of the contact.
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use crate::line::operators::LineOperators;
+use crate::line::operators::{LineOperators, StripWear};
 use conduction::line::coverage::{Coverage, PARTS};
+use contact::ContactState;
 use scene::Geometry;
 
 /// Geometry and local compliance of the cells, N values each.
@@ -31,25 +32,60 @@ pub struct Edges {
     closed_ring: bool,
 }
 
-/// State of the contact from which edges are found, N values each.
-#[derive(Clone, Copy, Debug)]
-pub struct Overlap<'a> {
-    /// Overlap of the undeformed surfaces, m, and its rate, m/s.
-    pub value: &'a [f64],
-    pub rate: &'a [f64],
-    /// Time to which it is extrapolated, s.
-    pub ahead: f64,
-    /// Worn depths of punch and strip under the cells, m.
-    pub worn: [&'a [f64]; 2],
+/// State of the contact from which its edges are found, N values each; part of a saved state.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EdgeState {
+    /// Overlap of the undeformed surfaces at the end of the last step, m, and its rate over that step, m/s; the rate is 0 after a
+    /// jump and after a reversal.
+    pub overlap: Vec<f64>,
+    pub rate: Vec<f64>,
+    /// Widest gap since the cell has been open, m; 0 in contact.
+    pub widest: Vec<f64>,
+    /// Worn depth of the neighbours towards -x and +x at that time, m.
+    pub wear_then: [Vec<f64>; 2],
 }
 
-impl Overlap<'_> {
-    fn of(&self, cell: usize) -> f64 {
-        self.value[cell] + self.ahead * self.rate[cell]
+impl EdgeState {
+    /// Cells that were never in contact.
+    pub fn new(count: usize) -> EdgeState {
+        let zeros = || vec![0.0; count];
+        EdgeState { overlap: zeros(), rate: zeros(), widest: zeros(), wear_then: [zeros(), zeros()] }
     }
 
-    fn wear(&self, cell: usize) -> f64 {
-        self.worn[0][cell] + self.worn[1][cell]
+    /// All numbers.
+    pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let EdgeState { overlap, rate, widest, wear_then } = self;
+        overlap.iter_mut().chain(rate).chain(widest).chain(wear_then.iter_mut().flatten())
+    }
+
+    /// The vectors.
+    pub fn vectors(&self) -> [&Vec<f64>; 5] {
+        let [left, right] = &self.wear_then;
+        [&self.overlap, &self.rate, &self.widest, left, right]
+    }
+
+    /// Copies another state of as many cells.
+    pub fn copy_from(&mut self, other: &EdgeState) {
+        self.numbers().zip(other.vectors().into_iter().flatten()).for_each(|(own, other)| *own = *other);
+    }
+}
+
+/// Worn depths that shape the contact along the line, m: N values of the punch, and of the strip where it wears by radius. An even
+/// path or a worn track has no kink at the edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Worn<'a> {
+    punch: &'a [f64],
+    strip: Option<&'a [f64]>,
+}
+
+impl Worn<'_> {
+    /// From the worn depths of punch and strip under the cells.
+    pub fn new<'a>(operators: &LineOperators, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
+        Worn { punch, strip: (operators.strip_wear == StripWear::ByRadius).then_some(strip) }
+    }
+
+    fn at(&self, cell: usize) -> f64 {
+        self.punch[cell] + self.strip.map_or(0.0, |strip| strip[cell])
     }
 }
 
@@ -82,33 +118,45 @@ impl Edges {
         }
     }
 
-    /// Overlap of the undeformed surfaces (m) of a cell with this pressure (Pa) and gap (m).
-    pub fn overlap(&self, cell: usize, pressure: f64, gap: f64) -> f64 {
-        self.compliance[cell] * pressure - gap
+    /// Updates the state by a step that ends `duration` (s) after its first stage, with the contact of both.
+    pub fn follow(&self, [first, end]: [&ContactState; 2], duration: f64, worn: Worn<'_>, state: &mut EdgeState) {
+        for i in 0..self.widths.len() {
+            let [early, late] = [first, end].map(|stage| self.compliance[i] * stage.pressure[i] - stage.gap[i]);
+            (state.overlap[i], state.rate[i]) = (late, (late - early) / duration);
+            if end.pressure[i] > 0.0 || end.gap[i] >= state.widest[i] {
+                state.widest[i] = end.gap[i];
+                for (right, then) in [false, true].into_iter().zip(&mut state.wear_then) {
+                    then[i] = self.neighbour(i, right).map_or(0.0, |other| worn.at(other));
+                }
+            }
+        }
     }
 
-    /// Covered fractions of a cell in contact and of its neighbour without contact, from the edge between them.
-    fn covered(&self, overlap: &Overlap<'_>, cell: usize, open: usize) -> [f64; 2] {
-        let wear = if overlap.wear(open) == 0.0 { overlap.wear(cell) } else { 0.0 };
-        let (inside, outside) = (overlap.of(cell) + wear, -overlap.of(open));
+    /// Covered fractions of a cell in contact and of its neighbour without contact, towards +x (`right`) or -x, by the edge between
+    /// them; `overlap` is that of both.
+    fn covered(&self, overlap: [f64; 2], [cell, open]: [usize; 2], right: bool, worn: Worn<'_>, state: &EdgeState) -> [f64; 2] {
+        let since = worn.at(cell) - state.wear_then[usize::from(!right)][open];
+        let (inside, outside) = (overlap[0] + since.max(0.0), -overlap[1]);
         let [own, other] = [cell, open].map(|i| self.widths[i]);
         let reach = inside / (inside + outside) * 0.5 * (own + other);
         [(0.5 + reach / own).min(1.0), ((reach - 0.5 * own) / other).max(0.0)]
     }
 
-    /// Finds the coverage of the cells.
-    pub fn cover(&self, overlap: &Overlap<'_>, coverage: &mut Coverage) {
+    /// Finds the coverage of the cells in a step of `step` s.
+    pub fn cover(&self, state: &EdgeState, step: f64, worn: Worn<'_>, coverage: &mut Coverage) {
         coverage.make_whole();
-        let touches = |cell: usize| overlap.of(cell) > 0.0;
+        let overlap = |cell: usize| state.overlap[cell] + 0.5 * step * state.rate[cell];
+        let touches = |cell: usize| overlap(cell) > 0.0;
+        let covered = |cells: [usize; 2], right: bool| self.covered(cells.map(overlap), cells, right, worn, state);
         let parts = |fraction: f64| (fraction * PARTS as f64).round() as usize;
         for cell in 0..self.widths.len() {
             let inside = touches(cell);
             let [left, right] = [false, true].map(|right| {
                 let other = self.neighbour(cell, right).filter(|&other| touches(other) != inside)?;
                 Some(if inside {
-                    parts(self.covered(overlap, cell, other)[0])
+                    parts(covered([cell, other], right)[0])
                 } else {
-                    parts(self.covered(overlap, other, cell)[1])
+                    parts(covered([other, cell], !right)[1])
                 })
             });
             match (inside, left, right) {
