@@ -8,8 +8,9 @@
 //! c_i p_i/(c_i p_i + g_j) of the distance from i,    c_i = C_ii - mean of C_ji over the neighbours j
 //! ```
 //!
-//! Wear makes a kink in the surface at an edge that spreads, because only the side in contact wears. The surfaces as they were when
-//! the gap of j was widest, and the edge furthest from it, are smooth there. So the wear of i since then counts as overlap too.
+//! Wear makes a kink in the surface at an edge that stands still or spreads, because only the side in contact wears. The surfaces
+//! as they were when j was last in contact are smooth there, so the wear of i since then counts as overlap too. For an edge that
+//! recedes over worn cells this reaches too far by a part of a cell, the smaller the less a cell wears while the edge passes it.
 //!
 //! The overlaps are extrapolated to the middle of the step, and the coverage of the cells stays the same over it. Its error is of
 //! second order in the step. An edge of the zone is no edge of the contact.
@@ -39,9 +40,7 @@ pub struct EdgeState {
     /// jump and after a reversal.
     pub overlap: Vec<f64>,
     pub rate: Vec<f64>,
-    /// Widest gap since the cell has been open, m; 0 in contact.
-    pub widest: Vec<f64>,
-    /// Worn depth of the neighbours towards -x and +x at that time, m.
+    /// Worn depth of the neighbours towards -x and +x when the cell was last in contact, m.
     pub wear_then: [Vec<f64>; 2],
 }
 
@@ -49,19 +48,19 @@ impl EdgeState {
     /// Cells that were never in contact.
     pub fn new(count: usize) -> EdgeState {
         let zeros = || vec![0.0; count];
-        EdgeState { overlap: zeros(), rate: zeros(), widest: zeros(), wear_then: [zeros(), zeros()] }
+        EdgeState { overlap: zeros(), rate: zeros(), wear_then: [zeros(), zeros()] }
     }
 
     /// All numbers.
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
-        let EdgeState { overlap, rate, widest, wear_then } = self;
-        overlap.iter_mut().chain(rate).chain(widest).chain(wear_then.iter_mut().flatten())
+        let EdgeState { overlap, rate, wear_then } = self;
+        overlap.iter_mut().chain(rate).chain(wear_then.iter_mut().flatten())
     }
 
     /// The vectors.
-    pub fn vectors(&self) -> [&Vec<f64>; 5] {
+    pub fn vectors(&self) -> [&Vec<f64>; 4] {
         let [left, right] = &self.wear_then;
-        [&self.overlap, &self.rate, &self.widest, left, right]
+        [&self.overlap, &self.rate, left, right]
     }
 
     /// Copies another state of as many cells.
@@ -123,8 +122,7 @@ impl Edges {
         for i in 0..self.widths.len() {
             let [early, late] = [first, end].map(|stage| self.compliance[i] * stage.pressure[i] - stage.gap[i]);
             (state.overlap[i], state.rate[i]) = (late, (late - early) / duration);
-            if end.pressure[i] > 0.0 || end.gap[i] >= state.widest[i] {
-                state.widest[i] = end.gap[i];
+            if end.pressure[i] > 0.0 {
                 for (right, then) in [false, true].into_iter().zip(&mut state.wear_then) {
                     then[i] = self.neighbour(i, right).map_or(0.0, |other| worn.at(other));
                 }
@@ -132,11 +130,9 @@ impl Edges {
         }
     }
 
-    /// Covered fractions of a cell in contact and of its neighbour without contact, towards +x (`right`) or -x, by the edge between
-    /// them; `overlap` is that of both.
-    fn covered(&self, overlap: [f64; 2], [cell, open]: [usize; 2], right: bool, worn: Worn<'_>, state: &EdgeState) -> [f64; 2] {
-        let since = worn.at(cell) - state.wear_then[usize::from(!right)][open];
-        let (inside, outside) = (overlap[0] + since.max(0.0), -overlap[1]);
+    /// Covered fractions of a cell in contact with the overlap `inside` (m) and of its neighbour with the gap `outside` (m), by the
+    /// edge between them.
+    fn covered(&self, [cell, open]: [usize; 2], inside: f64, outside: f64) -> [f64; 2] {
         let [own, other] = [cell, open].map(|i| self.widths[i]);
         let reach = inside / (inside + outside) * 0.5 * (own + other);
         [(0.5 + reach / own).min(1.0), ((reach - 0.5 * own) / other).max(0.0)]
@@ -147,7 +143,11 @@ impl Edges {
         coverage.make_whole();
         let overlap = |cell: usize| state.overlap[cell] + 0.5 * step * state.rate[cell];
         let touches = |cell: usize| overlap(cell) > 0.0;
-        let covered = |cells: [usize; 2], right: bool| self.covered(cells.map(overlap), cells, right, worn, state);
+        let covered = |cells: [usize; 2], right: bool| {
+            let [inside, outside] = cells.map(overlap);
+            let since = worn.at(cells[0]) - state.wear_then[usize::from(!right)][cells[1]];
+            self.covered(cells, inside + since.max(0.0), -outside)
+        };
         let parts = |fraction: f64| (fraction * PARTS as f64).round() as usize;
         for cell in 0..self.widths.len() {
             let inside = touches(cell);
