@@ -79,3 +79,27 @@ impl Coverage {
         f64::from(self.covered[cell].count_ones()) / PARTS as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_covered_between_edges_or_beside_them() {
+        let mut coverage = Coverage::whole(4);
+        assert!(coverage.is_whole());
+        coverage.cover_between(0, 1, PARTS);
+        coverage.cover_between(1, 3, 2);
+        coverage.cover_beside(2, 1, 3);
+        coverage.cover_beside(3, 0, PARTS);
+        let covered = |cell: usize| (0..PARTS).map(|part| coverage.covers(cell, part)).collect::<Vec<_>>();
+        assert_eq!(covered(0), [false, true, true, true]);
+        // At least one part, where both edges fall on the same boundary.
+        assert_eq!(covered(1), [false, false, false, true]);
+        assert_eq!(covered(2), [true, false, false, true]);
+        assert_eq!([0, 1, 2, 3].map(|cell| coverage.fraction(cell)), [0.75, 0.25, 0.5, 1.0]);
+        assert_eq!([0, 1, 2, 3].map(|cell| coverage.is_partial(cell)), [true, true, true, false]);
+        coverage.make_whole();
+        assert_eq!(coverage, Coverage::whole(4));
+    }
+}

@@ -204,7 +204,7 @@ impl ThermalCoupling {
             contacts: [operators.contact(), operators.contact()],
             partitions: PartitionCache::new(&partition(), count),
             installed: [usize::MAX; 2],
-            edges: divides.then(|| Edges::new(operators)),
+            edges: divides.then(|| operators.edges()),
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,

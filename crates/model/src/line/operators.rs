@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, sections 2.5, 3.1, 8.1.
 
 use super::heat::bodies::{Bodies, is_resolved};
+use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
@@ -121,9 +122,15 @@ impl LineOperators {
         Self::build(scene, heat, None, run_in)
     }
 
-    /// Displacement of cell `i` per pressure on cell `j`, of both bodies, without friction, m/Pa.
-    pub fn normal_compliance(&self, i: usize, j: usize) -> f64 {
-        self.normal[(i, j)]
+    /// Finds the edges of the contact within cells.
+    pub fn edges(&self) -> Edges {
+        let closed_ring = self.scene.geometry == Geometry::Periodic;
+        Edges::new(self.cells.widths(), closed_ring, |i, j| self.normal[(i, j)])
+    }
+
+    /// Of the worn depths of punch and strip (m), those that shape the contact along the line.
+    pub fn shaping<'a>(&self, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
+        Worn { punch, strip: (self.strip_wear == StripWear::ByRadius).then_some(strip) }
     }
 
     fn build(

@@ -198,7 +198,12 @@ impl Assembly<'_> {
             if let Some(shape) = &mode.feedthrough {
                 let gain = shape.contact * shape.contact / shape.rate;
                 let [parts, cells] = [waves, &self.waves].map(|waves| waves.integrals(m));
-                steady.ger(gain, &DVectorView::from_slice(parts, parts.len()), &DVectorView::from_slice(cells, cells.len()), 1.0);
+                steady.ger(
+                    gain,
+                    &DVectorView::from_slice(parts, parts.len()),
+                    &DVectorView::from_slice(cells, cells.len()),
+                    1.0,
+                );
                 add_within(&mut within, gain, parts);
             }
         }

@@ -145,7 +145,9 @@ impl Modes {
         };
         Modes {
             parts: [part(0), part(1)],
-            by_part: (0..operators.part_areas.len()).flat_map(|j| modes.iter().map(move |mode| mode.by_part[j])).collect(),
+            by_part: (0..operators.part_areas.len())
+                .flat_map(|j| modes.iter().map(move |mode| mode.by_part[j]))
+                .collect(),
             states: modes.iter().map(|mode| mode.states.clone()).collect(),
             mode: modes.iter().enumerate().flat_map(|(m, mode)| mode.states.clone().map(move |_| m)).collect(),
             cells,

@@ -20,8 +20,8 @@ use crate::line::GAMMA;
 use crate::line::coverage::{Coverage, PARTS};
 use numerics::dense;
 
-/// Patterns of the partly covered cells.
-#[derive(Clone, Debug)]
+/// Patterns of the partly covered cells. Their vectors have memory for all cells, so that no step allocates.
+#[derive(Debug)]
 pub struct Patterns {
     coverage: Coverage,
     /// Areas of the cells per depth, m.
@@ -38,6 +38,30 @@ pub struct Patterns {
     /// Workspace: one number per cell, and the states of the step under way while others are in their place.
     response: Vec<f64>,
     aside: Vec<f64>,
+}
+
+impl Clone for Patterns {
+    fn clone(&self) -> Patterns {
+        let copy = |own: &Vec<f64>| with_room(own, own.capacity());
+        Patterns {
+            coverage: self.coverage.clone(),
+            areas: self.areas.clone(),
+            cells: with_room(&self.cells, self.cells.capacity()),
+            integrals: copy(&self.integrals),
+            modes: self.modes,
+            feedthrough: copy(&self.feedthrough),
+            passed: self.passed.each_ref().map(copy),
+            response: self.response.clone(),
+            aside: self.aside.clone(),
+        }
+    }
+}
+
+/// A copy with memory for `most` values.
+fn with_room<T: Copy>(values: &[T], most: usize) -> Vec<T> {
+    let mut copy = Vec::with_capacity(most);
+    copy.extend_from_slice(values);
+    copy
 }
 
 impl Patterns {
@@ -160,7 +184,11 @@ impl Patterns {
                 if modes.distorts() {
                     response.fill(0.0);
                     modes.distort(scratch, response);
-                    dense::multiply_add(response, &[1.0], &mut covered.distortion.as_mut_slice()[cell * count..][..count]);
+                    dense::multiply_add(
+                        response,
+                        &[1.0],
+                        &mut covered.distortion.as_mut_slice()[cell * count..][..count],
+                    );
                 }
             }
         }

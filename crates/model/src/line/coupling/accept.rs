@@ -5,7 +5,6 @@
 use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, weighted};
-use crate::line::heat::edges::Worn;
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
@@ -149,7 +148,13 @@ impl ThermalCoupling {
             if let (0, false, Some(own)) = (side, heat.coverage.is_whole(), &heat.bodies[side]) {
                 // The mean of whole cells, not of their covered parts.
                 let (body, around) = (&state.bodies[side], &heat.surroundings[side]);
-                own.temperature_at_frozen_state(body, around, &state.flux[side], velocity, &mut state.temperature[side]);
+                own.temperature_at_frozen_state(
+                    body,
+                    around,
+                    &state.flux[side],
+                    velocity,
+                    &mut state.temperature[side],
+                );
             }
             let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             state.cooling[side] = heat.surroundings[side].by_air(held);
@@ -163,7 +168,7 @@ impl ThermalCoupling {
             *slope = if lasting { (end - first) * per_change } else { 0.0 };
         }
         if let Some(edges) = &heat.edges {
-            let worn = Worn::new(operators, &line.punch, &line.strip);
+            let worn = operators.shaping(&line.punch, &line.strip);
             edges.follow([&stages.first, &stages.end], (1.0 - GAMMA) * step, worn, &mut state.edges);
         }
         state.distortion.copy_from_slice(&heat.distortion);

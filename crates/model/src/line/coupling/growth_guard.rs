@@ -23,8 +23,8 @@
 //!
 //! Theory: docs/theory.md, section 7.6.
 
-use super::{Iterate, ThermalCoupling};
 use super::stage::Solved;
+use super::{Iterate, ThermalCoupling};
 use crate::fastest_growth::FastestGrowth;
 use crate::line::heat::partition::HeatPartition;
 use crate::line::operators::LineOperators;

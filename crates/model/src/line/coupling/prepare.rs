@@ -7,7 +7,6 @@ use super::{FrozenCoefficients, ThermalCoupling};
 use crate::Inputs;
 use crate::line::heat::air::{balance, cooling};
 use crate::line::heat::bodies::cooled_part;
-use crate::line::heat::edges::Worn;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
@@ -152,7 +151,7 @@ impl ThermalCoupling {
     fn cover(&mut self, given: &StepData<'_>, step: f64) {
         let Some(edges) = &self.edges else { return };
         let (line, state) = (given.state, state_of(given));
-        let worn = Worn::new(given.operators, &line.punch, &line.strip);
+        let worn = given.operators.shaping(&line.punch, &line.strip);
         edges.cover(&state.edges, step, worn, &mut self.coverage);
         self.bodies[0].iter_mut().for_each(|own| own.cover(&self.coverage));
         for (i, half) in self.half_resistance.iter_mut().enumerate() {

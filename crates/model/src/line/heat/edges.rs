@@ -17,10 +17,8 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use crate::line::operators::{LineOperators, StripWear};
 use conduction::line::coverage::{Coverage, PARTS};
 use contact::ContactState;
-use scene::Geometry;
 
 /// Geometry and local compliance of the cells, N values each.
 #[derive(Clone, Debug)]
@@ -69,39 +67,30 @@ impl EdgeState {
     }
 }
 
-/// Worn depths that shape the contact along the line, m: N values of the punch, and of the strip where it wears by radius. An even
-/// path or a worn track has no kink at the edge.
+/// Worn depths that shape the contact along the line, m: N values of the punch, and of the strip where it wears by radius. A strip
+/// with an even path or a worn track has no kink at the edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Worn<'a> {
-    punch: &'a [f64],
-    strip: Option<&'a [f64]>,
+    pub punch: &'a [f64],
+    pub strip: Option<&'a [f64]>,
 }
 
 impl Worn<'_> {
-    /// From the worn depths of punch and strip under the cells.
-    pub fn new<'a>(operators: &LineOperators, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
-        Worn { punch, strip: (operators.strip_wear == StripWear::ByRadius).then_some(strip) }
-    }
-
     fn at(&self, cell: usize) -> f64 {
         self.punch[cell] + self.strip.map_or(0.0, |strip| strip[cell])
     }
 }
 
 impl Edges {
-    /// Edges on the cells of `operators`.
-    pub fn new(operators: &LineOperators) -> Edges {
-        let count = operators.count();
-        let closed_ring = operators.scene.geometry == Geometry::Periodic;
-        let mut edges =
-            Edges { compliance: vec![0.0; count], widths: operators.cells.widths().to_vec(), closed_ring };
-        for i in 0..count {
-            let (sum, number) = [false, true]
-                .into_iter()
-                .filter_map(|right| edges.neighbour(i, right))
-                .fold((0.0, 0.0), |(sum, number), j| (sum + operators.normal_compliance(j, i), number + 1.0));
+    /// Edges on cells of these widths (m), of which the first and the last are neighbours on a closed ring. `compliance(i, j)`:
+    /// displacement of cell i per pressure on cell j, of both bodies, m/Pa.
+    pub fn new(widths: &[f64], closed_ring: bool, compliance: impl Fn(usize, usize) -> f64) -> Edges {
+        let mut edges = Edges { compliance: vec![0.0; widths.len()], widths: widths.to_vec(), closed_ring };
+        for i in 0..widths.len() {
+            let neighbours = [false, true].into_iter().filter_map(|right| edges.neighbour(i, right));
+            let (sum, number) = neighbours.fold((0.0, 0.0), |(sum, number), j| (sum + compliance(j, i), number + 1.0));
             let beside = if number > 0.0 { sum / number } else { 0.0 };
-            edges.compliance[i] = operators.normal_compliance(i, i) - beside;
+            edges.compliance[i] = compliance(i, i) - beside;
         }
         edges
     }
@@ -167,5 +156,80 @@ impl Edges {
                 (false, ..) => coverage.cover_beside(cell, left.unwrap_or(0), PARTS - right.unwrap_or(0)),
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edges(closed_ring: bool) -> Edges {
+        Edges { compliance: vec![2.0; 6], widths: vec![1.0; 6], closed_ring }
+    }
+
+    /// Contact of which the undeformed surfaces overlap by these depths.
+    fn contact(depth: [f64; 6]) -> ContactState {
+        let mut state = ContactState::new(6);
+        for (i, depth) in depth.into_iter().enumerate() {
+            (state.pressure[i], state.gap[i]) = (0.5 * depth.max(0.0), (-depth).max(0.0));
+        }
+        state
+    }
+
+    fn fractions(edges: &Edges, state: &EdgeState, step: f64, worn: &[f64; 6]) -> [f64; 6] {
+        let mut coverage = Coverage::whole(6);
+        edges.cover(state, step, Worn { punch: worn, strip: None }, &mut coverage);
+        std::array::from_fn(|cell| coverage.fraction(cell))
+    }
+
+    #[test]
+    fn edges_are_where_the_overlap_is_zero() {
+        let (edges, none) = (edges(false), [0.0; 6]);
+        let worn = Worn { punch: &none, strip: None };
+        let mut state = EdgeState::new(6);
+        // 1/4 of a cell outside the centre of cell 1 to the left, 3/4 outside that of cell 3 to the right, which is 1/4 within
+        // cell 4; the zone's own edges are no edges of the contact.
+        let steady = contact([-3.0, 1.0, 4.0, 3.0, -1.0, -5.0]);
+        edges.follow([&steady, &steady], 1.0, worn, &mut state);
+        assert_eq!(fractions(&edges, &state, 1.0, &none), [1.0, 0.75, 1.0, 1.0, 0.25, 1.0]);
+        // In the middle of the next step the edge on the left is another quarter further outside, at the cell's boundary.
+        let early = contact([-5.0, -1.0, 4.0, 3.0, -1.0, -5.0]);
+        edges.follow([&early, &steady], 2.0, worn, &mut state);
+        assert_eq!(fractions(&edges, &state, 2.0, &none), [1.0, 1.0, 1.0, 1.0, 0.25, 1.0]);
+        let all = contact([1.0; 6]);
+        edges.follow([&all, &all], 1.0, worn, &mut state);
+        assert_eq!(fractions(&edges, &state, 1.0, &none), [1.0; 6]);
+    }
+
+    #[test]
+    fn the_ends_of_a_ring_are_neighbours() {
+        let none = [0.0; 6];
+        let worn = Worn { punch: &none, strip: None };
+        for closed_ring in [false, true] {
+            let edges = edges(closed_ring);
+            let mut state = EdgeState::new(6);
+            let steady = contact([3.0, 3.0, 3.0, 3.0, -9.0, -1.0]);
+            edges.follow([&steady, &steady], 1.0, worn, &mut state);
+            let last = if closed_ring { 0.25 } else { 1.0 };
+            assert_eq!(fractions(&edges, &state, 1.0, &none), [1.0, 1.0, 1.0, 0.75, 1.0, last]);
+        }
+    }
+
+    #[test]
+    fn what_wore_since_the_neighbour_was_in_contact_counts_as_overlap() {
+        let edges = edges(false);
+        let mut state = EdgeState::new(6);
+        let mut follow = |worn: &[f64; 6], depth: [f64; 6]| {
+            let steady = contact(depth);
+            edges.follow([&steady, &steady], 1.0, Worn { punch: worn, strip: None }, &mut state);
+            fractions(&edges, &state, 1.0, worn)
+        };
+        // All cells wear alike: no kink.
+        let (even, more) = ([7.0; 6], [7.0, 7.0, 7.0, 9.0, 7.0, 7.0]);
+        assert_eq!(follow(&even, [1.0; 6]), [1.0; 6]);
+        assert_eq!(follow(&even, [1.0, 1.0, 1.0, 1.0, -3.0, -9.0])[3..], [0.75, 1.0, 1.0]);
+        // Cell 3 wears by 2 while cell 4 is open: as if it overlapped by 3, the edge is at the boundary.
+        assert_eq!(follow(&more, [1.0, 1.0, 1.0, 1.0, -3.0, -9.0])[3..], [1.0, 1.0, 1.0]);
+        assert_eq!(follow(&more, [1.0, 1.0, 1.0, 1.0, -1.0, -9.0])[3..], [1.0, 0.25, 1.0]);
     }
 }

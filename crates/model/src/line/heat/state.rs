@@ -289,7 +289,10 @@ impl HeatState {
     pub fn is_finite(&self) -> bool {
         let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
         let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step];
-        pairs.chain([&self.pressure_slope, &self.distortion]).chain(self.edges.vectors()).all(|values| all_finite(values))
+        pairs
+            .chain([&self.pressure_slope, &self.distortion])
+            .chain(self.edges.vectors())
+            .all(|values| all_finite(values))
             && [&scalars[..], &self.unpredicted_rise, &self.rejected_by_growth].iter().all(|values| all_finite(values))
             && [&self.cooling, &self.external].into_iter().flatten().all(|values| all_finite(values))
             && self.start.iter().all(|values| all_finite(values))
