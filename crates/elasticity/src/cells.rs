@@ -47,6 +47,22 @@ impl Cells {
         Self { edges, centres, widths }
     }
 
+    /// These cells divided into `parts` of equal width each.
+    pub fn divided(&self, parts: usize) -> Self {
+        let count = self.count();
+        // Symmetric cells have symmetric parts, to the last bit.
+        let edge = |i: usize| {
+            let (cell, part) = (i / parts, i % parts);
+            let left = |part: usize| self.edges[cell] + self.widths[cell] * part as f64 / parts as f64;
+            match (part, 2 * part > parts) {
+                (0, _) => self.edges[cell],
+                (_, false) => left(part),
+                (_, true) => self.edges[cell + 1] - self.widths[cell] * (parts - part) as f64 / parts as f64,
+            }
+        };
+        Self::from_edges((0..=count * parts).map(edge).collect())
+    }
+
     /// Number of cells N.
     pub fn count(&self) -> usize {
         self.widths.len()

@@ -120,7 +120,7 @@ pub fn reduce_with_mean(
     let cooled =
         Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
     let distortion = Distortion::new(scene, cells)?;
-    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration }).map(Some)
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration, divides: true }).map(Some)
 }
 
 /// Accuracy of a reduction.
@@ -130,6 +130,8 @@ struct Wanted {
     tolerances: [f64; 2],
     /// Duration of interest, s.
     duration: f64,
+    /// Cells may be covered in part.
+    divides: bool,
 }
 
 /// Reduces a body to its states.
@@ -149,7 +151,7 @@ fn project(
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
     let points = Points::new(depth.height, steepest, &extra);
     let shift_selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
-    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &shift_selection));
+    let assembly = Assembly::new(across, depth, cooled, (cells, wanted.divides), (&points, &shift_selection));
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;

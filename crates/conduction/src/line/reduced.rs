@@ -14,15 +14,18 @@
 //! Theory: docs/theory.md, sections 4.1, 4.6.
 
 mod modes;
+mod patterns;
 mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
+use super::coverage::Coverage;
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
 use numerics::dense;
+use patterns::Patterns;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -48,12 +51,14 @@ pub(super) struct Observation {
     pub states: Vec<f64>,
     pub fluxes: Vec<f64>,
     pub ports: [f64; PORTS],
+    /// Weights of fluxes through parts of the cells, where they differ from those of the whole cells; empty: nowhere.
+    pub by_part: Vec<f64>,
 }
 
 impl Observation {
     /// Zero observation of `states` states and `cells` fluxes.
     pub fn none(states: usize, cells: usize) -> Self {
-        Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS] }
+        Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS], by_part: Vec::new() }
     }
 
     fn of(&self, states: &[f64], fluxes: &[f64], ports: &[f64; PORTS]) -> f64 {
@@ -69,6 +74,8 @@ pub(super) struct ModeStates {
     pub integrals: Vec<f64>,
     /// F over the widths of the cells: the observed cell temperatures, or the observed part of them.
     pub means: Vec<f64>,
+    /// Integrals over the parts of the cells; empty where no cell is covered in part.
+    pub by_part: Vec<f64>,
 }
 
 /// Operators of a reduced body. Vectors are by state unless stated otherwise.
@@ -77,6 +84,10 @@ pub(super) struct ReducedOperators {
     /// Widths of the N cells, m.
     pub widths: Vec<f64>,
     pub modes: Vec<ModeStates>,
+    /// Areas of the parts of the cells per depth, m; empty where no cell is covered in part.
+    pub part_areas: Vec<f64>,
+    /// Steady temperature integrals of the parts of every cell by the fluxes through them that no state follows: its P x P blocks.
+    pub remainder: Vec<f64>,
     /// Decay rates, 1/s, >= 0.
     pub rate: Vec<f64>,
     /// Z at the contact.
@@ -127,6 +138,7 @@ pub struct ReducedHeat {
     scratch: RefCell<Scratch>,
     /// By the bits of the step and whether it is one of implicit Euler. It has no memory until the first step.
     weights: KeyedCache<(u64, bool), Weights>,
+    patterns: Patterns,
 }
 
 impl ReducedHeat {
@@ -135,8 +147,9 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
+        let patterns = Patterns::new(&operators, &modes);
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, weights: KeyedCache::new([]) }
+        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
@@ -153,15 +166,16 @@ impl ReducedHeat {
 
     /// Selects the weights of a step size, from the cache or computed.
     fn select(&mut self, step: f64, euler: bool) {
-        let Self { operators, modes, scratch, weights } = self;
+        let Self { operators, modes, scratch, weights, patterns } = self;
         if weights.capacity() == 0 {
             // The longer step by which growth is looked for is one more.
             let capacity = cache_capacity(operators.widths.len()) + 1;
             *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate()));
         }
-        weights.get_or_compute((step.to_bits(), euler), |weights| {
+        let slot = weights.get_or_compute((step.to_bits(), euler), |weights| {
             operators.fill(modes, weights, step, euler, scratch.get_mut());
         });
+        patterns.change_influence(operators, modes, &mut weights[slot], scratch.get_mut());
     }
 
     fn weights(&self) -> &Weights {
@@ -183,8 +197,14 @@ impl ReducedHeat {
                 values.for_each(|(value, (falling, input))| *value += falling * input * fall);
             }
         }
-        self.modes.heat(known, scratch);
+        self.heat(known, scratch);
         self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
+    }
+
+    /// Heat into every mode by the fluxes `flux` through the covered parts of the cells, into the scratch.
+    fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
+        self.modes.heat(flux, scratch);
+        self.patterns.heat(flux, &mut scratch.heat);
     }
 
     /// Temperatures or distortions, or both, of the cells by the ports and the states in the scratch.
@@ -241,6 +261,7 @@ impl ReducedOperators {
         for mode in &self.modes {
             let weight: f64 = mode.states.clone().map(|k| passed.states[k] * self.contact[k]).sum();
             add(&mut passed.fluxes, weight, &mode.integrals);
+            add(&mut passed.by_part, weight, &mode.by_part);
         }
         for (port, input) in passed.ports.iter_mut().zip(&self.input) {
             *port += dot(&passed.states, input);
@@ -271,6 +292,14 @@ impl ThermalBody for ReducedHeat {
         self.operators.rate.clone()
     }
 
+    fn divides_cells(&self) -> bool {
+        !self.operators.part_areas.is_empty()
+    }
+
+    fn cover(&mut self, coverage: &Coverage) {
+        self.patterns.cover(coverage, &self.operators, &self.modes);
+    }
+
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
         self.select(step, false);
     }
@@ -280,7 +309,8 @@ impl ThermalBody for ReducedHeat {
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.stage(stage).influence
+        let stage = self.stage(stage);
+        if self.patterns.is_empty() { &stage.influence } else { &stage.covered }
     }
 
     fn free_response(
@@ -294,7 +324,8 @@ impl ThermalBody for ReducedHeat {
     ) {
         let (scratch, until) = (&mut *self.scratch.borrow_mut(), surroundings.until(stage));
         self.carry(scratch, state, &until, stage, known);
-        self.observe(scratch, &until.ports(), Some(temperature), Some(distortion));
+        self.observe(scratch, &until.ports(), Some(&mut *temperature), Some(distortion));
+        self.patterns.show(&scratch.surface, temperature);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
@@ -308,7 +339,7 @@ impl ThermalBody for ReducedHeat {
         let (states, tallies) = state.split_at_mut(operators.states());
         // The scratch holds the states without the last flux, from the preceding free response.
         let scratch = &mut *self.scratch.borrow_mut();
-        self.modes.heat(end, scratch);
+        self.heat(end, scratch);
         states.copy_from_slice(&scratch.values);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
         // Heat input over the step with the weights of both stages.
@@ -316,6 +347,9 @@ impl ThermalBody for ReducedHeat {
         tallies[Tally::Received as usize] += step * over_step(&operators.widths);
         for (tally, passed) in [Tally::Ambient, Tally::Far].into_iter().zip(&operators.passed) {
             tallies[tally as usize] += step * (over_step(&passed.fluxes) + dot(&passed.ports, &ports));
+        }
+        for (place, tally) in [Tally::Ambient, Tally::Far].into_iter().enumerate() {
+            tallies[tally as usize] += step * self.patterns.passed(place, first, end);
         }
         // The flux into the cooled surface is heat from the air.
         tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.mean_cooling();
@@ -360,7 +394,7 @@ impl ThermalBody for ReducedHeat {
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
         let scratch = &mut *self.scratch.borrow_mut();
         self.carry(scratch, state, surroundings, Stage::End, first);
-        self.modes.heat(end, scratch);
+        self.heat(end, scratch);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
         CooledAhead {
             temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),

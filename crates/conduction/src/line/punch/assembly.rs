@@ -9,6 +9,7 @@ use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
+use crate::line::coverage::PARTS;
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::DMatrix;
@@ -30,6 +31,8 @@ pub(super) struct Assembly<'a> {
     pub modes: Vec<Mode>,
     /// All modes that enter some sum, those with states first.
     pub waves: Waves,
+    /// Parts of the cells, and all modes on them, where cells may be covered in part.
+    pub divided: Option<(Cells, Waves)>,
     errors: [f64; 2],
 }
 
@@ -52,7 +55,7 @@ impl<'a> Assembly<'a> {
         across: Across,
         depth: Depth,
         cooled: Cooled,
-        cells: &'a Cells,
+        (cells, divides): (&'a Cells, bool),
         (points, shift_selection): (&Points, &Selection),
     ) -> Self {
         let modes: Vec<Mode> = (shift_selection.modes.iter().filter(|mode| mode.basis.count() > 0))
@@ -64,8 +67,13 @@ impl<'a> Assembly<'a> {
             .collect();
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
         let waves = Waves::new(&across, cells, count);
+        let divided = divides.then(|| {
+            let parts = cells.divided(PARTS);
+            let waves = Waves::new(&across, &parts, count);
+            (parts, waves)
+        });
         let errors = [shift_selection.error, shift_selection.mean_error];
-        Assembly { across, depth, cooled, cells, modes, waves, errors }
+        Assembly { across, depth, cooled, cells, modes, waves, divided, errors }
     }
 
     /// Projection of the cooled surface on a transverse mode, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -185,6 +193,8 @@ impl<'a> Assembly<'a> {
         let width = 2.0 * self.across.half_width;
         let mut operators = ReducedOperators {
             widths: self.across.weights(self.cells),
+            part_areas: self.divided.as_ref().map_or(Vec::new(), |(parts, _)| self.across.weights(parts)),
+            remainder: Vec::new(),
             modes: Vec::with_capacity(self.modes.len()),
             rate: Vec::with_capacity(count),
             contact: Vec::with_capacity(count),
@@ -230,7 +240,8 @@ impl<'a> Assembly<'a> {
             }
             let states = first..first + mode.states.len();
             first = states.end;
-            operators.modes.push(ModeStates { states, integrals, means });
+            let by_part = self.divided.as_ref().map_or(Vec::new(), |(_, waves)| waves.integrals(m).to_vec());
+            operators.modes.push(ModeStates { states, integrals, means, by_part });
         }
         self.ports(&mut operators);
         self.flows(&mut operators);
@@ -326,9 +337,10 @@ impl<'a> Assembly<'a> {
             }
         }
         // Heat input per unit of every input, less the part stored in the states.
-        let mut fluxes = operators.widths.clone();
+        let (mut fluxes, mut by_part) = (operators.widths.clone(), operators.part_areas.clone());
         for mode in &operators.modes {
             let taken: f64 = mode.states.clone().map(|k| operators.stored[k] * operators.contact[k]).sum();
+            by_part.iter_mut().zip(&mode.by_part).for_each(|(flux, integral)| *flux -= taken * integral);
             for (flux, integral) in fluxes.iter_mut().zip(&mode.integrals) {
                 *flux -= taken * integral;
             }
@@ -340,6 +352,9 @@ impl<'a> Assembly<'a> {
         }
         let per_kelvin = transfer * operators.cooled_length;
         let (ambient, far) = (&mut operators.ambient_flow, &mut operators.far_flow);
+        // Heat of short waves leaves beside the contact rather than through the body.
+        let nothing = vec![0.0; by_part.len()];
+        (ambient.by_part, far.by_part) = if losing { (by_part, nothing) } else { (nothing, by_part) };
         if losing && open {
             ambient.fluxes = operators.cooled.fluxes.iter().map(|cooled| per_kelvin * cooled).collect();
             ambient.ports = operators.cooled.ports.map(|cooled| per_kelvin * cooled);

@@ -67,7 +67,8 @@ pub fn reduce_mate(
     let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
     let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
     let distortion = Distortion::on_base(body, base);
-    project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], duration }).map(Some)
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], duration, divides: false })
+        .map(Some)
 }
 
 #[cfg(test)]

@@ -25,10 +25,14 @@
 use super::SUMMED_MODES;
 use super::across::Wave;
 use super::assembly::Assembly;
+use super::waves::Waves;
+use crate::line::coverage::PARTS;
 use crate::line::reduced::{ModeStates, ReducedOperators};
+use elasticity::Cells;
 use nalgebra::{Complex, DMatrix, DVectorView};
 use numerics::factorization;
 use numerics::maximum::{self, maximum};
+use std::ops::Range;
 
 /// Shapes whose contribution to the steady response, relative to the largest, is smaller than this stay a direct feedthrough.
 const SMALLEST: f64 = 1e-10;
@@ -69,11 +73,20 @@ fn keep_parity(sign: f64, values: &mut [f64]) {
     }
 }
 
+/// Adds `gain` times the products of the integrals over the parts of every cell to its block.
+fn add_within(blocks: &mut [f64], gain: f64, integrals: &[f64]) {
+    for (block, own) in blocks.chunks_exact_mut(PARTS * PARTS).zip(integrals.chunks_exact(PARTS)) {
+        for (row, left) in block.chunks_exact_mut(PARTS).zip(own) {
+            row.iter_mut().zip(own).for_each(|(entry, right)| *entry += gain * left * right);
+        }
+    }
+}
+
 impl Assembly<'_> {
     /// Replaces the direct feedthrough by first-order states; called when all other operators are complete.
     pub(super) fn give_first_order_dynamics(&self, operators: &mut ReducedOperators) {
         let count = self.cells.count();
-        let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
+        let beyond = self.quasi_static_modes();
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
         let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
         let mut moment = self.waves.sum(beyond, |_, wave| self.time_constant(wave.decay) * impedance(wave));
@@ -114,6 +127,11 @@ impl Assembly<'_> {
         for (i, mut row) in shapes.row_iter_mut().enumerate() {
             row *= scale[i];
         }
+        let by_part = self.divided.as_ref().map(|divided| self.steady_of_parts(divided));
+        let integrals_of_parts = by_part.as_ref().map(|(steady, _)| steady * &shapes);
+        if let Some((_, within)) = by_part {
+            operators.remainder = within;
+        }
         let distorts = !operators.distortion.is_empty();
         operators.own = operators.rate.len();
         let mut integrals = &steady * &shapes;
@@ -147,8 +165,11 @@ impl Assembly<'_> {
                     operators.distortion_by_flux.column_mut(j).axpy(-integral, &displacements.column(k), 1.0);
                 }
             }
+            let by_part: Vec<f64> =
+                integrals_of_parts.as_ref().map_or(Vec::new(), |all| all.column(k).iter().copied().collect());
+            add_within(&mut operators.remainder, -1.0, &by_part);
             // Its stored heat is accounted for at the input.
-            operators.modes.push(ModeStates { states: state..state + 1, integrals, means });
+            operators.modes.push(ModeStates { states: state..state + 1, integrals, means, by_part });
             operators.uniform.push(0.0);
             operators.stored.push(0.0);
             operators.input.iter_mut().for_each(|input| input.push(0.0));
@@ -157,6 +178,36 @@ impl Assembly<'_> {
                 observed.states.push(0.0);
             }
         }
+    }
+
+    /// Modes without states.
+    fn quasi_static_modes(&self) -> Range<usize> {
+        self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len())
+    }
+
+    /// X_0 with the parts of the cells in the rows, and its blocks of the parts of every cell, cell by cell.
+    fn steady_of_parts(&self, (_, waves): &(Cells, Waves)) -> (DMatrix<f64>, Vec<f64>) {
+        let beyond = self.quasi_static_modes();
+        let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
+        let mut steady = waves.sum_with(&self.waves, beyond.clone(), |_, wave| impedance(wave));
+        let mut within = vec![0.0; self.cells.count() * PARTS * PARTS];
+        for m in beyond {
+            add_within(&mut within, impedance(waves.wave(m)), waves.integrals(m));
+        }
+        for (m, mode) in self.modes.iter().enumerate() {
+            if let Some(shape) = &mode.feedthrough {
+                let gain = shape.contact * shape.contact / shape.rate;
+                let [parts, cells] = [waves, &self.waves].map(|waves| waves.integrals(m));
+                steady.ger(
+                    gain,
+                    &DVectorView::from_slice(parts, parts.len()),
+                    &DVectorView::from_slice(cells, cells.len()),
+                    1.0,
+                );
+                add_within(&mut within, gain, parts);
+            }
+        }
+        (steady, within)
     }
 
     /// Time constant (s) with which the steady distortion of a mode without states follows its flux: `3/(4 kd m^2)` of a

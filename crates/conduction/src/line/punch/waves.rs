@@ -38,8 +38,13 @@ impl Waves {
 
     /// Sum over some modes of a weight times the product of their integrals over two cells, N x N.
     pub fn sum(&self, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
-        let integrals = self.integrals.columns_range(modes.clone());
-        let mut weighted = integrals.into_owned();
+        self.sum_with(self, modes, weight)
+    }
+
+    /// [`Self::sum`] with the integrals over other cells in the columns.
+    pub fn sum_with(&self, other: &Waves, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
+        let integrals = other.integrals.columns_range(modes.clone());
+        let mut weighted = self.integrals.columns_range(modes.clone()).into_owned();
         for (m, mut column) in modes.zip(weighted.column_iter_mut()) {
             column *= weight(m, &self.waves[m]);
         }

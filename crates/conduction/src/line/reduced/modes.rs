@@ -25,6 +25,8 @@ pub struct Modes {
     cells: usize,
     /// Even and odd modes; only the first without symmetry.
     parts: [Part; 2],
+    /// Integrals of all modes over the parts of the cells, part by part; empty where no cell is covered in part.
+    by_part: Vec<f64>,
 }
 
 /// Modes of one parity on the h cells on which they are stored.
@@ -48,7 +50,7 @@ pub struct Scratch {
     /// Heat into every mode, W/m^(1/2).
     pub heat: Vec<f64>,
     /// Surface amplitude of every mode.
-    surface: Vec<f64>,
+    pub surface: Vec<f64>,
     /// Values of the states.
     pub values: Vec<f64>,
     /// One column per mode.
@@ -143,6 +145,9 @@ impl Modes {
         };
         Modes {
             parts: [part(0), part(1)],
+            by_part: (0..operators.part_areas.len())
+                .flat_map(|j| modes.iter().map(move |mode| mode.by_part[j]))
+                .collect(),
             states: modes.iter().map(|mode| mode.states.clone()).collect(),
             mode: modes.iter().enumerate().flat_map(|(m, mode)| mode.states.clone().map(move |_| m)).collect(),
             cells,
@@ -152,6 +157,16 @@ impl Modes {
     /// Whether even and odd modes are stored on half of the cells.
     pub fn is_halved(&self) -> bool {
         self.parts[0].cells < self.cells
+    }
+
+    /// Number of modes.
+    pub fn count(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Integrals of all modes over a part of a cell, m^(1/2).
+    pub fn over_part(&self, part: usize) -> &[f64] {
+        &self.by_part[part * self.count()..(part + 1) * self.count()]
     }
 
     /// Workspace for the states on the cells.
@@ -223,6 +238,13 @@ impl Modes {
             (&odd.means, &surface[odd.modes.clone()], odd_shown),
         ]);
         self.unfold_onto(shown, temperature);
+    }
+
+    /// Sets the states in the scratch to those by the heat `heat` into every mode with the weights `weights`.
+    pub fn respond(&self, heat: &[f64], weights: &[f64], scratch: &mut Scratch) {
+        for ((value, weight), mode) in scratch.values.iter_mut().zip(weights).zip(&self.mode) {
+            *value = weight * heat[*mode];
+        }
     }
 
     /// Whether the states distort the contact line.

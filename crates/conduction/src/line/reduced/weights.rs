@@ -4,6 +4,7 @@
 
 use super::modes::{Modes, Scratch};
 use super::{COOLING, FAR, ReducedOperators};
+use crate::line::coverage::Coverage;
 use crate::line::{FACES, GAMMA, SurfaceInfluence};
 use numerics::dense;
 
@@ -12,6 +13,8 @@ use numerics::dense;
 pub struct Weights {
     pub step: f64,
     pub stages: [StageWeights; 2],
+    /// Coverage of the cells for which influence matrices are known; whole: that of the whole cells alone.
+    pub coverage: Coverage,
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
     pub cooled_rise: [[f64; FACES]; FACES],
 }
@@ -31,12 +34,15 @@ pub struct StageWeights {
     /// Weight of the modal heat of the stage's own fluxes.
     pub own: Vec<f64>,
     pub influence: SurfaceInfluence,
+    /// That with the coverage of the weights.
+    pub covered: SurfaceInfluence,
 }
 
 impl ReducedOperators {
     pub(super) fn allocate(&self) -> Weights {
         let states = || vec![0.0; self.states()];
         let cells = self.widths.len();
+        let divided = if self.part_areas.is_empty() { 0 } else { cells };
         let stage = || StageWeights {
             decay: states(),
             constant: states(),
@@ -44,12 +50,15 @@ impl ReducedOperators {
             known: states(),
             own: states(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
+            covered: SurfaceInfluence { temperature: dense::untouched(divided), distortion: dense::untouched(divided) },
         };
-        Weights { step: f64::NAN, stages: [stage(), stage()], cooled_rise: [[0.0; FACES]; FACES] }
+        let coverage = Coverage::whole(cells);
+        Weights { step: f64::NAN, stages: [stage(), stage()], coverage, cooled_rise: [[0.0; FACES]; FACES] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
         weights.step = step;
+        weights.coverage.make_whole();
         let [first, end] = &mut weights.stages;
         if euler {
             for stage in [&mut *first, &mut *end] {

@@ -1,0 +1,197 @@
+//! Flux through the covered parts of partly covered cells: that through the whole cell, evenly, plus a pattern without heat.
+//!
+//! With the areas c_s of the parts of cell k, c_k of all and c' of the covered ones, the pattern is
+//!
+//! ```text
+//! delta_s = c_k/c' - 1 on covered parts, -1 on the others,    sum c_s delta_s = 0
+//! ```
+//!
+//! per unit of the cell's flux. It heats the modes by `sum_s delta_s F_ms`, F_ms the integral of mode m over part s, and by
+//! reciprocity the mean temperature of the covered parts differs by `(1/c_k) sum_s delta_s F_ms` times the mode's amplitude from
+//! that of the whole cell. Modes without states act on parts through the same first-order shapes as on the cells, and what
+//! these do not contain, within the cell, by a direct feedthrough.
+//!
+//! Theory: docs/theory.md, section 6.5.
+
+use super::modes::{Modes, Scratch};
+use super::weights::Weights;
+use super::{ReducedOperators, dot};
+use crate::line::GAMMA;
+use crate::line::coverage::{Coverage, PARTS};
+use numerics::dense;
+
+/// Patterns of the partly covered cells. Their vectors have memory for all cells, so that no step allocates.
+#[derive(Debug)]
+pub struct Patterns {
+    coverage: Coverage,
+    /// Areas of the cells per depth, m.
+    areas: Vec<f64>,
+    /// The partly covered cells, in their order.
+    cells: Vec<usize>,
+    /// Heat into every mode, m^(1/2), pattern by pattern.
+    integrals: Vec<f64>,
+    modes: usize,
+    /// Feedthrough to the temperature integral of each pattern, K m3/W.
+    feedthrough: Vec<f64>,
+    /// Heat to the air and out of the far face in the long run, m.
+    passed: [Vec<f64>; 2],
+    /// Workspace: one number per cell, and the states of the step under way while others are in their place.
+    response: Vec<f64>,
+    aside: Vec<f64>,
+}
+
+impl Clone for Patterns {
+    fn clone(&self) -> Patterns {
+        let copy = |own: &Vec<f64>| with_room(own, own.capacity());
+        Patterns {
+            coverage: self.coverage.clone(),
+            areas: self.areas.clone(),
+            cells: with_room(&self.cells, self.cells.capacity()),
+            integrals: copy(&self.integrals),
+            modes: self.modes,
+            feedthrough: copy(&self.feedthrough),
+            passed: self.passed.each_ref().map(copy),
+            response: self.response.clone(),
+            aside: self.aside.clone(),
+        }
+    }
+}
+
+/// A copy with memory for `most` values.
+fn with_room<T: Copy>(values: &[T], most: usize) -> Vec<T> {
+    let mut copy = Vec::with_capacity(most);
+    copy.extend_from_slice(values);
+    copy
+}
+
+impl Patterns {
+    /// None yet, with memory for all cells.
+    pub fn new(operators: &ReducedOperators, modes: &Modes) -> Patterns {
+        let count = operators.widths.len();
+        let most = if operators.part_areas.is_empty() { 0 } else { count };
+        let room = |size: usize| Vec::with_capacity(size);
+        Patterns {
+            coverage: Coverage::whole(count),
+            areas: operators.widths.clone(),
+            cells: Vec::with_capacity(most),
+            integrals: room(most * modes.count()),
+            modes: modes.count(),
+            feedthrough: room(most),
+            passed: [room(most), room(most)],
+            response: vec![0.0; most],
+            aside: vec![0.0; if most > 0 { operators.rate.len() } else { 0 }],
+        }
+    }
+
+    /// Whether all cells are whole.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Makes the patterns of a coverage.
+    pub fn cover(&mut self, coverage: &Coverage, operators: &ReducedOperators, modes: &Modes) {
+        if self.coverage == *coverage || operators.part_areas.is_empty() {
+            return;
+        }
+        self.coverage.copy_from(coverage);
+        self.cells.clear();
+        self.integrals.clear();
+        self.feedthrough.clear();
+        self.passed.iter_mut().for_each(Vec::clear);
+        for cell in (0..operators.widths.len()).filter(|&cell| coverage.is_partial(cell)) {
+            let parts = cell * PARTS..(cell + 1) * PARTS;
+            let areas = &operators.part_areas[parts.clone()];
+            let covered: f64 = (0..PARTS).filter(|&part| coverage.covers(cell, part)).map(|part| areas[part]).sum();
+            let whole: f64 = areas.iter().sum();
+            let pattern: [f64; PARTS] = std::array::from_fn(|part| match coverage.covers(cell, part) {
+                true => whole / covered - 1.0,
+                false => -1.0,
+            });
+            self.cells.push(cell);
+            let first = self.integrals.len();
+            self.integrals.resize(first + modes.count(), 0.0);
+            for (part, weight) in parts.clone().zip(pattern) {
+                let sum = self.integrals[first..].iter_mut().zip(modes.over_part(part));
+                sum.for_each(|(sum, integral)| *sum += weight * integral);
+            }
+            let block = &operators.remainder[cell * PARTS * PARTS..(cell + 1) * PARTS * PARTS];
+            let rows = block.chunks_exact(PARTS).zip(pattern);
+            self.feedthrough.push(rows.map(|(row, weight)| weight * dot(row, &pattern)).sum());
+            for (passed, flow) in self.passed.iter_mut().zip(&operators.passed) {
+                passed.push(dot(&flow.by_part[parts.clone()], &pattern));
+            }
+        }
+    }
+
+    /// Cells with their patterns.
+    fn all(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        self.cells.iter().copied().zip(self.integrals.chunks_exact(self.modes.max(1)))
+    }
+
+    /// Adds the heat of the fluxes `flux` into every mode.
+    pub fn heat(&self, flux: &[f64], heat: &mut [f64]) {
+        for (cell, integrals) in self.all() {
+            heat.iter_mut().zip(integrals).for_each(|(heat, integral)| *heat += flux[cell] * integral);
+        }
+    }
+
+    /// Turns the mean temperatures of whole cells into those of the covered parts; `surface`: amplitudes of the modes.
+    pub fn show(&self, surface: &[f64], temperature: &mut [f64]) {
+        for (cell, integrals) in self.all() {
+            temperature[cell] += dot(integrals, surface) / self.areas[cell];
+        }
+    }
+
+    /// Mean heat flow over a step to the air (0) or out of the far face (1) in the long run, W/m, by the fluxes of both stages.
+    pub fn passed(&self, place: usize, first: &[f64], end: &[f64]) -> f64 {
+        let patterns = self.cells.iter().zip(&self.passed[place]);
+        patterns.map(|(&cell, passed)| passed * ((1.0 - GAMMA) * first[cell] + GAMMA * end[cell])).sum()
+    }
+
+    /// Makes the surface influence matrices with the coverage from those of whole cells, unless they are known.
+    pub fn change_influence(
+        &mut self,
+        operators: &ReducedOperators,
+        modes: &Modes,
+        weights: &mut Weights,
+        scratch: &mut Scratch,
+    ) {
+        if self.is_empty() || weights.coverage == self.coverage {
+            return;
+        }
+        weights.coverage.copy_from(&self.coverage);
+        let Patterns { cells, integrals, areas, feedthrough, response, aside, .. } = self;
+        // Matrices may be made between a free response and the propagation from it.
+        std::mem::swap(&mut scratch.values, aside);
+        let count = areas.len();
+        for stage in &mut weights.stages {
+            let covered = &mut stage.covered;
+            covered.temperature.copy_from(&stage.influence.temperature);
+            covered.distortion.copy_from(&stage.influence.distortion);
+            for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
+                modes.respond(own, &stage.own, scratch);
+                response.fill(0.0);
+                modes.show(&operators.contact, scratch, response);
+                let temperature = covered.temperature.as_mut_slice();
+                for (i, rise) in response.iter().enumerate() {
+                    temperature[cell * count + i] += rise;
+                    temperature[i * count + cell] += rise * areas[i] / areas[cell];
+                }
+                for (&other, integrals) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))) {
+                    temperature[cell * count + other] += dot(integrals, &scratch.surface) / areas[other];
+                }
+                temperature[cell * count + cell] += feedthrough[k] / areas[cell];
+                if modes.distorts() {
+                    response.fill(0.0);
+                    modes.distort(scratch, response);
+                    dense::multiply_add(
+                        response,
+                        &[1.0],
+                        &mut covered.distortion.as_mut_slice()[cell * count..][..count],
+                    );
+                }
+            }
+        }
+        std::mem::swap(&mut scratch.values, aside);
+    }
+}
