@@ -39,10 +39,13 @@ fn the_reduced_punch_follows_the_unreduced_one() {
         ("nominal.stroke", 0.015),
         ("nominal.duration", 20.0),
         ("punch.convection", 100.0),
+        // No cell opens: the field has whole cells alone.
+        ("contact.friction_coefficient", 0.1),
     ];
     let [mut line, mut field] = [LINE, FIELD].map(|level| scene_on(level, 17.0, &changes));
     reciprocating(&mut line, 4);
     reciprocating(&mut field, 4);
+    assert_eq!(line.get("contact_fraction"), 1.0);
     let rise = field.get("contact_temperature_max") - 293.15;
     for (name, scale, bound) in [
         ("temperature", rise, 1.5e-3),

@@ -4,6 +4,7 @@
 
 mod account;
 mod annulus;
+mod edges;
 mod extremes;
 mod field;
 mod growth;

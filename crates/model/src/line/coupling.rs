@@ -23,10 +23,12 @@ mod staggered;
 mod start;
 
 use super::heat::bodies::Bodies;
+use super::heat::edges::Edges;
 use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
+use conduction::line::coverage::Coverage;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
 use growth_guard::GrowthGuard;
@@ -135,6 +137,8 @@ pub struct ThermalCoupling {
     /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
     pub partitions: PartitionCache,
     installed: [usize; 2],
+    /// Finds the coverage of the cells by the contact; `None`: whole cells.
+    edges: Option<Edges>,
     /// Linearization point of the operators reused from step to step.
     reference: FrozenCoefficients,
     growth: GrowthGuard,
@@ -142,6 +146,9 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
+    /// Coverage of the cells, and 1/(2 phi h_c) by their covered fractions phi, K m2/W.
+    coverage: Coverage,
+    half_resistance: Vec<f64>,
     /// Ambient, far-face temperatures and cooling of the bodies.
     pub surroundings: [Surroundings; 2],
     /// Heat paths to the neighbours: flow out of the body at the end of the step, W/m2, and the heat of the step, J/m2.
@@ -181,22 +188,29 @@ impl ThermalCoupling {
         let mut bodies = bodies.copies();
         // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
+        let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
+        let staggered = operators.scene.scheme == Scheme::Staggered;
+        let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
+        let divides = exchanges && !staggered && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
         ThermalCoupling {
             parameters: Parameters {
                 expands: [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0),
-                staggered: operators.scene.scheme == Scheme::Staggered,
+                staggered,
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
-                half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
+                half_resistance,
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],
             partitions: PartitionCache::new(&partition(), count),
             installed: [usize::MAX; 2],
+            edges: divides.then(|| operators.edges()),
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
+            coverage: Coverage::whole(count),
+            half_resistance: vec![half_resistance; count],
             surroundings: [Surroundings::default(); 2],
             external: [(0.0, 0.0); 2],
             unpredicted_rise: [0.0; 2],

@@ -5,6 +5,7 @@
 
 pub mod air;
 pub mod bodies;
+pub mod edges;
 pub mod partition;
 pub mod partitions;
 pub mod state;

@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, sections 2.5, 3.1, 8.1.
 
 use super::heat::bodies::{Bodies, is_resolved};
+use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
@@ -119,6 +120,17 @@ impl LineOperators {
     /// As [`LineOperators::new`].
     pub fn with_heat(scene: &Scene, heat: bool, run_in: RunIn) -> Result<LineOperators, String> {
         Self::build(scene, heat, None, run_in)
+    }
+
+    /// Finds the edges of the contact within cells.
+    pub fn edges(&self) -> Edges {
+        let closed_ring = self.scene.geometry == Geometry::Periodic;
+        Edges::new(self.cells.widths(), closed_ring, |i, j| self.normal[(i, j)])
+    }
+
+    /// Of the worn depths of punch and strip (m), those that shape the contact along the line.
+    pub fn shaping<'a>(&self, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
+        Worn { punch, strip: (self.strip_wear == StripWear::ByRadius).then_some(strip) }
     }
 
     fn build(

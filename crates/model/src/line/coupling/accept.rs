@@ -145,6 +145,17 @@ impl ThermalCoupling {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
+            if let (0, false, Some(own)) = (side, heat.coverage.is_whole(), &heat.bodies[side]) {
+                // The mean of whole cells, not of their covered parts.
+                let (body, around) = (&state.bodies[side], &heat.surroundings[side]);
+                own.temperature_at_frozen_state(
+                    body,
+                    around,
+                    &state.flux[side],
+                    velocity,
+                    &mut state.temperature[side],
+                );
+            }
             let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             state.cooling[side] = heat.surroundings[side].by_air(held);
             let (flow, heat) = heat.external[side];
@@ -155,6 +166,10 @@ impl ThermalCoupling {
         for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
             let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
             *slope = if lasting { (end - first) * per_change } else { 0.0 };
+        }
+        if let Some(edges) = &heat.edges {
+            let worn = operators.shaping(&line.punch, &line.strip);
+            edges.follow([&stages.first, &stages.end], (1.0 - GAMMA) * step, worn, &mut state.edges);
         }
         state.distortion.copy_from_slice(&heat.distortion);
         state.kinetic_coefficient = match operators.scene.friction_fade.flat {

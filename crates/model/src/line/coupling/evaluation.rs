@@ -134,9 +134,9 @@ impl ThermalCoupling {
         let s = stage as usize;
         let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
         let (surfaces, fluxes) = (strip.iter().zip(punch), strip_flux.iter().zip(punch_flux));
-        for ((residual, (strip, punch)), (given, taken)) in self.iterate.difference.iter_mut().zip(surfaces).zip(fluxes)
-        {
-            *residual = strip - punch + self.parameters.half_resistance * (given - taken);
+        let cells = surfaces.zip(fluxes).zip(&self.half_resistance);
+        for (residual, (((strip, punch), (given, taken)), half)) in self.iterate.difference.iter_mut().zip(cells) {
+            *residual = strip - punch + half * (given - taken);
         }
         self.partitions[s].open().iter().for_each(|&i| self.iterate.difference[i] = 0.0);
     }
@@ -254,8 +254,9 @@ impl ThermalCoupling {
                 self.partitions[s].update_punch_temperature(own.influence(stage), &self.flux[s][0], punch);
             }
             let [taken, given] = &self.flux[s];
-            for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
-                *strip = punch - self.parameters.half_resistance * (given - taken);
+            let fluxes = taken.iter().zip(given).zip(&self.half_resistance);
+            for ((strip, punch), ((taken, given), half)) in strip.iter_mut().zip(&*punch).zip(fluxes) {
+                *strip = punch - half * (given - taken);
             }
             // The law does not hold on open cells, whose surfaces are separated.
             let open = self.partitions[s].open();
@@ -288,15 +289,17 @@ impl ThermalCoupling {
         }
     }
 
-    /// Adds the cells that carry pressure to the active set of heat exchange, and removes those that do not, but for cells that have
-    /// been added in this stage; returns whether the set stays as it was.
+    /// Adds the cells that carry pressure, or are covered in part, to the active set of heat exchange, and removes those that do
+    /// not, but for cells that have been added in this stage; returns whether the set stays as it was. Without any pressure no
+    /// cell exchanges heat.
     ///
     /// So the iteration ends, and a cell that opens with heat and closes without it, which has no consistent state, exchanges heat.
     pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
+        let touches = !self.coverage.is_whole() && pressure.iter().any(|p| *p > 0.0);
         let cells = self.iterate.closed.iter_mut().zip(&mut self.iterate.added);
-        for ((closed, added), p) in cells.zip(pressure) {
-            let carries = *p > 0.0;
+        for (i, ((closed, added), p)) in cells.zip(pressure).enumerate() {
+            let carries = *p > 0.0 || touches && self.coverage.is_partial(i);
             if carries != *closed && (carries || !*added) {
                 (*closed, *added) = (carries, *added || carries);
                 settled = false;

@@ -23,12 +23,13 @@
 //!
 //! Theory: docs/theory.md, section 7.6.
 
-use super::ThermalCoupling;
 use super::stage::Solved;
+use super::{Iterate, ThermalCoupling};
 use crate::fastest_growth::FastestGrowth;
 use crate::line::heat::partition::HeatPartition;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
+use conduction::line::coverage::Coverage;
 use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
@@ -88,7 +89,9 @@ pub(super) struct GrowthGuard {
     matrix: Vec<f64>,
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s) of the last test.
     arguments: [f64; 4],
+    /// Cells that carry pressure, and coverage of the cells.
     closed: Vec<bool>,
+    coverage: Coverage,
     /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
     slopes: Vec<f64>,
     answer: bool,
@@ -106,17 +109,26 @@ impl GrowthGuard {
             matrix: vec![0.0; count * count],
             arguments: [f64::NAN; 4],
             closed: vec![false; count],
+            coverage: Coverage::whole(count),
             slopes: vec![0.0; count],
             answer: false,
         }
     }
 
     /// Stores the arguments of a test; returns whether they equal those of the stored result.
-    fn store_arguments(&mut self, arguments: [f64; 4], closed: &[bool], slope: impl Fn(usize) -> f64) -> bool {
-        let mut same = self.arguments == arguments && self.closed == closed;
+    fn store_arguments(
+        &mut self,
+        arguments: [f64; 4],
+        closed: impl Fn(usize) -> bool,
+        coverage: &Coverage,
+        slope: impl Fn(usize) -> f64,
+    ) -> bool {
+        let mut same = self.arguments == arguments && self.coverage == *coverage;
         self.arguments = arguments;
-        self.closed.copy_from_slice(closed);
-        for (i, own) in self.slopes.iter_mut().enumerate() {
+        self.coverage.copy_from(coverage);
+        for (i, (own, carries)) in self.slopes.iter_mut().zip(&mut self.closed).enumerate() {
+            same &= *carries == closed(i);
+            *carries = closed(i);
             let rounded = f64::from_bits(slope(i).to_bits() & !DROPPED);
             same &= *own == rounded;
             *own = rounded;
@@ -131,7 +143,10 @@ impl ThermalCoupling {
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
         let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
-        if !self.growth.store_arguments(arguments, &self.iterate.closed, slope) {
+        // A cell that is covered in part may exchange heat without pressure.
+        let Iterate { closed, pressure, .. } = &self.iterate;
+        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.coverage.is_partial(i));
+        if !self.growth.store_arguments(arguments, carries, &self.coverage, slope) {
             self.growth.answer = self.is_definite(key, friction, weights);
         }
         self.growth.answer
@@ -139,7 +154,7 @@ impl ThermalCoupling {
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.growth.partition.is_for(key) {
+        if !self.growth.partition.is_for(key, &self.coverage) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -150,7 +165,7 @@ impl ThermalCoupling {
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.growth.partition.build(key, influence);
+            self.growth.partition.build(key, &self.coverage, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }
@@ -166,8 +181,8 @@ impl ThermalCoupling {
         };
         self.growth.matrix.fill(0.0);
         let mut largest: f64 = 0.0;
-        for j in (0..count).filter(|&j| self.iterate.closed[j]) {
-            for i in (j..count).filter(|&i| self.iterate.closed[i]) {
+        for j in (0..count).filter(|&j| self.growth.closed[j]) {
+            for i in (j..count).filter(|&i| self.growth.closed[i]) {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
                     value += weights[i] * self.growth.slopes[i];
@@ -178,11 +193,11 @@ impl ThermalCoupling {
         }
         // Changes of the load are penalised; the matrix has to be definite on the remaining pressures.
         for j in 0..count {
-            if !self.iterate.closed[j] {
+            if !self.growth.closed[j] {
                 self.growth.matrix[j * count + j] = 1.0;
                 continue;
             }
-            for i in (j..count).filter(|&i| self.iterate.closed[i]) {
+            for i in (j..count).filter(|&i| self.growth.closed[i]) {
                 self.growth.matrix[j * count + i] += PENALTY * largest * weights[i] * weights[j];
             }
         }

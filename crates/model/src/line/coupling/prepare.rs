@@ -30,11 +30,12 @@ impl ThermalCoupling {
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
-        if monolithic && !heat.partitions.take(key) {
+        heat.cover(given, step);
+        if monolithic && !(heat.partitions.take(key) && heat.partitions[0].is_for(key, &heat.coverage)) {
             heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
             for stage in [Stage::First, Stage::End] {
                 let influence = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-                heat.partitions[stage as usize].build(key, influence);
+                heat.partitions[stage as usize].build(key, &heat.coverage, influence);
             }
         }
         heat.iterations = 0;
@@ -144,6 +145,18 @@ impl ThermalCoupling {
             heat.surroundings[side] = around;
         }
         Prepared(heat)
+    }
+
+    /// Sets the coverage of the cells in a step of `step` s.
+    fn cover(&mut self, given: &StepData<'_>, step: f64) {
+        let Some(edges) = &self.edges else { return };
+        let (line, state) = (given.state, state_of(given));
+        let worn = given.operators.shaping(&line.punch, &line.strip);
+        edges.cover(&state.edges, step, worn, &mut self.coverage);
+        self.bodies[0].iter_mut().for_each(|own| own.cover(&self.coverage));
+        for (i, half) in self.half_resistance.iter_mut().enumerate() {
+            *half = self.parameters.half_resistance / self.coverage.fraction(i);
+        }
     }
 
     /// Validity radius of the frozen operators in velocity (m/s), for a step of `step` s.

@@ -55,8 +55,8 @@ impl<'a> Prepared<'a> {
         heat.begin(Stage::First, state);
         // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
-        for (closed, p) in heat.iterate.closed.iter_mut().zip(pressure) {
-            *closed = *p > 0.0 || untouched;
+        for (i, (closed, p)) in heat.iterate.closed.iter_mut().zip(pressure).enumerate() {
+            *closed = *p > 0.0 || untouched || heat.coverage.is_partial(i);
         }
         heat.predict_first(state, pressure);
         heat.contacts[0].set_status(stages.contact.status());

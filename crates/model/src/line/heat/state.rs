@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, sections 1.3, 6.4.
 
 use super::bodies::Bodies;
+use super::edges::EdgeState;
 use conduction::line::{Account, FACES, ThermalBody};
 use numerics::maximum::all_finite;
 
@@ -17,7 +18,9 @@ pub struct HeatState {
     pub slope: [Vec<f64>; 2],
     /// Rate of the pressure over the last step, Pa/s; 0 after a jump and after a reversal.
     pub pressure_slope: Vec<f64>,
-    /// Temperatures of the cells at the end of the last step.
+    /// State from which the edges of the contact are found.
+    pub edges: EdgeState,
+    /// Temperatures of the cells at the end of the last step: means of whole cells.
     pub temperature: [Vec<f64>; 2],
     /// Thermal distortion at the end of the last step: displacement of both surfaces, m into the bodies.
     pub distortion: Vec<f64>,
@@ -122,6 +125,7 @@ impl HeatState {
             flux: [zeros(), zeros()],
             slope: [zeros(), zeros()],
             pressure_slope: zeros(),
+            edges: EdgeState::new(count),
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
             reference: LinearizationPoint::none(),
@@ -156,11 +160,13 @@ impl HeatState {
     pub fn jump(&mut self) {
         self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
         self.pressure_slope.fill(0.0);
+        self.edges.rate.fill(0.0);
     }
 
     /// Reversal of the sliding direction: friction heat rises as fast as it fell, and the shear coupling loads the other edge.
     pub fn reverse(&mut self) {
         self.pressure_slope.fill(0.0);
+        self.edges.rate.fill(0.0);
         self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
@@ -218,6 +224,7 @@ impl HeatState {
             flux,
             slope,
             pressure_slope,
+            edges,
             temperature,
             distortion,
             reference,
@@ -233,6 +240,7 @@ impl HeatState {
         let LinearizationPoint { velocity, last, fade, radius_factor } = reference;
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(pressure_slope)
+            .chain(edges.numbers())
             .chain(distortion)
             .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
             .chain(cooling.iter_mut().flatten())
@@ -262,6 +270,7 @@ impl HeatState {
             self.temperature[body].copy_from_slice(&other.temperature[body]);
         }
         self.pressure_slope.copy_from_slice(&other.pressure_slope);
+        self.edges.copy_from(&other.edges);
         self.distortion.copy_from_slice(&other.distortion);
         (self.kinetic_coefficient, self.dissipated, self.cooling) =
             (other.kinetic_coefficient, other.dissipated, other.cooling);
@@ -280,7 +289,10 @@ impl HeatState {
     pub fn is_finite(&self) -> bool {
         let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
         let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step];
-        pairs.chain([&self.pressure_slope, &self.distortion]).all(|values| all_finite(values))
+        pairs
+            .chain([&self.pressure_slope, &self.distortion])
+            .chain(self.edges.vectors())
+            .all(|values| all_finite(values))
             && [&scalars[..], &self.unpredicted_rise, &self.rejected_by_growth].iter().all(|values| all_finite(values))
             && [&self.cooling, &self.external].into_iter().flatten().all(|values| all_finite(values))
             && self.start.iter().all(|values| all_finite(values))
