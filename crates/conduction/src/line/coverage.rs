@@ -8,8 +8,8 @@
 //! T_1 - T_2 = (q_2 - q_1)/(2 phi h_c)
 //! ```
 //!
-//! A body with a coverage has as many states as without, and the same ones: those of the part that is not covered remember its
-//! temperature. Validity: the temperature differs between the parts of a partly covered cell only.
+//! with fluxes in W/m2, temperatures in K and h_c in W/(m2 K). A body has the same states with a coverage as without; they remember
+//! the temperature of the parts that are not covered. Valid where at most one edge lies between two neighbouring cells.
 //!
 //! Theory: docs/theory.md, section 6.5.
 
