@@ -1,14 +1,14 @@
 //! Comparison of the model levels: every level is run over the whole nominal trajectory, and its error estimated from the difference
 //! to a finer one ([`super::estimates`]).
 //!
-//! The contact line is run on 9, 17, 33, ... cells with the bodies, steps and tolerance of the user's run, or with those of the
-//! tolerance [`COARSEST`] where that of the user is larger: the error of its steps would conceal the differences. Cells are doubled
-//! until the choice is certain: a level meets the tolerance, and no cheaper one would with the error `d(c, n) - e(n)`. They are
+//! The contact line is run on 9, 17, 33, ... cells with the bodies, steps and tolerance of the user's run, or with those of the nearest
+//! tolerance within [`COMPARED`]: the error of the steps at a larger one would conceal the differences between cells, and at a
+//! smaller one they are the same, at a cost that leaves room for fewer cells. Cells are doubled until the choice is certain: a level meets the tolerance, and no cheaper one would with the error `d(c, n) - e(n)`. They are
 //! doubled once more where the error of the chosen level is mostly that of the comparison. No doubling is made that would cost more
 //! than [`BUDGET`].
 //!
 //! The errors of model reduction and time steps are measured on the lumped level and on the coarsest line, by the difference d of
-//! two runs, at the tolerance and at a smaller one, at most half: they are proportional to it, so with q the ratio of the two
+//! two runs, at the tolerance and at one that differs by a factor of two at least: they are proportional to it, so with q the ratio of the two
 //! tolerances the error is `d/(1 - q)`. It is stated as a fraction of `estimated_step_error`, which is a bound for the steps of this
 //! trajectory as for those of the user's run. A finer level does not reduce it, so it does not enter the choice.
 //!
@@ -42,8 +42,8 @@ const DEARER: f64 = 2.5;
 /// Least fraction of a unidirectional trajectory that a line has to cover for an extrapolation to its end.
 const LEAST_COVERED: f64 = 0.2;
 
-/// Largest tolerance at which levels are compared.
-const COARSEST: f64 = 0.025;
+/// Least and largest tolerance at which levels are compared.
+const COMPARED: (f64, f64) = (0.005, 0.025);
 
 /// Tolerance of a second run for the error of reduction and time steps, relative to the first.
 const STRICTER: f64 = 0.5;
@@ -116,7 +116,7 @@ pub fn compare(
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
     // Strokes are run with the wear of the whole duration, so their operators are not those of the user's run.
     let own_scene = course.scene(scene);
-    let run_scene = &at_tolerance(&own_scene, scene.tolerance.min(COARSEST));
+    let run_scene = &at_tolerance(&own_scene, scene.tolerance.clamp(COMPARED.0, COMPARED.1));
     let whole = ModelLevel::Line { cells: first, heat: HeatResolution::ResolvedWhereCoupled }.apply(run_scene);
     let heat = match by_cells && is_resolved(&whole) {
         true => HeatResolution::Resolved,
@@ -156,7 +156,7 @@ pub fn compare(
     // With a number of cells set by the user, finer ones serve for comparison only.
     let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };
     let (steps, cost) = (progress.steps, progress.cost);
-    let operators = match course.repeats > 1.0 || scene.tolerance > COARSEST {
+    let operators = match course.repeats > 1.0 || scene.tolerance != run_scene.tolerance {
         true => Vec::new(),
         false => progress.runs.levels.into_iter().map(|level| (level.model_level, level.operators)).collect(),
     };
@@ -233,28 +233,32 @@ impl Progress<'_> {
     }
 
     /// Measures the errors of reduction and time steps with a second run of the lumped level and of the coarsest line: at the tolerance
-    /// of `scene` where that is at least twice that of the first run, `compared`, else at half of it.
+    /// of `scene` where that differs from that of the first run, `compared`, by a factor of two at least, else at half of it.
     fn measure_steps(&mut self, scene: &Scene, compared: f64, cells: usize) -> Result<(), Incomparable> {
-        let second = if STRICTER * scene.tolerance >= compared { scene.tolerance } else { STRICTER * compared };
-        let smaller = (compared / second).min(second / compared);
-        let scene = at_tolerance(scene, second);
+        let own_is_second = scene.tolerance.min(compared) <= STRICTER * scene.tolerance.max(compared);
+        let second = if own_is_second { scene.tolerance } else { STRICTER * compared };
+        let stated = if own_is_second { second } else { compared };
         let runs = LevelRuns { levels: Vec::new(), ..self.runs };
         let mut other = Progress { runs, ..*self };
+        let scene = at_tolerance(scene, second);
         let mean = other.lumped(&scene)?;
         other.line(&scene, cells, &mean)?;
         (self.cost, self.steps) = (other.cost, other.steps);
-        for (first, second) in self.runs.levels.iter().zip(&other.runs.levels) {
-            let runs = (&first.run, &second.run);
-            let (own, strict) = if scene.tolerance > compared { (runs.1, runs.0) } else { runs };
-            let counts = [self.runs.course.loaded.min(strict.history.len()), strict.history.len()];
-            let ratio = |count: usize, bound: f64| {
-                let error =
-                    largest(distance(&own.history[..count.min(own.history.len())], &strict.history)) / (1.0 - smaller);
+        for (first, other) in self.runs.levels.iter().zip(&other.runs.levels) {
+            let runs = [&first.run, &other.run];
+            let own = runs[usize::from(own_is_second)];
+            let ratio = |most: usize, bound: f64| {
+                let count = most.min(first.run.history.len()).min(other.run.history.len());
+                let apart =
+                    largest(distance(&own.history[..count], &runs[usize::from(!own_is_second)].history[..count]));
+                let error = apart * stated / (compared - second).abs();
                 if bound > 0.0 { (error / bound).clamp(LEAST_RATIO, 1.0) } else { 1.0 }
             };
-            let [loaded, whole] = std::array::from_fn(|phase| ratio(counts[phase], own.step_bounds[phase]));
+            let [loaded, whole] =
+                [ratio(self.runs.course.loaded, own.step_bounds[0]), ratio(usize::MAX, own.step_bounds[1])];
             // Runs of the same steps under load do not show their error.
-            let shows = strict.loaded_steps > own.loaded_steps;
+            let shows = (other.run.loaded_steps > first.run.loaded_steps) == (second < compared)
+                && other.run.loaded_steps != first.run.loaded_steps;
             self.runs.step_ratios[kind(first.model_level)] = [if shows { loaded } else { whole.max(loaded) }, whole];
         }
         Ok(())
