@@ -26,8 +26,8 @@ use scene::HeatResolution;
 
 /// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower
 /// bound is that of a temperature under a pressure that is singular at the edge, the upper one is second order. Where a part of the
-/// zone is not in contact, cells open one by one: the error is of first order in their size and varies from one number of cells to
-/// the next, so that a ratio of two differences is chance, and the assumed one is taken.
+/// zone is not in contact, the edge is known to a part of a cell, which varies from one number of cells to the next: a ratio of two
+/// differences may be chance, and the assumed one is taken.
 const ASSUMED_RATIO: f64 = 2.0;
 const RATIO: (f64, f64) = (1.5, 4.0);
 

@@ -57,17 +57,18 @@ impl PerturbationGrowth {
         !self.bound.has_free_waves()
     }
 
-    /// Exponents over the nominal duration of `scene`, at its friction coefficient: of all modes, and of those that a contact line
-    /// contains.
+    /// Exponents at the friction coefficient of `scene`: of all modes over the trajectory, and of those that a contact line contains over
+    /// the nominal duration, of which a reciprocating trajectory is a part.
     pub fn over(&self, course: &NominalTrajectory, scene: &Scene) -> [f64; 2] {
         let exponent = |rate: &dyn Fn(f64) -> f64| {
             let of_segment = |segment: &Segment| {
                 let [start, end] = segment.velocity;
                 segment.duration * rate((0.5 * (start + end)).abs())
             };
-            course.repeats * course.segments[..course.loaded].iter().map(of_segment).sum::<f64>()
+            course.segments[..course.loaded].iter().map(of_segment).sum::<f64>()
         };
         let friction = scene.friction_coefficient;
-        [exponent(&|speed| self.rate(friction, speed)), exponent(&|speed| self.modelled_rate(friction, speed))]
+        let modelled = exponent(&|speed| self.modelled_rate(friction, speed));
+        [exponent(&|speed| self.rate(friction, speed)), course.repeats * modelled]
     }
 }

@@ -3,7 +3,7 @@
 //! # Method
 //!
 //! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run, or of the
-//! tolerance .025 where that is larger.
+//! nearest tolerance from .005 to .025.
 //! The trajectory ends with a release of the load; the errors under load and with the release are kept apart.
 //! Its error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the
 //! model reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
@@ -14,7 +14,7 @@
 //! # Cost
 //!
 //! None where dimensionless groups are sufficient: two rigid bodies have a uniform pressure. Otherwise some runs of the nominal
-//! trajectory, mostly below 100 ms of processor time, up to 400 ms at a tolerance of 1e-3 ([`cost`]). A level whose run was that of the user is not built again.
+//! trajectory, mostly below 100 ms of processor time, up to 700 ms at most ([`cost`]). A level whose run was that of the user is not built again.
 //!
 //! # Limits
 //!
@@ -120,7 +120,7 @@ pub struct Plan {
     pub estimated_error: Option<f64>,
     /// The same once the load has been released; see [`course::Course`].
     pub released_error: Option<f64>,
-    /// Exponent of the growth of perturbations over the nominal duration; infinite where a mode grows that no level contains. See
+    /// Exponent of the growth of perturbations over the trajectory; infinite where a mode grows that no level contains. See
     /// [`growth`].
     pub growth: f64,
     /// See [`Candidate::step_ratios`].
