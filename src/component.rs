@@ -152,7 +152,7 @@ impl Component {
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
         self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
-        self.course = Course::new(prepared.planned_growth());
+        self.course = Course::default();
         self.planned = prepared.was_compared();
         self.prepared = Some(prepared);
         self.current = 0;

@@ -27,7 +27,8 @@ impl Component {
         if load > 0.0 {
             course.growth += self.last_step * prepared.growth_rate(model.friction_at(speed), speed);
         }
-        if before.is_beyond() || !course.is_beyond() {
+        let planned = prepared.planned_growth();
+        if before.is_beyond(planned) || !course.is_beyond(planned) {
             return;
         }
         let (planned_speed, planned_load, duration) =
@@ -44,7 +45,7 @@ impl Component {
             planned_load = Number(planned_load),
             planned_work = Number(planned_work),
             duration = Number(duration),
-            error = if course.is_known() { "is extrapolated" } else { "is 1" },
+            error = if course.is_known(planned) { "is extrapolated" } else { "is 1" },
         );
         self.messages.add(Subject::Warning, beyond);
     }

@@ -208,8 +208,8 @@ impl Snapshot {
             || !(0.0..256.0).contains(&reported)
             || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
             || !(0.0..=f64::INFINITY).contains(&course.severity)
-            // Infinite where a mode grew that no level contains, negative before the growth that is planned.
-            || course.growth.is_nan()
+            // Infinite where a mode grew that no level contains.
+            || !(0.0..=f64::INFINITY).contains(&course.growth)
         {
             return None;
         }

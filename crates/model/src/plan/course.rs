@@ -20,8 +20,7 @@ const RELEASED: f64 = 0.5;
 pub struct Course {
     /// Largest ratio of speed, load and friction work so far to the nominal ones.
     pub severity: f64,
-    /// Exponent by which perturbations may have grown above the critical speed, less that of the nominal trajectory, which the plan
-    /// contains; see [`super::growth`].
+    /// Exponent by which perturbations may have grown above the critical speed; see [`super::growth`].
     pub growth: f64,
     /// Largest load so far, N.
     pub largest_load: f64,
@@ -30,30 +29,30 @@ pub struct Course {
 }
 
 impl Course {
-    /// Beginning of a run whose plan contains this exponent of growth.
-    pub fn new(planned_growth: f64) -> Course {
-        Course { growth: -planned_growth, ..Course::default() }
-    }
-
     /// Takes a load (N).
     pub fn follow_load(&mut self, load: f64) {
         self.is_released |= load < RELEASED * self.largest_load;
         self.largest_load = maximum(self.largest_load, load);
     }
 
-    /// Whether the error of the plan is known.
-    pub fn is_known(&self) -> bool {
-        self.severity <= KNOWN && self.growth <= KNOWN.ln()
+    /// Exponent of growth beyond the one that the plan contains.
+    fn excess(&self, planned_growth: f64) -> f64 {
+        if self.growth <= planned_growth { 0.0 } else { self.growth - planned_growth }
+    }
+
+    /// Whether the error of the plan is known; `planned_growth`: exponent of growth that the plan contains.
+    pub fn is_known(&self, planned_growth: f64) -> bool {
+        self.severity <= KNOWN && self.excess(planned_growth) <= KNOWN.ln()
     }
 
     /// Whether the run exceeds the conditions of the plan.
-    pub fn is_beyond(&self) -> bool {
-        self.severity > PLANNED || self.growth > PLANNED.ln()
+    pub fn is_beyond(&self, planned_growth: f64) -> bool {
+        self.severity > PLANNED || self.excess(planned_growth) > PLANNED.ln()
     }
 
     /// Factor of the error beyond the conditions of the plan, at least 1.
-    pub fn factor(&self) -> f64 {
-        (self.severity / PLANNED).max(1.0) * self.growth.max(0.0).exp()
+    pub fn factor(&self, planned_growth: f64) -> f64 {
+        (self.severity / PLANNED).max(1.0) * self.excess(planned_growth).exp()
     }
 }
 
@@ -67,19 +66,19 @@ mod tests {
 
     #[test]
     fn beyond_twice_the_nominal_conditions_the_error_is_in_proportion_up_to_ten_times() {
-        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor()), [1.0, 1.0, 1.0, 2.5]);
-        assert!(!after(2.0, 0.0).is_beyond() && after(2.0_f64.next_up(), 0.0).is_beyond());
-        assert!(after(10.0, 0.0).is_known() && !after(10.0_f64.next_up(), 0.0).is_known());
+        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor(0.0)), [1.0, 1.0, 1.0, 2.5]);
+        assert!(!after(2.0, 0.0).is_beyond(0.0) && after(2.0_f64.next_up(), 0.0).is_beyond(0.0));
+        assert!(after(10.0, 0.0).is_known(0.0) && !after(10.0_f64.next_up(), 0.0).is_known(0.0));
     }
 
     #[test]
     fn the_error_grows_with_perturbations_up_to_ten_times() {
         let double = 2.0_f64.ln();
-        assert_eq!(after(4.0, double).factor(), 4.0);
-        assert_eq!([Course::new(3.0), Course::new(f64::INFINITY)].map(|course| course.factor()), [1.0; 2]);
-        assert!(!after(1.0, double).is_beyond() && after(1.0, 1.01 * double).is_beyond());
-        assert!(after(1.0, 9.9_f64.ln()).is_known() && !after(1.0, 10.1_f64.ln()).is_known());
-        assert!(!after(1.0, f64::INFINITY).is_known());
+        assert_eq!(after(4.0, double).factor(0.0), 4.0);
+        assert_eq!([double, f64::INFINITY].map(|planned| after(1.0, double).factor(planned)), [1.0; 2]);
+        assert!(!after(1.0, double).is_beyond(0.0) && after(1.0, 1.01 * double).is_beyond(0.0));
+        assert!(after(1.0, 9.9_f64.ln()).is_known(0.0) && !after(1.0, 10.1_f64.ln()).is_known(0.0));
+        assert!(!after(1.0, f64::INFINITY).is_known(0.0));
     }
 
     #[test]

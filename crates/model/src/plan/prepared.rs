@@ -85,10 +85,10 @@ impl Prepared {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if course.is_known() => {
+            Some(plan) if course.is_known(plan.growth) => {
                 let phase = usize::from(course.is_released);
                 let level = [plan.estimated_error, plan.released_error][phase].unwrap_or(0.0);
-                (course.factor() * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
+                (course.factor(plan.growth) * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }
