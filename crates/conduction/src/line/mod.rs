@@ -24,14 +24,14 @@
 //!
 //! Theory: docs/theory.md, sections 4.1, 5.3.
 
-pub mod coverage;
+pub mod contact_parts;
 pub mod disc;
 pub mod field;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
 
-use coverage::Coverage;
+use contact_parts::ContactParts;
 use nalgebra::DMatrix;
 use std::fmt::Debug;
 
@@ -188,11 +188,11 @@ pub trait ThermalBody: Debug + Send {
     /// Sets the parts of the cells through which heat enters in the steps prepared from now on, and whose mean temperatures the
     /// influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
     /// effect on a body that does not divide its cells.
-    fn cover(&mut self, _coverage: &Coverage) {}
+    fn set_contact_parts(&mut self, _contact_parts: &ContactParts) {}
 
     /// Computes weights and surface influence matrices for a step of `step` s in which the sliding velocity changes linearly
     /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments
-    /// cost a comparison. The result is a function of the arguments and the coverage alone, never of earlier preparations.
+    /// cost a comparison. The result is a function of the arguments and the parts in contact alone, never of earlier preparations.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
     /// [`Self::prepare`] for one implicit Euler step of an operator split: both stages lie at the end of the step and

@@ -19,7 +19,7 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::coverage::Coverage;
+use super::contact_parts::ContactParts;
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -74,7 +74,7 @@ pub(super) struct ModeStates {
     pub integrals: Vec<f64>,
     /// F over the widths of the cells: the observed cell temperatures, or the observed part of them.
     pub means: Vec<f64>,
-    /// Integrals over the parts of the cells; empty where no cell is covered in part.
+    /// Integrals over the parts of the cells; empty where all cells are whole.
     pub by_part: Vec<f64>,
 }
 
@@ -84,7 +84,7 @@ pub(super) struct ReducedOperators {
     /// Widths of the N cells, m.
     pub widths: Vec<f64>,
     pub modes: Vec<ModeStates>,
-    /// Areas of the parts of the cells per depth, m; empty where no cell is covered in part.
+    /// Areas of the parts of the cells per depth, m; empty where all cells are whole.
     pub part_areas: Vec<f64>,
     /// Steady temperature integrals of the parts of every cell by the fluxes through them that no state follows: its P x P blocks.
     pub remainder: Vec<f64>,
@@ -201,7 +201,7 @@ impl ReducedHeat {
         self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
     }
 
-    /// Heat into every mode by the fluxes `flux` through the covered parts of the cells, into the scratch.
+    /// Heat into every mode by the fluxes `flux` through the parts in contact of the cells, into the scratch.
     fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
         self.modes.heat(flux, scratch);
         self.patterns.heat(flux, &mut scratch.heat);
@@ -296,8 +296,8 @@ impl ThermalBody for ReducedHeat {
         !self.operators.part_areas.is_empty()
     }
 
-    fn cover(&mut self, coverage: &Coverage) {
-        self.patterns.cover(coverage, &self.operators, &self.modes);
+    fn set_contact_parts(&mut self, contact_parts: &ContactParts) {
+        self.patterns.set_contact_parts(contact_parts, &self.operators, &self.modes);
     }
 
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
@@ -310,7 +310,7 @@ impl ThermalBody for ReducedHeat {
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         let stage = self.stage(stage);
-        if self.patterns.is_empty() { &stage.influence } else { &stage.covered }
+        if self.patterns.is_empty() { &stage.influence } else { &stage.through_parts }
     }
 
     fn free_response(

@@ -28,7 +28,7 @@ use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
-use conduction::line::coverage::Coverage;
+use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
 use growth_guard::GrowthGuard;
@@ -137,7 +137,7 @@ pub struct ThermalCoupling {
     /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
     pub partitions: PartitionCache,
     installed: [usize; 2],
-    /// Finds the coverage of the cells by the contact; `None`: whole cells.
+    /// Finds the parts of the cells in contact; `None`: whole cells.
     edges: Option<Edges>,
     /// Linearization point of the operators reused from step to step.
     reference: FrozenCoefficients,
@@ -146,8 +146,8 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
-    /// Coverage of the cells, and 1/(2 phi h_c) by their covered fractions phi, K m2/W.
-    coverage: Coverage,
+    /// Parts of the cells in contact, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
+    contact_parts: ContactParts,
     half_resistance: Vec<f64>,
     /// Ambient, far-face temperatures and cooling of the bodies.
     pub surroundings: [Surroundings; 2],
@@ -209,7 +209,7 @@ impl ThermalCoupling {
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
-            coverage: Coverage::whole(count),
+            contact_parts: ContactParts::whole(count),
             half_resistance: vec![half_resistance; count],
             surroundings: [Surroundings::default(); 2],
             external: [(0.0, 0.0); 2],

@@ -38,8 +38,8 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Groups of `scene` for a rise `rise` (K) of the contact temperature.
-    pub fn new(scene: &Scene, rise: f64) -> Groups {
+    /// Groups of `scene` with this critical speed, for a rise `rise` (K) of the contact temperature.
+    pub fn new(scene: &Scene, critical: &CriticalSpeed, rise: f64) -> Groups {
         let bodies = [&scene.punch, &scene.strip];
         let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
         let diffusivity = |body: &Body| body.conductivity / body.capacity();
@@ -63,7 +63,7 @@ impl Groups {
                 * scene.wear_acceleration
         };
         let depths = [worn(&scene.punch), worn(&scene.strip) * covered];
-        let critical = CriticalSpeed::new(scene).modelled(scene.friction_coefficient);
+        let critical = critical.modelled(scene.friction_coefficient);
         let rotates =
             scene.constraint == scene::Constraint::TranslateAndRotate && scene.geometry == scene::Geometry::Line;
         let hot = scene.ambient_temperature + rise;

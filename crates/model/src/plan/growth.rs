@@ -52,13 +52,10 @@ impl PerturbationGrowth {
         if critical > 0.0 && speed > critical { self.modelled_rate(friction, speed) } else { f64::INFINITY }
     }
 
-    /// Whether the bound is close to the growth rate: where waves may also be at rest in neither body it is far above.
-    pub fn is_close(&self) -> bool {
-        !self.bound.has_free_waves()
-    }
-
-    /// Exponents at the friction coefficient of `scene`: of all modes over the trajectory, and of those that a contact line contains over
-    /// the nominal duration, of which a reciprocating trajectory is a part.
+    /// Exponents at the friction coefficient of `scene`: the one that a comparison over the trajectory contains, and that of the modes
+    /// of a contact line over the nominal duration, of which a reciprocating trajectory is a part. The first is infinite where what
+    /// exceeds it has no meaning: a mode grows that no level contains, or waves may be at rest in neither body, for which the bound is
+    /// far above the rate.
     pub fn over(&self, course: &NominalTrajectory, scene: &Scene) -> [f64; 2] {
         let exponent = |rate: &dyn Fn(f64) -> f64| {
             let of_segment = |segment: &Segment| {
@@ -69,6 +66,8 @@ impl PerturbationGrowth {
         };
         let friction = scene.friction_coefficient;
         let modelled = exponent(&|speed| self.modelled_rate(friction, speed));
-        [exponent(&|speed| self.rate(friction, speed)), course.repeats * modelled]
+        let all = exponent(&|speed| self.rate(friction, speed));
+        let contained = if all > 0.0 && self.bound.has_free_waves() { f64::INFINITY } else { all };
+        [contained, course.repeats * modelled]
     }
 }

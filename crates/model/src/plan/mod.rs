@@ -120,9 +120,9 @@ pub struct Plan {
     pub estimated_error: Option<f64>,
     /// The same once the load has been released; see [`course::Course`].
     pub released_error: Option<f64>,
-    /// Exponent of the growth of perturbations over the trajectory; infinite where a mode grows that no level contains. See
-    /// [`growth`].
-    pub growth: f64,
+    /// Exponents of the growth of perturbations: the one that the comparison contains, and that over the nominal duration; see
+    /// [`PerturbationGrowth::over`].
+    pub growth: [f64; 2],
     /// See [`Candidate::step_ratios`].
     pub step_ratios: [f64; 2],
     /// Relative error of the reduced thermal bodies.
@@ -169,9 +169,9 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
         return lumped(reason, Some(UNKNOWN));
     };
     let growth = PerturbationGrowth::new(scene, &CriticalSpeed::new(scene));
-    let [exponent, of_the_line] = growth.over(&course, scene);
-    let Planned { plan, operators, .. } = choose(scene, &course, of_the_line >= GROWN, run_in)?;
-    Ok(Planned { plan: Plan { growth: exponent, ..plan }, operators, growth: Some(growth) })
+    let exponents = growth.over(&course, scene);
+    let Planned { plan, operators, .. } = choose(scene, &course, exponents[1] >= GROWN, run_in)?;
+    Ok(Planned { plan: Plan { growth: exponents, ..plan }, operators, growth: Some(growth) })
 }
 
 /// Compares the levels over `course` and chooses one. `may_grow`: see [`compare`].
@@ -231,7 +231,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         Some((_, operators)) => operators,
         None => ModelOperators::new(&chosen.model_level.apply(scene), run_in)?,
     };
-    let groups = Groups::new(scene, comparison.rise);
+    let groups = Groups::new(scene, &operators.mean().critical_speed, comparison.rise);
     let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
     let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
@@ -246,7 +246,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         order,
         estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
         released_error: Some(if known { chosen.released.min(UNKNOWN) } else { UNKNOWN }),
-        growth: 0.0,
+        growth: [0.0; 2],
         step_ratios: chosen.step_ratios,
         reduction_error,
         cost_per_step: chosen.cost,
@@ -275,13 +275,13 @@ fn uncompared(
         meets: estimated_error.is_none(),
         reason,
         effects: Vec::new(),
-        groups: Groups::new(scene, 0.0),
+        groups: Groups::new(scene, &operators.mean().critical_speed, 0.0),
         candidates: Vec::new(),
         states,
         order,
         estimated_error,
         released_error: estimated_error,
-        growth: 0.0,
+        growth: [0.0; 2],
         step_ratios: [1.0; 2],
         reduction_error,
         cost_per_step: cost::per_step(&operators),

@@ -64,19 +64,14 @@ impl Prepared {
             .fold(ratio(speed.abs(), scene.nominal_velocity), maximum)
     }
 
-    /// Exponent of growth over the nominal trajectory.
+    /// Exponent of growth that the plan contains.
     pub fn planned_growth(&self) -> f64 {
-        self.plan.as_ref().map_or(0.0, |plan| plan.growth)
+        self.plan.as_ref().map_or(0.0, |plan| plan.growth[0])
     }
 
-    /// Upper bound of the rate (1/s) at which perturbations grow; see [`PerturbationGrowth::rate`]. 0 where it has no meaning beyond
-    /// that of a nominal trajectory above the critical speed: of a mode that no level contains, and where the bound is far above the
-    /// rate.
+    /// Upper bound of the rate (1/s) at which perturbations grow; see [`PerturbationGrowth::rate`].
     pub fn growth_rate(&self, friction: f64, speed: f64) -> f64 {
-        let Some(growth) = &self.growth else { return 0.0 };
-        let planned = self.planned_growth();
-        let counts = planned == 0.0 || planned.is_finite() && growth.is_close();
-        if counts { growth.rate(friction, speed) } else { 0.0 }
+        self.growth.as_ref().map_or(0.0, |growth| growth.rate(friction, speed))
     }
 
     /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`], after this `course`; `step_error` is
@@ -85,10 +80,10 @@ impl Prepared {
         match &self.plan {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if course.is_known(plan.growth) => {
+            Some(plan) if course.is_known(plan.growth[0]) => {
                 let phase = usize::from(course.is_released);
                 let level = [plan.estimated_error, plan.released_error][phase].unwrap_or(0.0);
-                (course.factor(plan.growth) * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
+                (course.factor(plan.growth[0]) * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }

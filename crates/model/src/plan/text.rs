@@ -74,7 +74,7 @@ impl Plan {
             ("wear over elastic approach", groups.wear_over_approach),
             ("wear of the strip over that of both", groups.strip_wear),
             ("speed over critical speed", groups.speed_over_critical),
-            ("exponent of the growth of perturbations", self.growth),
+            ("exponent of the growth of perturbations", self.growth[1]),
             ("lever of the friction force over half-width", groups.lever),
             ("pressure exponent less 1", groups.exponent),
             ("change of friction by fade", groups.fade[0]),

@@ -10,7 +10,7 @@
 //! Theory: docs/theory.md, sections 6.2, 9.4.
 
 use conduction::line::SurfaceInfluence;
-use conduction::line::coverage::Coverage;
+use conduction::line::contact_parts::ContactParts;
 use model::line::heat::partition::HeatPartition;
 use nalgebra::DMatrix;
 
@@ -34,7 +34,7 @@ impl ActivePartition {
     pub fn new(influence: [Option<&SurfaceInfluence>; 2], widths: &[f64], conductance: f64) -> ActivePartition {
         let count = widths.len();
         let mut partition = HeatPartition::new(widths, &vec![1.0; count], conductance);
-        partition.build((0.0, 0.0), &Coverage::whole(count), influence);
+        partition.build((0.0, 0.0), &ContactParts::whole(count), influence);
         ActivePartition {
             partition,
             closed: vec![false; count],

@@ -9,11 +9,14 @@ use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
-use crate::line::coverage::PARTS;
+use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use scene::FarBoundary;
+
+/// Transverse modes per part of a cell in the differences between the parts of a cell: shorter waves hardly differ between them.
+const WAVES_PER_PART: usize = 4;
 
 /// A transverse mode with its states, and the fastest shape through the height, which is quasi-static.
 pub(super) struct Mode {
@@ -31,7 +34,7 @@ pub(super) struct Assembly<'a> {
     pub modes: Vec<Mode>,
     /// All modes that enter some sum, those with states first.
     pub waves: Waves,
-    /// Parts of the cells, and all modes on them, where cells may be covered in part.
+    /// Parts of the cells, and all modes on them, where cells may be in contact in part.
     pub divided: Option<(Cells, Waves)>,
     errors: [f64; 2],
 }
@@ -69,7 +72,8 @@ impl<'a> Assembly<'a> {
         let waves = Waves::new(&across, cells, count);
         let divided = divides.then(|| {
             let parts = cells.divided(PARTS);
-            let waves = Waves::new(&across, &parts, count);
+            let resolved = (WAVES_PER_PART * parts.count()).clamp(modes.len().max(1), count);
+            let waves = waves.over(&parts, resolved);
             (parts, waves)
         });
         let errors = [shift_selection.error, shift_selection.mean_error];

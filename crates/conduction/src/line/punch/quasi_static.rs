@@ -26,7 +26,7 @@ use super::SUMMED_MODES;
 use super::across::Wave;
 use super::assembly::Assembly;
 use super::waves::Waves;
-use crate::line::coverage::PARTS;
+use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::{Complex, DMatrix, DVectorView};
@@ -187,7 +187,7 @@ impl Assembly<'_> {
 
     /// X_0 with the parts of the cells in the rows, and its blocks of the parts of every cell, cell by cell.
     fn steady_of_parts(&self, (_, waves): &(Cells, Waves)) -> (DMatrix<f64>, Vec<f64>) {
-        let beyond = self.quasi_static_modes();
+        let beyond = self.quasi_static_modes().start..waves.count().min(SUMMED_MODES.max(self.modes.len()));
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
         let mut steady = waves.sum_with(&self.waves, beyond.clone(), |_, wave| impedance(wave));
         let mut within = vec![0.0; self.cells.count() * PARTS * PARTS];

@@ -1,7 +1,10 @@
-use super::super::coverage::{Coverage, PARTS};
+mod parts;
+
+use super::super::contact_parts::ContactParts;
 use super::super::{Account, GAMMA, Stage, Surroundings, ThermalBody};
 use super::*;
 use exact::unreduced_punch::Unreduced;
+use parts::in_part;
 use scene::FarBoundary;
 use scene::variables::{STARTS, reference};
 
@@ -247,8 +250,8 @@ fn heat_is_accounted_for() {
             };
             let step = [1e-3, 0.7, 40.0][i as usize % 3];
             // Part of the time through parts of the cells.
-            let coverage = if i % 70 < 30 { in_part() } else { Coverage::whole(9) };
-            run.heat.cover(&coverage);
+            let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
+            run.heat.set_contact_parts(&contact_parts);
             run.step(step, &first, &end);
             entered += step
                 * (first.iter().zip(&end).zip(cells.widths()))
@@ -261,7 +264,7 @@ fn heat_is_accounted_for() {
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The heat account is the integral of the flows, which are those through whole cells.
-        run.heat.cover(&Coverage::whole(9));
+        run.heat.set_contact_parts(&ContactParts::whole(9));
         run.surroundings.cooling_fall = 0.0;
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
@@ -519,112 +522,4 @@ fn what_no_mode_carries_follows_in_its_own_time() {
             assert!((part - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
         }
     }
-}
-
-/// Cells 2 and 6 of nine are covered in part.
-fn in_part() -> Coverage {
-    let mut coverage = Coverage::whole(9);
-    coverage.cover_between(2, 1, 4);
-    coverage.cover_beside(6, 1, 4);
-    coverage
-}
-
-#[test]
-fn parts_of_cells_respond_like_cells_of_their_own() {
-    let cells = cells(9);
-    let (coverage, parts) = (in_part(), cells.divided(PARTS));
-    let covers = |part: usize| coverage.covers(part / PARTS, part % PARTS);
-    for changes in [
-        &[][..],
-        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
-        &[
-            ("punch.conductivity", 1.2),
-            ("punch.density", 2500.0),
-            ("punch.specific_heat", 1000.0),
-            ("punch.height", 0.015),
-        ],
-    ] {
-        let scene = scene(changes);
-        let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
-        let mut divided = Run::new(&scene, &parts, 1e-3, 100.0);
-        run.heat.cover(&coverage);
-        let spread = |flux: &[f64]| -> Vec<f64> {
-            let density = |part: usize| flux[part / PARTS] / coverage.fraction(part / PARTS);
-            (0..9 * PARTS).map(|part| if covers(part) { density(part) } else { 0.0 }).collect()
-        };
-        let mut worst = [0.0f64; 2];
-        for i in 0..60 {
-            let flux = |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (1.0 + (0.2 * f64::from(k + j)).sin())).collect() };
-            let (first, end) = (flux(i), flux(i + 1));
-            let step = [0.03, 0.7, 4.0][i as usize % 3];
-            run.step(step, &first, &end);
-            divided.step(step, &spread(&first), &spread(&end));
-            let scale = largest(&divided.temperature);
-            for cell in 0..9 {
-                let own = (cell * PARTS..(cell + 1) * PARTS).filter(|&part| covers(part));
-                let (sum, number) = own.fold((0.0, 0.0), |(sum, n), part| (sum + divided.temperature[part], n + 1.0));
-                let error = (run.temperature[cell] - sum / number) / scale;
-                worst[usize::from(i > 2)] = worst[usize::from(i > 2)].max(error.abs());
-            }
-        }
-        println!("{changes:?}: {worst:?}");
-        // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
-        assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
-        // At frozen state a temperature is the mean of the whole cell.
-        let mut whole = [0.0; 9];
-        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut whole);
-        let mean =
-            |cell: usize| divided.temperature[cell * PARTS..(cell + 1) * PARTS].iter().sum::<f64>() / PARTS as f64;
-        let scale = largest(&divided.temperature);
-        for (cell, rise) in whole.iter().enumerate() {
-            assert!((rise - mean(cell)).abs() < 0.02 * scale, "{changes:?} {cell}: {rise} {}", mean(cell));
-        }
-        assert!(run.temperature[2] > whole[2] + 0.005 * scale, "the covered parts are hotter than the cell");
-    }
-}
-
-#[test]
-fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits() {
-    let cells = cells(9);
-    let mut run = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
-    run.heat.prepare(0.5, [0.0; 2]);
-    let whole = run.heat.influence(Stage::End).clone();
-    run.heat.cover(&in_part());
-    run.heat.prepare(0.5, [0.0; 2]);
-    let covered = run.heat.influence(Stage::End).clone();
-    for i in 0..9 {
-        for j in 0..9 {
-            let [one, other] = [(i, j), (j, i)].map(|(i, j)| cells.widths()[i] * covered.temperature[(i, j)]);
-            assert!((one - other).abs() < 1e-9 * covered.temperature.amax(), "{i} {j}: {one:e} {other:e}");
-        }
-    }
-    assert!(covered.temperature[(2, 2)] > 1.02 * whole.temperature[(2, 2)]);
-    // The same coverage on another copy, after other steps, and whole cells again.
-    let mut other = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
-    other.heat.cover(&in_part());
-    [0.1, 0.5].into_iter().for_each(|step| other.heat.prepare(step, [0.0; 2]));
-    assert_eq!(other.heat.influence(Stage::End), &covered);
-    run.heat.cover(&Coverage::whole(9));
-    run.heat.prepare(0.5, [0.0; 2]);
-    assert_eq!(run.heat.influence(Stage::End), &whole);
-}
-
-#[test]
-fn matrices_made_between_a_free_response_and_its_step_leave_the_step_as_it_is() {
-    let cells = cells(9);
-    let flux: Vec<f64> = leaning(&cells).iter().map(|q| 1e4 * q).collect();
-    let after = |between: bool| {
-        let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
-        run.heat.cover(&in_part());
-        run.heat.prepare(0.5, [0.0; 2]);
-        let (temperature, distortion) = (&mut run.temperature, &mut run.distortion);
-        run.heat.free_response(&run.state, &run.surroundings, Stage::End, &flux, temperature, distortion);
-        if between {
-            run.heat.prepare(1.7, [0.0; 2]);
-            run.heat.prepare(0.5, [0.0; 2]);
-        }
-        run.heat.advance_from_end(&mut run.state, &run.surroundings, &flux, &flux);
-        run.state
-    };
-    assert_eq!(after(true), after(false));
 }

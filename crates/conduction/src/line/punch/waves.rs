@@ -17,12 +17,26 @@ pub(super) struct Waves {
 impl Waves {
     /// The first `count` modes.
     pub fn new(across: &Across, cells: &Cells, count: usize) -> Waves {
-        let waves: Vec<Wave> = (0..count).map(|m| across.wave(m)).collect();
+        Waves::integrated((0..count).map(|m| across.wave(m)).collect(), cells)
+    }
+
+    /// The first `count` of these modes over other cells.
+    pub fn over(&self, cells: &Cells, count: usize) -> Waves {
+        Waves::integrated(self.waves[..count].to_vec(), cells)
+    }
+
+    fn integrated(waves: Vec<Wave>, cells: &Cells) -> Waves {
+        let count = waves.len();
         let mut integrals = DMatrix::zeros(cells.count(), count);
         for (wave, column) in waves.iter().zip(integrals.as_mut_slice().chunks_exact_mut(cells.count())) {
             wave.integrate(cells, column);
         }
         Waves { waves, integrals }
+    }
+
+    /// Number of modes.
+    pub fn count(&self) -> usize {
+        self.waves.len()
     }
 
     /// Mode number m.

@@ -1,13 +1,13 @@
-//! Flux through the covered parts of partly covered cells: that through the whole cell, evenly, plus a pattern without heat.
+//! Flux through the parts in contact of cells partly in contact: that through the whole cell, evenly, plus a pattern without heat.
 //!
-//! With the areas c_s of the parts of cell k, c_k of all and c' of the covered ones, the pattern is
+//! With the areas c_s of the parts of cell k, c_k of all and c' of those in contact, the pattern is
 //!
 //! ```text
-//! delta_s = c_k/c' - 1 on covered parts, -1 on the others,    sum c_s delta_s = 0
+//! delta_s = c_k/c' - 1 on the parts in contact, -1 on the others,    sum c_s delta_s = 0
 //! ```
 //!
 //! per unit of the cell's flux. It heats the modes by `sum_s delta_s F_ms`, F_ms the integral of mode m over part s, and by
-//! reciprocity the mean temperature of the covered parts differs by `(1/c_k) sum_s delta_s F_ms` times the mode's amplitude from
+//! reciprocity the mean temperature of the parts in contact differs by `(1/c_k) sum_s delta_s F_ms` times the mode's amplitude from
 //! that of the whole cell. Modes without states act on parts through the same first-order shapes as on the cells, and what
 //! these do not contain, within the cell, by a direct feedthrough.
 //!
@@ -17,16 +17,16 @@ use super::modes::{Modes, Scratch};
 use super::weights::Weights;
 use super::{ReducedOperators, dot};
 use crate::line::GAMMA;
-use crate::line::coverage::{Coverage, PARTS};
+use crate::line::contact_parts::{ContactParts, PARTS};
 use numerics::dense;
 
-/// Patterns of the partly covered cells. Their vectors have memory for all cells, so that no step allocates.
+/// Patterns of the cells partly in contact. Their vectors have memory for all cells, so that no step allocates.
 #[derive(Debug)]
 pub struct Patterns {
-    coverage: Coverage,
+    contact_parts: ContactParts,
     /// Areas of the cells per depth, m.
     areas: Vec<f64>,
-    /// The partly covered cells, in their order.
+    /// The cells partly in contact, in their order.
     cells: Vec<usize>,
     /// Heat into every mode, m^(1/2), pattern by pattern.
     integrals: Vec<f64>,
@@ -44,7 +44,7 @@ impl Clone for Patterns {
     fn clone(&self) -> Patterns {
         let copy = |own: &Vec<f64>| with_room(own, own.capacity());
         Patterns {
-            coverage: self.coverage.clone(),
+            contact_parts: self.contact_parts.clone(),
             areas: self.areas.clone(),
             cells: with_room(&self.cells, self.cells.capacity()),
             integrals: copy(&self.integrals),
@@ -71,7 +71,7 @@ impl Patterns {
         let most = if operators.part_areas.is_empty() { 0 } else { count };
         let room = |size: usize| Vec::with_capacity(size);
         Patterns {
-            coverage: Coverage::whole(count),
+            contact_parts: ContactParts::whole(count),
             areas: operators.widths.clone(),
             cells: Vec::with_capacity(most),
             integrals: room(most * modes.count()),
@@ -88,23 +88,24 @@ impl Patterns {
         self.cells.is_empty()
     }
 
-    /// Makes the patterns of a coverage.
-    pub fn cover(&mut self, coverage: &Coverage, operators: &ReducedOperators, modes: &Modes) {
-        if self.coverage == *coverage || operators.part_areas.is_empty() {
+    /// Makes the patterns of a contact_parts.
+    pub fn set_contact_parts(&mut self, contact_parts: &ContactParts, operators: &ReducedOperators, modes: &Modes) {
+        if self.contact_parts == *contact_parts || operators.part_areas.is_empty() {
             return;
         }
-        self.coverage.copy_from(coverage);
+        self.contact_parts.copy_from(contact_parts);
         self.cells.clear();
         self.integrals.clear();
         self.feedthrough.clear();
         self.passed.iter_mut().for_each(Vec::clear);
-        for cell in (0..operators.widths.len()).filter(|&cell| coverage.is_partial(cell)) {
+        for cell in (0..operators.widths.len()).filter(|&cell| contact_parts.is_partial(cell)) {
             let parts = cell * PARTS..(cell + 1) * PARTS;
             let areas = &operators.part_areas[parts.clone()];
-            let covered: f64 = (0..PARTS).filter(|&part| coverage.covers(cell, part)).map(|part| areas[part]).sum();
+            let touching: f64 =
+                (0..PARTS).filter(|&part| contact_parts.includes(cell, part)).map(|part| areas[part]).sum();
             let whole: f64 = areas.iter().sum();
-            let pattern: [f64; PARTS] = std::array::from_fn(|part| match coverage.covers(cell, part) {
-                true => whole / covered - 1.0,
+            let pattern: [f64; PARTS] = std::array::from_fn(|part| match contact_parts.includes(cell, part) {
+                true => whole / touching - 1.0,
                 false => -1.0,
             });
             self.cells.push(cell);
@@ -135,7 +136,7 @@ impl Patterns {
         }
     }
 
-    /// Turns the mean temperatures of whole cells into those of the covered parts; `surface`: amplitudes of the modes.
+    /// Turns the mean temperatures of whole cells into those of the parts in contact; `surface`: amplitudes of the modes.
     pub fn show(&self, surface: &[f64], temperature: &mut [f64]) {
         for (cell, integrals) in self.all() {
             temperature[cell] += dot(integrals, surface) / self.areas[cell];
@@ -148,7 +149,7 @@ impl Patterns {
         patterns.map(|(&cell, passed)| passed * ((1.0 - GAMMA) * first[cell] + GAMMA * end[cell])).sum()
     }
 
-    /// Makes the surface influence matrices with the coverage from those of whole cells, unless they are known.
+    /// Makes the surface influence matrices through the parts in contact from those of whole cells, unless they are known.
     pub fn change_influence(
         &mut self,
         operators: &ReducedOperators,
@@ -156,23 +157,23 @@ impl Patterns {
         weights: &mut Weights,
         scratch: &mut Scratch,
     ) {
-        if self.is_empty() || weights.coverage == self.coverage {
+        if self.is_empty() || weights.contact_parts == self.contact_parts {
             return;
         }
-        weights.coverage.copy_from(&self.coverage);
+        weights.contact_parts.copy_from(&self.contact_parts);
         let Patterns { cells, integrals, areas, feedthrough, response, aside, .. } = self;
         // Matrices may be made between a free response and the propagation from it.
         std::mem::swap(&mut scratch.values, aside);
         let count = areas.len();
         for stage in &mut weights.stages {
-            let covered = &mut stage.covered;
-            covered.temperature.copy_from(&stage.influence.temperature);
-            covered.distortion.copy_from(&stage.influence.distortion);
+            let through = &mut stage.through_parts;
+            through.temperature.copy_from(&stage.influence.temperature);
+            through.distortion.copy_from(&stage.influence.distortion);
             for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
                 modes.respond(own, &stage.own, scratch);
                 response.fill(0.0);
                 modes.show(&operators.contact, scratch, response);
-                let temperature = covered.temperature.as_mut_slice();
+                let temperature = through.temperature.as_mut_slice();
                 for (i, rise) in response.iter().enumerate() {
                     temperature[cell * count + i] += rise;
                     temperature[i * count + cell] += rise * areas[i] / areas[cell];
@@ -187,7 +188,7 @@ impl Patterns {
                     dense::multiply_add(
                         response,
                         &[1.0],
-                        &mut covered.distortion.as_mut_slice()[cell * count..][..count],
+                        &mut through.distortion.as_mut_slice()[cell * count..][..count],
                     );
                 }
             }

@@ -4,7 +4,7 @@
 
 use super::modes::{Modes, Scratch};
 use super::{COOLING, FAR, ReducedOperators};
-use crate::line::coverage::Coverage;
+use crate::line::contact_parts::ContactParts;
 use crate::line::{FACES, GAMMA, SurfaceInfluence};
 use numerics::dense;
 
@@ -13,8 +13,8 @@ use numerics::dense;
 pub struct Weights {
     pub step: f64,
     pub stages: [StageWeights; 2],
-    /// Coverage of the cells for which influence matrices are known; whole: that of the whole cells alone.
-    pub coverage: Coverage,
+    /// Parts in contact for which influence matrices are known; whole: that of the whole cells alone.
+    pub contact_parts: ContactParts,
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
     pub cooled_rise: [[f64; FACES]; FACES],
 }
@@ -34,8 +34,8 @@ pub struct StageWeights {
     /// Weight of the modal heat of the stage's own fluxes.
     pub own: Vec<f64>,
     pub influence: SurfaceInfluence,
-    /// That with the coverage of the weights.
-    pub covered: SurfaceInfluence,
+    /// That through the parts in contact.
+    pub through_parts: SurfaceInfluence,
 }
 
 impl ReducedOperators {
@@ -50,15 +50,18 @@ impl ReducedOperators {
             known: states(),
             own: states(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
-            covered: SurfaceInfluence { temperature: dense::untouched(divided), distortion: dense::untouched(divided) },
+            through_parts: SurfaceInfluence {
+                temperature: dense::untouched(divided),
+                distortion: dense::untouched(divided),
+            },
         };
-        let coverage = Coverage::whole(cells);
-        Weights { step: f64::NAN, stages: [stage(), stage()], coverage, cooled_rise: [[0.0; FACES]; FACES] }
+        let contact_parts = ContactParts::whole(cells);
+        Weights { step: f64::NAN, stages: [stage(), stage()], contact_parts, cooled_rise: [[0.0; FACES]; FACES] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
         weights.step = step;
-        weights.coverage.make_whole();
+        weights.contact_parts.make_whole();
         let [first, end] = &mut weights.stages;
         if euler {
             for stage in [&mut *first, &mut *end] {

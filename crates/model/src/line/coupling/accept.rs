@@ -145,8 +145,8 @@ impl ThermalCoupling {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
-            if let (0, false, Some(own)) = (side, heat.coverage.is_whole(), &heat.bodies[side]) {
-                // The mean of whole cells, not of their covered parts.
+            if let (0, false, Some(own)) = (side, heat.contact_parts.is_whole(), &heat.bodies[side]) {
+                // The mean of whole cells, not of their parts in contact.
                 let (body, around) = (&state.bodies[side], &heat.surroundings[side]);
                 own.temperature_at_frozen_state(
                     body,

@@ -289,17 +289,17 @@ impl ThermalCoupling {
         }
     }
 
-    /// Adds the cells that carry pressure, or are covered in part, to the active set of heat exchange, and removes those that do
+    /// Adds the cells that carry pressure, or are partly in contact, to the active set of heat exchange, and removes those that do
     /// not, but for cells that have been added in this stage; returns whether the set stays as it was. Without any pressure no
     /// cell exchanges heat.
     ///
     /// So the iteration ends, and a cell that opens with heat and closes without it, which has no consistent state, exchanges heat.
     pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
-        let touches = !self.coverage.is_whole() && pressure.iter().any(|p| *p > 0.0);
+        let touches = !self.contact_parts.is_whole() && pressure.iter().any(|p| *p > 0.0);
         let cells = self.iterate.closed.iter_mut().zip(&mut self.iterate.added);
         for (i, ((closed, added), p)) in cells.zip(pressure).enumerate() {
-            let carries = *p > 0.0 || touches && self.coverage.is_partial(i);
+            let carries = *p > 0.0 || touches && self.contact_parts.is_partial(i);
             if carries != *closed && (carries || !*added) {
                 (*closed, *added) = (carries, *added || carries);
                 settled = false;

@@ -29,7 +29,7 @@ use crate::fastest_growth::FastestGrowth;
 use crate::line::heat::partition::HeatPartition;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
-use conduction::line::coverage::Coverage;
+use conduction::line::contact_parts::ContactParts;
 use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
@@ -89,9 +89,9 @@ pub(super) struct GrowthGuard {
     matrix: Vec<f64>,
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s) of the last test.
     arguments: [f64; 4],
-    /// Cells that carry pressure, and coverage of the cells.
+    /// Cells that carry pressure, and parts of the cells in contact.
     closed: Vec<bool>,
-    coverage: Coverage,
+    contact_parts: ContactParts,
     /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
     slopes: Vec<f64>,
     answer: bool,
@@ -109,7 +109,7 @@ impl GrowthGuard {
             matrix: vec![0.0; count * count],
             arguments: [f64::NAN; 4],
             closed: vec![false; count],
-            coverage: Coverage::whole(count),
+            contact_parts: ContactParts::whole(count),
             slopes: vec![0.0; count],
             answer: false,
         }
@@ -120,12 +120,12 @@ impl GrowthGuard {
         &mut self,
         arguments: [f64; 4],
         closed: impl Fn(usize) -> bool,
-        coverage: &Coverage,
+        contact_parts: &ContactParts,
         slope: impl Fn(usize) -> f64,
     ) -> bool {
-        let mut same = self.arguments == arguments && self.coverage == *coverage;
+        let mut same = self.arguments == arguments && self.contact_parts == *contact_parts;
         self.arguments = arguments;
-        self.coverage.copy_from(coverage);
+        self.contact_parts.copy_from(contact_parts);
         for (i, (own, carries)) in self.slopes.iter_mut().zip(&mut self.closed).enumerate() {
             same &= *carries == closed(i);
             *carries = closed(i);
@@ -143,10 +143,10 @@ impl ThermalCoupling {
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
         let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
-        // A cell that is covered in part may exchange heat without pressure.
+        // A cell that is partly in contact may exchange heat without pressure.
         let Iterate { closed, pressure, .. } = &self.iterate;
-        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.coverage.is_partial(i));
-        if !self.growth.store_arguments(arguments, carries, &self.coverage, slope) {
+        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.contact_parts.is_partial(i));
+        if !self.growth.store_arguments(arguments, carries, &self.contact_parts, slope) {
             self.growth.answer = self.is_definite(key, friction, weights);
         }
         self.growth.answer
@@ -154,7 +154,7 @@ impl ThermalCoupling {
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.growth.partition.is_for(key, &self.coverage) {
+        if !self.growth.partition.is_for(key, &self.contact_parts) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -165,7 +165,7 @@ impl ThermalCoupling {
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.growth.partition.build(key, &self.coverage, influence);
+            self.growth.partition.build(key, &self.contact_parts, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }

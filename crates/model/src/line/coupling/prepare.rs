@@ -30,12 +30,12 @@ impl ThermalCoupling {
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
-        heat.cover(given, step);
-        if monolithic && !(heat.partitions.take(key) && heat.partitions[0].is_for(key, &heat.coverage)) {
+        heat.set_contact_parts(given, step);
+        if monolithic && !(heat.partitions.take(key) && heat.partitions[0].is_for(key, &heat.contact_parts)) {
             heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
             for stage in [Stage::First, Stage::End] {
                 let influence = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-                heat.partitions[stage as usize].build(key, &heat.coverage, influence);
+                heat.partitions[stage as usize].build(key, &heat.contact_parts, influence);
             }
         }
         heat.iterations = 0;
@@ -147,15 +147,19 @@ impl ThermalCoupling {
         Prepared(heat)
     }
 
-    /// Sets the coverage of the cells in a step of `step` s.
-    fn cover(&mut self, given: &StepData<'_>, step: f64) {
+    /// Sets the parts of the cells in contact in a step of `step` s.
+    fn set_contact_parts(&mut self, given: &StepData<'_>, step: f64) {
         let Some(edges) = &self.edges else { return };
         let (line, state) = (given.state, state_of(given));
         let worn = given.operators.shaping(&line.punch, &line.strip);
-        edges.cover(&state.edges, step, worn, &mut self.coverage);
-        self.bodies[0].iter_mut().for_each(|own| own.cover(&self.coverage));
+        let was_whole = self.contact_parts.is_whole();
+        edges.find(&state.edges, step, worn, &mut self.contact_parts);
+        if was_whole && self.contact_parts.is_whole() {
+            return;
+        }
+        self.bodies[0].iter_mut().for_each(|own| own.set_contact_parts(&self.contact_parts));
         for (i, half) in self.half_resistance.iter_mut().enumerate() {
-            *half = self.parameters.half_resistance / self.coverage.fraction(i);
+            *half = self.parameters.half_resistance / self.contact_parts.fraction(i);
         }
     }
 

@@ -12,12 +12,12 @@
 //! as they were when j was last in contact are smooth there, so the wear of i since then counts as overlap too. For an edge that
 //! recedes over worn cells this reaches too far by a part of a cell, the smaller the less a cell wears while the edge passes it.
 //!
-//! The overlaps are extrapolated to the middle of the step, and the coverage of the cells stays the same over it. Its error is of
+//! The overlaps are extrapolated to the middle of the step, and the parts in contact stay the same over it. Its error is of
 //! second order in the step. An edge of the zone is no edge of the contact.
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use conduction::line::coverage::{Coverage, PARTS};
+use conduction::line::contact_parts::{ContactParts, PARTS};
 use contact::ContactState;
 
 /// Geometry and local compliance of the cells, N values each.
@@ -119,23 +119,26 @@ impl Edges {
         }
     }
 
-    /// Covered fractions of a cell in contact with the overlap `inside` (m) and of its neighbour with the gap `outside` (m), by the
+    /// Fractions in contact of a cell in contact with the overlap `inside` (m) and of its neighbour with the gap `outside` (m), by the
     /// edge between them.
-    fn covered(&self, [cell, open]: [usize; 2], inside: f64, outside: f64) -> [f64; 2] {
+    fn fractions(&self, [cell, open]: [usize; 2], inside: f64, outside: f64) -> [f64; 2] {
         let [own, other] = [cell, open].map(|i| self.widths[i]);
         let reach = inside / (inside + outside) * 0.5 * (own + other);
         [(0.5 + reach / own).min(1.0), ((reach - 0.5 * own) / other).max(0.0)]
     }
 
-    /// Finds the coverage of the cells in a step of `step` s.
-    pub fn cover(&self, state: &EdgeState, step: f64, worn: Worn<'_>, coverage: &mut Coverage) {
-        coverage.make_whole();
+    /// Finds the parts of the cells in contact in a step of `step` s.
+    pub fn find(&self, state: &EdgeState, step: f64, worn: Worn<'_>, contact_parts: &mut ContactParts) {
+        contact_parts.make_whole();
         let overlap = |cell: usize| state.overlap[cell] + 0.5 * step * state.rate[cell];
         let touches = |cell: usize| overlap(cell) > 0.0;
-        let covered = |cells: [usize; 2], right: bool| {
+        if (0..self.widths.len()).all(touches) {
+            return;
+        }
+        let fractions = |cells: [usize; 2], right: bool| {
             let [inside, outside] = cells.map(overlap);
             let since = worn.at(cells[0]) - state.wear_then[usize::from(!right)][cells[1]];
-            self.covered(cells, inside + since.max(0.0), -outside)
+            self.fractions(cells, inside + since.max(0.0), -outside)
         };
         let parts = |fraction: f64| (fraction * PARTS as f64).round() as usize;
         for cell in 0..self.widths.len() {
@@ -143,17 +146,17 @@ impl Edges {
             let [left, right] = [false, true].map(|right| {
                 let other = self.neighbour(cell, right).filter(|&other| touches(other) != inside)?;
                 Some(if inside {
-                    parts(covered([cell, other], right)[0])
+                    parts(fractions([cell, other], right)[0])
                 } else {
-                    parts(covered([other, cell], !right)[1])
+                    parts(fractions([other, cell], !right)[1])
                 })
             });
             match (inside, left, right) {
                 (_, None, None) => {}
                 (true, ..) => {
-                    coverage.cover_between(cell, PARTS - left.unwrap_or(PARTS), right.unwrap_or(PARTS));
+                    contact_parts.include_between(cell, PARTS - left.unwrap_or(PARTS), right.unwrap_or(PARTS));
                 }
-                (false, ..) => coverage.cover_beside(cell, left.unwrap_or(0), PARTS - right.unwrap_or(0)),
+                (false, ..) => contact_parts.include_beside(cell, left.unwrap_or(0), PARTS - right.unwrap_or(0)),
             }
         }
     }
@@ -177,9 +180,9 @@ mod tests {
     }
 
     fn fractions(edges: &Edges, state: &EdgeState, step: f64, worn: &[f64; 6]) -> [f64; 6] {
-        let mut coverage = Coverage::whole(6);
-        edges.cover(state, step, Worn { punch: worn, strip: None }, &mut coverage);
-        std::array::from_fn(|cell| coverage.fraction(cell))
+        let mut contact_parts = ContactParts::whole(6);
+        edges.find(state, step, Worn { punch: worn, strip: None }, &mut contact_parts);
+        std::array::from_fn(|cell| contact_parts.fraction(cell))
     }
 
     #[test]

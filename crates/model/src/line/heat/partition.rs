@@ -8,7 +8,7 @@
 //! q_1 = y + Y Q,    u_T = d_1 + d_2 + (D_1 - D_2) y + E_0 Q,    E_0 = (D_1 - D_2) Y + D_2
 //! ```
 //!
-//! On cells covered in part h_c is multiplied by the covered fraction. Cells that do not exchange heat have zero flux, with a jump of temperature as its multiplier. With the inverse P of the first
+//! On cells partly in contact h_c is multiplied by the fraction in contact. Cells that do not exchange heat have zero flux, with a jump of temperature as its multiplier. With the inverse P of the first
 //! matrix and o the set of these cells
 //!
 //! ```text
@@ -27,7 +27,7 @@
 mod tests;
 
 use conduction::line::SurfaceInfluence;
-use conduction::line::coverage::Coverage;
+use conduction::line::contact_parts::ContactParts;
 use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
 use numerics::dense;
@@ -39,8 +39,8 @@ pub struct HeatPartition {
     resistance: Option<f64>,
     /// Step (s) and velocity (m/s) for which the operators were built.
     key: Option<(f64, f64)>,
-    /// Coverage of the cells for which they were built.
-    coverage: Coverage,
+    /// Parts in contact for which they were built.
+    contact_parts: ContactParts,
     /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product is faster than two substitutions, whose operations
     /// depend on each other. Iteration removes the error from its rounding.
     inverse: Vec<f64>,
@@ -87,7 +87,7 @@ impl HeatPartition {
         HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
-            coverage: Coverage::whole(count),
+            contact_parts: ContactParts::whole(count),
             inverse: square(),
             closed: vec![false; count],
             open: Vec::with_capacity(count),
@@ -119,16 +119,16 @@ impl HeatPartition {
         HeatPartition { resistance: self.resistance, ..partition }
     }
 
-    /// Whether the operators were built for this step (s) and reference velocity (m/s), and this coverage of the cells.
-    pub fn is_for(&self, key: (f64, f64), coverage: &Coverage) -> bool {
-        self.key == Some(key) && self.coverage == *coverage
+    /// Whether the operators were built for this step (s) and reference velocity (m/s), and these parts in contact.
+    pub fn is_for(&self, key: (f64, f64), contact_parts: &ContactParts) -> bool {
+        self.key == Some(key) && self.contact_parts == *contact_parts
     }
 
-    /// Builds the operators from the surface influence matrices (`None`: an insulator) with this coverage of the cells.
-    pub fn build(&mut self, key: (f64, f64), coverage: &Coverage, influence: [Option<&SurfaceInfluence>; 2]) {
+    /// Builds the operators from the surface influence matrices (`None`: an insulator) with these parts in contact.
+    pub fn build(&mut self, key: (f64, f64), contact_parts: &ContactParts, influence: [Option<&SurfaceInfluence>; 2]) {
         let count = self.closed.len();
         self.key = Some(key);
-        self.coverage.copy_from(coverage);
+        self.contact_parts.copy_from(contact_parts);
         self.known = false;
         self.per_pressure = f64::NAN;
         for (norms, influence) in self.norms.iter_mut().zip(influence) {
@@ -147,7 +147,7 @@ impl HeatPartition {
                 }
                 if let Some(resistance) = self.resistance {
                     for i in 0..count {
-                        self.factors[i * count + i] += resistance / coverage.fraction(i);
+                        self.factors[i * count + i] += resistance / contact_parts.fraction(i);
                         self.inverse[i * count + i] = 1.0;
                     }
                     dense::factorise(&mut self.factors, count, &mut self.exchanged);
@@ -157,7 +157,7 @@ impl HeatPartition {
                     let columns = self.shares.chunks_exact_mut(count).zip(own.chunks_exact(count));
                     for (i, (share, own)) in columns.enumerate() {
                         self.column.copy_from_slice(own);
-                        self.column[i] += 0.5 * resistance / coverage.fraction(i);
+                        self.column[i] += 0.5 * resistance / contact_parts.fraction(i);
                         dense::multiply_add(&self.inverse, &self.column, share);
                     }
                 } else {

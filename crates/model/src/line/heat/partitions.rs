@@ -65,7 +65,7 @@ impl Clone for PartitionCache {
 mod tests {
     use super::*;
     use conduction::line::SurfaceInfluence;
-    use conduction::line::coverage::Coverage;
+    use conduction::line::contact_parts::ContactParts;
     use nalgebra::DMatrix;
 
     fn influence(step: f64) -> SurfaceInfluence {
@@ -75,7 +75,7 @@ mod tests {
 
     fn build(partition: &mut HeatPartition, step: f64) {
         let [punch, strip] = [influence(step), influence(3.0 * step)];
-        partition.build((step, 0.1), &Coverage::whole(5), [Some(&punch), Some(&strip)]);
+        partition.build((step, 0.1), &ContactParts::whole(5), [Some(&punch), Some(&strip)]);
     }
 
     #[test]

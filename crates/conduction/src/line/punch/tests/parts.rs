@@ -1,0 +1,113 @@
+//! Heat through parts of the cells.
+
+use super::super::super::contact_parts::{ContactParts, PARTS};
+use super::super::super::{Stage, ThermalBody};
+use super::{Run, cells, largest, leaning, scene};
+
+/// Cells 2 and 6 of nine are partly in contact.
+pub(super) fn in_part() -> ContactParts {
+    let mut contact_parts = ContactParts::whole(9);
+    contact_parts.include_between(2, 1, 4);
+    contact_parts.include_beside(6, 1, 4);
+    contact_parts
+}
+
+#[test]
+fn parts_of_cells_respond_like_cells_of_their_own() {
+    let cells = cells(9);
+    let (contact_parts, parts) = (in_part(), cells.divided(PARTS));
+    let includes = |part: usize| contact_parts.includes(part / PARTS, part % PARTS);
+    for changes in [
+        &[][..],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
+        &[
+            ("punch.conductivity", 1.2),
+            ("punch.density", 2500.0),
+            ("punch.specific_heat", 1000.0),
+            ("punch.height", 0.015),
+        ],
+    ] {
+        let scene = scene(changes);
+        let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
+        let mut divided = Run::new(&scene, &parts, 1e-3, 100.0);
+        run.heat.set_contact_parts(&contact_parts);
+        let spread = |flux: &[f64]| -> Vec<f64> {
+            let density = |part: usize| flux[part / PARTS] / contact_parts.fraction(part / PARTS);
+            (0..9 * PARTS).map(|part| if includes(part) { density(part) } else { 0.0 }).collect()
+        };
+        let mut worst = [0.0f64; 2];
+        for i in 0..60 {
+            let flux = |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (1.0 + (0.2 * f64::from(k + j)).sin())).collect() };
+            let (first, end) = (flux(i), flux(i + 1));
+            let step = [0.03, 0.7, 4.0][i as usize % 3];
+            run.step(step, &first, &end);
+            divided.step(step, &spread(&first), &spread(&end));
+            let scale = largest(&divided.temperature);
+            for cell in 0..9 {
+                let own = (cell * PARTS..(cell + 1) * PARTS).filter(|&part| includes(part));
+                let (sum, number) = own.fold((0.0, 0.0), |(sum, n), part| (sum + divided.temperature[part], n + 1.0));
+                let error = (run.temperature[cell] - sum / number) / scale;
+                worst[usize::from(i > 2)] = worst[usize::from(i > 2)].max(error.abs());
+            }
+        }
+        println!("{changes:?}: {worst:?}");
+        // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
+        assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
+        // At frozen state a temperature is the mean of the whole cell.
+        let mut whole = [0.0; 9];
+        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut whole);
+        let mean =
+            |cell: usize| divided.temperature[cell * PARTS..(cell + 1) * PARTS].iter().sum::<f64>() / PARTS as f64;
+        let scale = largest(&divided.temperature);
+        for (cell, rise) in whole.iter().enumerate() {
+            assert!((rise - mean(cell)).abs() < 0.02 * scale, "{changes:?} {cell}: {rise} {}", mean(cell));
+        }
+        assert!(run.temperature[2] > whole[2] + 0.005 * scale, "the parts in contact are hotter than the cell");
+    }
+}
+
+#[test]
+fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits() {
+    let cells = cells(9);
+    let mut run = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
+    run.heat.prepare(0.5, [0.0; 2]);
+    let whole = run.heat.influence(Stage::End).clone();
+    run.heat.set_contact_parts(&in_part());
+    run.heat.prepare(0.5, [0.0; 2]);
+    let through_parts = run.heat.influence(Stage::End).clone();
+    for i in 0..9 {
+        for j in 0..9 {
+            let [one, other] = [(i, j), (j, i)].map(|(i, j)| cells.widths()[i] * through_parts.temperature[(i, j)]);
+            assert!((one - other).abs() < 1e-9 * through_parts.temperature.amax(), "{i} {j}: {one:e} {other:e}");
+        }
+    }
+    assert!(through_parts.temperature[(2, 2)] > 1.02 * whole.temperature[(2, 2)]);
+    // The same parts on another copy, after other steps, and whole cells again.
+    let mut other = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
+    other.heat.set_contact_parts(&in_part());
+    [0.1, 0.5].into_iter().for_each(|step| other.heat.prepare(step, [0.0; 2]));
+    assert_eq!(other.heat.influence(Stage::End), &through_parts);
+    run.heat.set_contact_parts(&ContactParts::whole(9));
+    run.heat.prepare(0.5, [0.0; 2]);
+    assert_eq!(run.heat.influence(Stage::End), &whole);
+}
+
+#[test]
+fn matrices_made_between_a_free_response_and_its_step_leave_the_step_as_it_is() {
+    let cells = cells(9);
+    let flux: Vec<f64> = leaning(&cells).iter().map(|q| 1e4 * q).collect();
+    let after = |between: bool| {
+        let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
+        run.heat.set_contact_parts(&in_part());
+        run.heat.prepare(0.5, [0.0; 2]);
+        let (temperature, distortion) = (&mut run.temperature, &mut run.distortion);
+        run.heat.free_response(&run.state, &run.surroundings, Stage::End, &flux, temperature, distortion);
+        if between {
+            run.heat.prepare(1.7, [0.0; 2]);
+            run.heat.prepare(0.5, [0.0; 2]);
+        }
+        run.heat.advance_from_end(&mut run.state, &run.surroundings, &flux, &flux);
+        run.state
+    };
+    assert_eq!(after(true), after(false));
+}
