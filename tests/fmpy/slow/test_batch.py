@@ -453,7 +453,7 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
         units = {"sliding_velocity": "m/s", "normal_load": "N"}
         writer.writerow(["time [s]", *(f"{name} [{units[name]}]" for name in cycle.inputs)])
         writer.writerows([time, *values] for time, values in zip(cycle.times.tolist(), cycle.values.tolist()))
-    widths = np.linspace(0.08, 0.11, 200)
+    widths = np.linspace(0.08, 0.11, 1000)
     widths[7] = -1.0
     table.write_text("punch.width,contact.geometry,normal_load.factor\n" + "".join(f"{width!r},line,1.25\n" for width in widths.tolist()))
     arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
@@ -464,15 +464,15 @@ def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     there = partial.read_bytes().count(b"\n") - 1
-    assert 20 <= there < 200 and not output.exists()
+    assert 20 <= there < 1000 and not output.exists()
     summary = json.loads(subprocess.run(arguments, check=True, capture_output=True, text=True).stdout)
-    assert (summary["scenes"], summary["failed"], summary["ran_now"]) == (200, 1, 200 - there)
+    assert (summary["scenes"], summary["failed"], summary["ran_now"]) == (1000, 1, 1000 - there)
     assert not partial.exists()
     with open(output, newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [int(row["scene"]) for row in rows] == list(range(200))
+    assert [int(row["scene"]) for row in rows] == list(range(1000))
     assert rows[7]["status"] == "request" and "line 9, column 1 (punch.width): -1 m" in rows[7]["reason"] and rows[7]["wear_depth [m]"] == ""
-    for scene, points in itertools.product((0, 199), (np.arange(0.0, 240.5, 1.0),)):
+    for scene, points in itertools.product((0, 999), (np.arange(0.0, 240.5, 1.0),)):
         expected = host.run_schedule(
             brake,
             {"punch.width": widths[scene]},
