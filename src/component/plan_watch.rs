@@ -1,5 +1,6 @@
 //! Validity of the plan during a run: beyond the nominal conditions the level is unchanged, the log receives one message, and the
-//! error is extrapolated, above the critical speed with the growth of perturbations.
+//! error follows the distance from the lumped level beside a contact line, or is extrapolated; above the critical speed with the growth
+//! of perturbations.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
@@ -45,7 +46,11 @@ impl Component {
             planned_load = Number(planned_load),
             planned_work = Number(planned_work),
             duration = Number(duration),
-            error = if course.is_known(planned) { "is extrapolated" } else { "is 1" },
+            error = match course.distance {
+                _ if !course.is_known(planned) => "is 1",
+                Some(_) => "still follows the run",
+                None => "is extrapolated",
+            },
         );
         self.messages.add(Subject::Warning, beyond);
     }

@@ -4,6 +4,7 @@ use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
+use model::plan::companion::LevelDistance;
 use model::plan::course::Course;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 use scene::{Scene, value};
@@ -24,6 +25,8 @@ pub struct Snapshot {
     /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
+    /// State of the lumped level beside a contact line.
+    companion: Option<LumpedState>,
 }
 
 impl Component {
@@ -48,12 +51,14 @@ impl Component {
         into.last_step = self.last_step;
         into.course = self.course;
         into.state = None;
+        into.companion = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
         {
             let scene = model.scene();
             into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
             into.state = Some(model.save());
+            into.companion = self.companion.as_ref().and_then(|companion| companion.save());
         }
     }
 
@@ -103,20 +108,31 @@ impl Component {
                     }
                 }
             };
-            if !state.fits(&prepared.operators) {
+            let beside = match (&from.companion, &prepared.lumped) {
+                (None, None) => from.course.distance.is_none(),
+                (Some(beside), Some(operators)) => beside.fits(operators.mean()),
+                _ => false,
+            };
+            if !(beside && state.fits(&prepared.operators)) {
                 return Err("the saved states do not fit the scene".into());
             }
             // Nothing has been changed up to here, and no later operation can fail.
             if !same {
-                self.model = Some(Model::new(&prepared.operators, super::tunables_of(&values), &from.inputs));
+                let tunables = super::tunables_of(&values);
+                self.model = Some(Model::new(&prepared.operators, tunables, &from.inputs));
+                self.companion = prepared.companion(tunables, &from.inputs).map(Box::new);
                 self.planned = prepared.was_compared();
                 self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
             model.set_tunables(super::tunables_of(&values));
             model.set_state(state);
+            if let (Some(companion), Some(beside)) = (&mut self.companion, &from.companion) {
+                companion.set_tunables(super::tunables_of(&values));
+                companion.set_state(beside.clone());
+            }
         } else {
-            self.model = None;
+            (self.model, self.companion) = (None, None);
         }
         // Outputs are evaluated when they are read; without a model they have their start values.
         *self.values = values;
@@ -154,6 +170,9 @@ impl Snapshot {
         put(self.course.growth);
         put(f64::from(u8::from(self.course.is_released)));
         put(self.course.largest_load);
+        put(f64::from(u8::from(self.course.distance.is_some())));
+        let distance = self.course.distance.unwrap_or_default();
+        distance.apart.into_iter().chain(distance.largest).for_each(&mut put);
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -168,7 +187,8 @@ impl Snapshot {
                 mean.numbers().into_iter().for_each(put);
             }
             Some(ModelState::Line(mean, line)) => {
-                put(2.0);
+                put(if self.companion.is_some() { 3.0 } else { 2.0 });
+                self.companion.iter().flat_map(LumpedState::numbers).for_each(&mut put);
                 mean.numbers().into_iter().for_each(&mut put);
                 line.iter().copied().for_each(put);
             }
@@ -182,7 +202,8 @@ impl Snapshot {
             Some(ModelState::Lumped(mean)) => mean.numbers().len(),
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        8 * (10 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        let beside = self.companion.as_ref().map_or(0, |beside| beside.numbers().len());
+        8 * (17 + beside + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -201,7 +222,22 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let course = Course { severity: next()?, growth: next()?, is_released: next()? != 0.0, largest_load: next()? };
+        let mut course = Course {
+            severity: next()?,
+            growth: next()?,
+            is_released: next()? != 0.0,
+            largest_load: next()?,
+            ..Course::default()
+        };
+        let is_followed = next()? != 0.0;
+        let mut distance = LevelDistance::default();
+        for slot in distance.apart.iter_mut().chain(&mut distance.largest) {
+            *slot = next()?;
+            if !(0.0..=LARGEST_STATE).contains(slot) {
+                return None;
+            }
+        }
+        course.distance = is_followed.then_some(distance);
         let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count)
             || !(0.0..=2.0).contains(&phase)
@@ -240,7 +276,10 @@ impl Snapshot {
         match kind {
             0.0 => {}
             1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
-            2.0 => {
+            2.0 | 3.0 => {
+                if kind == 3.0 {
+                    snapshot.companion = Some(LumpedState::from_numbers(numbers)?);
+                }
                 let mean = LumpedState::from_numbers(numbers)?;
                 snapshot.state = Some(ModelState::Line(mean, numbers.by_ref().copied().collect()));
             }

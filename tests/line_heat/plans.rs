@@ -2,7 +2,7 @@
 
 use model::plan::{self, model_level::ModelLevel};
 use scene::Scene;
-use scene::variables::STARTS;
+use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use std::sync::Arc;
 use test_support::{Drive, LUMPED, reference, scene};
@@ -254,6 +254,61 @@ fn the_error_after_a_release_is_told_once_the_load_is_released() {
     // The nominal course is loaded for 36 s, the run for 5 s before its first release: its error is that much smaller.
     for ((error, estimate), most) in [(before, 10.0), (after, 5.0)] {
         assert!((0.2..most).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
+    }
+}
+
+/// A light load for ten times the nominal duration: the error was that of the nominal conditions, ten times that of the run.
+#[test]
+fn the_error_of_a_contact_line_is_in_proportion_to_its_distance_from_the_lumped_level() {
+    let all = applications::all().unwrap();
+    let light = all.iter().find(|scene| scene.name == "light_2").unwrap();
+    let run = trial::run(light, Setting::Auto, 1e-2).unwrap();
+    assert_eq!(run.level, "line 9");
+    let mut starts = light.starts.clone();
+    for (name, value) in [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)] {
+        starts[reference(name) as usize] = value;
+    }
+    let plan = plan::make(&Scene::new(&starts, None).unwrap(), steady::run_in).unwrap().plan;
+    let [lumped, line] = [Setting::Lumped, Setting::Line(9)].map(|level| trial::run(light, level, 1e-2).unwrap());
+    assert_eq!(line.main, run.main);
+    let distance = trial::largest(trial::errors(&lumped.main, &line.main));
+    let [uniform, _] = plan.lumped_errors.unwrap();
+    let level = plan.estimated_error.unwrap() * distance / uniform;
+    let expected = level.hypot(plan.step_ratios[0] * line.step_error);
+    let [first, estimate] = [run.estimated[1], *run.estimated.last().unwrap()];
+    assert!((estimate / expected - 1.0).abs() < 1e-9, "{estimate:e} for {expected:e}");
+    assert!(distance < 0.3 * uniform && first < 1.0, "{distance:e} of {uniform:e}, {first:e} at first");
+}
+
+#[test]
+fn a_restored_run_goes_on_beside_its_lumped_level() {
+    let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
+    let drive = |component: &mut Component, steps: std::ops::Range<u32>| {
+        for step in steps {
+            component.set_input(reference("sliding_velocity"), 10.0 - 0.3 * f64::from(step));
+            component.set_input(reference("normal_load"), 3e3);
+            component.set_input_derivative(reference("sliding_velocity"), -0.6);
+            component.step(0.5).unwrap();
+        }
+    };
+    let mut whole = component(&auto);
+    drive(&mut whole, 0..10);
+    assert!(whole.operators().unwrap().cells() > 1);
+    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+    whole.snapshot(&mut saved);
+    saved.encode(&mut bytes);
+    assert_eq!(bytes.len(), saved.encoded_size());
+    let before = whole.get(reference("estimated_error"));
+    drive(&mut whole, 10..20);
+    let after: Vec<u64> = (0..COUNT as u32).map(|index| whole.get(index).to_bits()).collect();
+    assert_ne!(whole.get(reference("estimated_error")), before);
+    // Into a new component, and back into the same.
+    for mut other in [component(&auto), whole] {
+        other.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert_eq!(other.get(reference("estimated_error")).to_bits(), before.to_bits());
+        drive(&mut other, 10..20);
+        let now: Vec<u64> = (0..COUNT as u32).map(|index| other.get(index).to_bits()).collect();
+        assert!(now == after, "a replay differs");
     }
 }
 

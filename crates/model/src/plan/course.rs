@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+use super::companion::LevelDistance;
 use numerics::maximum::maximum;
 
 /// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
@@ -26,6 +27,8 @@ pub struct Course {
     pub largest_load: f64,
     /// The load has been released: the levels differ more then than under load.
     pub is_released: bool,
+    /// Distance of a contact line from the lumped level beside it, where that is followed; see [`super::companion`].
+    pub distance: Option<LevelDistance>,
 }
 
 impl Course {
@@ -50,9 +53,17 @@ impl Course {
         self.severity > PLANNED || self.excess(planned_growth) > PLANNED.ln()
     }
 
-    /// Factor of the error beyond the conditions of the plan, at least 1.
-    pub fn factor(&self, planned_growth: f64) -> f64 {
-        (self.severity / PLANNED).max(1.0) * self.excess(planned_growth).exp()
+    /// Factor by which the error of the plan is multiplied. `uniform`: error of the lumped level in the plan.
+    ///
+    /// Where the distance from the lumped level is followed, the error is in proportion to it. Otherwise, beyond the conditions of the plan, it
+    /// is in proportion to them.
+    pub fn factor(&self, planned_growth: f64, uniform: f64) -> f64 {
+        let by_conditions = (self.severity / PLANNED).max(1.0);
+        let factor = match self.distance {
+            Some(distance) if uniform > 0.0 => distance.relative() / uniform,
+            _ => by_conditions,
+        };
+        factor * self.excess(planned_growth).exp()
     }
 }
 
@@ -66,7 +77,7 @@ mod tests {
 
     #[test]
     fn beyond_twice_the_nominal_conditions_the_error_is_in_proportion_up_to_ten_times() {
-        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor(0.0)), [1.0, 1.0, 1.0, 2.5]);
+        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor(0.0, 0.1)), [1.0, 1.0, 1.0, 2.5]);
         assert!(!after(2.0, 0.0).is_beyond(0.0) && after(2.0_f64.next_up(), 0.0).is_beyond(0.0));
         assert!(after(10.0, 0.0).is_known(0.0) && !after(10.0_f64.next_up(), 0.0).is_known(0.0));
     }
@@ -74,11 +85,21 @@ mod tests {
     #[test]
     fn the_error_grows_with_perturbations_up_to_ten_times() {
         let double = 2.0_f64.ln();
-        assert_eq!(after(4.0, double).factor(0.0), 4.0);
-        assert_eq!([double, f64::INFINITY].map(|planned| after(1.0, double).factor(planned)), [1.0; 2]);
+        assert_eq!(after(4.0, double).factor(0.0, 0.1), 4.0);
+        assert_eq!([double, f64::INFINITY].map(|planned| after(1.0, double).factor(planned, 0.1)), [1.0; 2]);
         assert!(!after(1.0, double).is_beyond(0.0) && after(1.0, 1.01 * double).is_beyond(0.0));
         assert!(after(1.0, 9.9_f64.ln()).is_known(0.0) && !after(1.0, 10.1_f64.ln()).is_known(0.0));
         assert!(!after(1.0, f64::INFINITY).is_known(0.0));
+    }
+
+    #[test]
+    fn the_error_is_in_proportion_to_the_distance_from_the_lumped_level_where_that_is_followed() {
+        let mut distance = LevelDistance::default();
+        distance.follow([1.0, 100.0, 1.0], [1.0, 95.0, 1.0]);
+        let course = Course { distance: Some(distance), ..after(4.0, 2.0_f64.ln()) };
+        assert_eq!(course.factor(f64::INFINITY, 0.1), 0.5);
+        assert_eq!(course.factor(0.0, 0.1), 1.0);
+        assert_eq!(course.factor(f64::INFINITY, 0.0), 2.0);
     }
 
     #[test]

@@ -25,6 +25,7 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+pub mod companion;
 pub mod comparison;
 pub mod cost;
 pub mod course;
@@ -54,7 +55,7 @@ const SAFETY: f64 = 0.9;
 
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
 /// run: a level that is finer for its sake costs up to a few hundred times as much.
-const RELEASED: f64 = 2.0;
+const RELEASED: f64 = 8.0;
 
 /// Exponent of the growth of perturbations over the nominal duration from which on cells have to be seen to converge.
 const GROWN: f64 = 1.0;
@@ -120,6 +121,8 @@ pub struct Plan {
     pub estimated_error: Option<f64>,
     /// The same once the load has been released; see [`course::Course`].
     pub released_error: Option<f64>,
+    /// The same two errors of the lumped level, where those of the chosen one are known.
+    pub lumped_errors: Option<[f64; 2]>,
     /// Exponents of the growth of perturbations: the one that the comparison contains, and that over the nominal duration; see
     /// [`PerturbationGrowth::over`].
     pub growth: [f64; 2],
@@ -216,6 +219,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         }
     });
     let Some(&chosen) = chosen else { return Err("a plan without candidates".into()) };
+    let lumped = candidates.iter().find(|candidate| candidate.model_level == ModelLevel::Lumped).copied();
     let reason = match (good, doubt) {
         (_, Some(reason)) => reason,
         _ if !comparison.is_known => {
@@ -246,6 +250,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         order,
         estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
         released_error: Some(if known { chosen.released.min(UNKNOWN) } else { UNKNOWN }),
+        lumped_errors: lumped.filter(|_| known).map(|lumped| [lumped.error(), lumped.released]),
         growth: [0.0; 2],
         step_ratios: chosen.step_ratios,
         reduction_error,
@@ -281,6 +286,7 @@ fn uncompared(
         order,
         estimated_error,
         released_error: estimated_error,
+        lumped_errors: None,
         growth: [0.0; 2],
         step_ratios: [1.0; 2],
         reduction_error,

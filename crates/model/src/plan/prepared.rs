@@ -2,11 +2,15 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+use super::companion::Companion;
 use super::course::Course;
 use super::growth::PerturbationGrowth;
+use super::model_level::ModelLevel;
 use super::{Plan, UNKNOWN};
+use crate::INPUTS;
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
+use crate::lumped::conditions::Tunables;
 use numerics::maximum::maximum;
 use scene::{Fidelity, Scene};
 
@@ -19,6 +23,8 @@ pub struct Prepared {
     pub plan: Option<Plan>,
     /// Operators of the level.
     pub operators: ModelOperators,
+    /// Operators of the lumped level where it is followed beside a contact line whose error the plan knows.
+    pub lumped: Option<ModelOperators>,
     /// Growth of perturbations above the critical speed, with a plan.
     pub growth: Option<PerturbationGrowth>,
 }
@@ -35,11 +41,19 @@ impl Prepared {
                 requested,
                 plan: None,
                 operators: ModelOperators::new(scene, run_in)?,
+                lumped: None,
                 growth: None,
             });
         }
         let super::Planned { plan, operators, growth } = super::make(scene, run_in)?;
-        Ok(Prepared { requested, plan: Some(plan), operators, growth })
+        let is_followed = plan.model_level != ModelLevel::Lumped && plan.lumped_errors.is_some();
+        let lumped = is_followed.then(|| ModelOperators::new(&ModelLevel::Lumped.apply(scene), run_in)).transpose()?;
+        Ok(Prepared { requested, plan: Some(plan), operators, lumped, growth })
+    }
+
+    /// The lumped level beside a contact line, where it is followed.
+    pub fn companion(&self, tunables: Tunables, inputs: &[f64; INPUTS]) -> Option<Companion> {
+        self.lumped.as_ref().map(|operators| Companion::new(operators, tunables, inputs))
     }
 
     /// Whether levels were compared over the nominal course.
@@ -83,7 +97,10 @@ impl Prepared {
             Some(plan) if course.is_known(plan.growth[0]) => {
                 let phase = usize::from(course.is_released);
                 let level = [plan.estimated_error, plan.released_error][phase].unwrap_or(0.0);
-                (course.factor(plan.growth[0]) * level).hypot(plan.step_ratios[phase] * step_error).min(UNKNOWN)
+                let uniform = plan.lumped_errors.map_or(0.0, |errors| errors[phase]);
+                (course.factor(plan.growth[0], uniform) * level)
+                    .hypot(plan.step_ratios[phase] * step_error)
+                    .min(UNKNOWN)
             }
             _ => UNKNOWN,
         }

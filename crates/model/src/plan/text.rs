@@ -2,8 +2,8 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-use super::Plan;
 use super::model_level::ModelLevel;
+use super::{Candidate, Plan};
 use scene::HeatResolution;
 
 impl Plan {
@@ -35,6 +35,7 @@ impl Plan {
             100.0 * self.covered,
             short(1e-6 * self.planning_cost)
         ));
+        lines.extend(self.after_release());
         for effect in &self.effects {
             lines.push(format!(
                 "{:28} {:34} {:>9}  {}",
@@ -57,6 +58,17 @@ impl Plan {
             ));
         }
         lines
+    }
+
+    /// Error after a release of the load, where it exceeds the tolerance, and the level that keeps it then too.
+    fn after_release(&self) -> Option<String> {
+        let released = self.released_error.filter(|error| self.meets && *error > self.tolerance)?;
+        let within = |candidate: &&Candidate| candidate.released <= self.tolerance;
+        let better = match self.candidates.iter().find(within) {
+            Some(candidate) => format!("solver.fidelity = {} is within the tolerance then too", candidate.model_level),
+            None => "no level that was compared is within the tolerance then".into(),
+        };
+        Some(format!("once the load has been released its error is up to {}; {better}", short(released)))
     }
 
     /// Dimensionless groups with their names.

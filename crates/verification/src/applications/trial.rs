@@ -65,6 +65,8 @@ pub struct Run {
     pub main: Vec<[f64; 3]>,
     /// `estimated_error` at the communication points; 0 at the first one.
     pub estimated: Vec<f64>,
+    /// `estimated_step_error` at the end.
+    pub step_error: f64,
     /// Accepted and rejected internal steps.
     pub steps: u64,
     /// Their expected cost by work counters, microseconds.
@@ -124,6 +126,7 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
         run.work += new as f64 * component.operators().as_ref().map_or(0.0, cost::per_step);
     }
     run.seconds[1] = processor_seconds() - begin;
+    run.step_error = component.get(reference("estimated_step_error"));
     if let Some(operators) = component.operators() {
         let begin = processor_seconds();
         ModelOperators::new(operators.scene(), steady::run_in)?;
