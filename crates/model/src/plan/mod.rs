@@ -18,7 +18,8 @@
 //!
 //! # Limits
 //!
-//! - The trajectory is that of `nominal.*`. Beyond it the error is extrapolated: [`prepared::Prepared::severity`].
+//! - The trajectory is that of `nominal.*`. In a run the error of a contact line follows its distance from the lumped level beside it
+//!   ([`companion`]); that of the lumped level is extrapolated: [`prepared::Prepared::severity`].
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
 //!   and where the cells do not converge, as mostly well above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
@@ -54,7 +55,8 @@ use trajectory::NominalTrajectory;
 const SAFETY: f64 = 0.9;
 
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
-/// run: a level that is finer for its sake costs up to a few hundred times as much.
+/// run: a level that is finer for its sake costs up to a few hundred times as much. Runs that unload have a third to a fifteenth of the error
+/// of the planned release.
 const RELEASED: f64 = 8.0;
 
 /// Exponent of the growth of perturbations over the nominal duration from which on cells have to be seen to converge.
