@@ -33,20 +33,20 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
     }
 
     /// Log-uniform number.
-    fn scaled(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn scaled(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.next())
     }
 
-    fn chance(&mut self, part: f64) -> bool {
+    pub(crate) fn chance(&mut self, part: f64) -> bool {
         self.next() < part
     }
 
-    fn one_of<T: Copy>(&mut self, items: &[T]) -> T {
+    pub(crate) fn one_of<T: Copy>(&mut self, items: &[T]) -> T {
         items[((self.next() * items.len() as f64) as usize).min(items.len() - 1)]
     }
 }
