@@ -1,4 +1,4 @@
-//! Shipped scenes as users change them: other dimensions, friction and materials, driven by ramps of velocity and load, to and fro where the
+//! Shipped scenes as users change them: other dimensions, friction and materials, driven by ramps of velocity and load, reciprocating where the
 //! scene reciprocates. `nominal.*` are those shipped, which the drives stay below or exceed. Nothing in the choice of the level was adjusted to them.
 //!
 //! Left out: the clutch and hot spots, which are far above their critical speed, so that there is no reference to compare with.
@@ -64,7 +64,7 @@ fn application(seed: u64) -> Result<Application, String> {
     let speed = value!(starts, "nominal.velocity") * random.scaled(0.4, 1.6);
     let load = value!(starts, "nominal.load") * random.scaled(0.1, 1.5);
     let course = if stroke > 0.0 {
-        to_and_fro(&mut random, stroke, speed, load, time)
+        strokes(&mut random, stroke, speed, load, time)
     } else {
         ramps(&mut random, speed, load, time)
     };
@@ -72,7 +72,7 @@ fn application(seed: u64) -> Result<Application, String> {
 }
 
 /// Sinusoidal velocity with `speed` as its mean; the load varies slowly.
-fn to_and_fro(random: &mut Random, stroke: f64, speed: f64, load: f64, time: f64) -> Vec<Point> {
+fn strokes(random: &mut Random, stroke: f64, speed: f64, load: f64, time: f64) -> Vec<Point> {
     let (rate, swing) = (2.0 * speed / stroke, random.between(0.0, 0.5));
     let count = ((time * rate / TAU * PERIOD as f64) as usize).clamp(2 * PERIOD, 100 * PERIOD);
     let at = |point: usize| {
