@@ -20,8 +20,9 @@ use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use model::plan::companion::{Companion, LevelDistance};
 use model::plan::course::Course;
+use model::plan::distance::LevelDistance;
+use model::plan::parallel::ParallelLumped;
 use model::plan::prepared::Prepared;
 use outputs::group;
 use reports::BOTH_VELOCITIES;
@@ -90,8 +91,8 @@ pub struct Component {
     planned: bool,
     /// History of the run on which the error of the plan depends.
     course: Course,
-    /// The lumped level beside a contact line; see [`model::plan::companion`].
-    companion: Option<Box<Companion>>,
+    /// The lumped level in parallel with a contact line; see [`model::plan::parallel`].
+    parallel: Option<Box<ParallelLumped>>,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
@@ -120,7 +121,7 @@ impl Component {
             prepared: None,
             planned: false,
             course: Course::default(),
-            companion: None,
+            parallel: None,
             at_end: false,
             last_step: 0.0,
             reported: 0,
@@ -156,8 +157,8 @@ impl Component {
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
         self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
-        self.companion = prepared.companion(tunables, &inputs).map(Box::new);
-        self.course = Course { distance: self.companion.is_some().then(LevelDistance::default), ..Course::default() };
+        self.parallel = prepared.parallel(tunables, &inputs).map(Box::new);
+        self.course = Course { distance: self.parallel.is_some().then(LevelDistance::default), ..Course::default() };
         self.planned = prepared.was_compared();
         self.prepared = Some(prepared);
         self.current = 0;
@@ -178,8 +179,8 @@ impl Component {
             if let Some(model) = &mut self.model {
                 model.set_tunables(tunables);
             }
-            if let Some(companion) = &mut self.companion {
-                companion.set_tunables(tunables);
+            if let Some(parallel) = &mut self.parallel {
+                parallel.set_tunables(tunables);
             }
         }
     }
@@ -269,8 +270,8 @@ impl Component {
         let slopes = self.sloped.then_some(&self.slopes);
         let began = *inputs;
         model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
-        if let (Some(companion), Some(distance)) = (&mut self.companion, &self.course.distance) {
-            self.course.distance = companion.follow(model, inputs, slopes, step, distance);
+        if let (Some(parallel), Some(distance)) = (&mut self.parallel, &self.course.distance) {
+            self.course.distance = parallel.follow(model, inputs, slopes, step, distance);
         }
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;

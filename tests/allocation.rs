@@ -98,7 +98,7 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
         &annulus,
         &[annulus[0], annulus[1], annulus[2], annulus[3], ("contact.friction_fade.factor[2]", 0.5)],
     ];
-    // A line that was planned has the lumped level beside it.
+    // A line that was planned has the lumped level in parallel.
     let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-3)];
     for scene in scenes.into_iter().chain([&auto[..]]) {
         let (allocated, messages) = allocations(&[&line[..], scene].concat(), 0.01, 100);

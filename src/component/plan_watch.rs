@@ -1,5 +1,5 @@
 //! Validity of the plan during a run: beyond the nominal conditions the level is unchanged, the log receives one message, and the
-//! error follows the distance from the lumped level beside a contact line, or is extrapolated; above the critical speed with the growth
+//! error follows the distance from the lumped level in parallel with a contact line, or is extrapolated; above the critical speed with the growth
 //! of perturbations.
 //!
 //! Theory: docs/theory.md, section 8.2.

@@ -4,8 +4,8 @@ use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
-use model::plan::companion::LevelDistance;
 use model::plan::course::Course;
+use model::plan::distance::LevelDistance;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 use scene::{Scene, value};
 
@@ -25,8 +25,8 @@ pub struct Snapshot {
     /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
-    /// State of the lumped level beside a contact line.
-    companion: Option<LumpedState>,
+    /// State of the lumped level in parallel with a contact line.
+    parallel: Option<LumpedState>,
 }
 
 impl Component {
@@ -51,14 +51,14 @@ impl Component {
         into.last_step = self.last_step;
         into.course = self.course;
         into.state = None;
-        into.companion = None;
+        into.parallel = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
         {
             let scene = model.scene();
             into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
             into.state = Some(model.save());
-            into.companion = self.companion.as_ref().and_then(|companion| companion.save());
+            into.parallel = self.parallel.as_ref().and_then(|parallel| parallel.save());
         }
     }
 
@@ -108,31 +108,31 @@ impl Component {
                     }
                 }
             };
-            let beside = match (&from.companion, &prepared.lumped) {
+            let fits = match (&from.parallel, &prepared.lumped) {
                 (None, None) => from.course.distance.is_none(),
-                (Some(beside), Some(operators)) => beside.fits(operators.mean()),
+                (Some(own), Some(operators)) => own.fits(operators.mean()),
                 _ => false,
             };
-            if !(beside && state.fits(&prepared.operators)) {
+            if !(fits && state.fits(&prepared.operators)) {
                 return Err("the saved states do not fit the scene".into());
             }
             // Nothing has been changed up to here, and no later operation can fail.
             if !same {
                 let tunables = super::tunables_of(&values);
                 self.model = Some(Model::new(&prepared.operators, tunables, &from.inputs));
-                self.companion = prepared.companion(tunables, &from.inputs).map(Box::new);
+                self.parallel = prepared.parallel(tunables, &from.inputs).map(Box::new);
                 self.planned = prepared.was_compared();
                 self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
             model.set_tunables(super::tunables_of(&values));
             model.set_state(state);
-            if let (Some(companion), Some(beside)) = (&mut self.companion, &from.companion) {
-                companion.set_tunables(super::tunables_of(&values));
-                companion.set_state(beside.clone());
+            if let (Some(parallel), Some(own)) = (&mut self.parallel, &from.parallel) {
+                parallel.set_tunables(super::tunables_of(&values));
+                parallel.set_state(own.clone());
             }
         } else {
-            (self.model, self.companion) = (None, None);
+            (self.model, self.parallel) = (None, None);
         }
         // Outputs are evaluated when they are read; without a model they have their start values.
         *self.values = values;
@@ -187,8 +187,8 @@ impl Snapshot {
                 mean.numbers().into_iter().for_each(put);
             }
             Some(ModelState::Line(mean, line)) => {
-                put(if self.companion.is_some() { 3.0 } else { 2.0 });
-                self.companion.iter().flat_map(LumpedState::numbers).for_each(&mut put);
+                put(if self.parallel.is_some() { 3.0 } else { 2.0 });
+                self.parallel.iter().flat_map(LumpedState::numbers).for_each(&mut put);
                 mean.numbers().into_iter().for_each(&mut put);
                 line.iter().copied().for_each(put);
             }
@@ -202,8 +202,8 @@ impl Snapshot {
             Some(ModelState::Lumped(mean)) => mean.numbers().len(),
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        let beside = self.companion.as_ref().map_or(0, |beside| beside.numbers().len());
-        8 * (17 + beside + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        let parallel = self.parallel.as_ref().map_or(0, |parallel| parallel.numbers().len());
+        8 * (17 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -278,7 +278,7 @@ impl Snapshot {
             1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
             2.0 | 3.0 => {
                 if kind == 3.0 {
-                    snapshot.companion = Some(LumpedState::from_numbers(numbers)?);
+                    snapshot.parallel = Some(LumpedState::from_numbers(numbers)?);
                 }
                 let mean = LumpedState::from_numbers(numbers)?;
                 snapshot.state = Some(ModelState::Line(mean, numbers.by_ref().copied().collect()));

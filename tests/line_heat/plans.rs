@@ -281,7 +281,7 @@ fn the_error_of_a_contact_line_is_in_proportion_to_its_distance_from_the_lumped_
 }
 
 #[test]
-fn a_restored_run_goes_on_beside_its_lumped_level() {
+fn a_restored_run_goes_on_with_its_lumped_level_in_parallel() {
     let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
     let drive = |component: &mut Component, steps: std::ops::Range<u32>| {
         for step in steps {

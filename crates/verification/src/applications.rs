@@ -8,10 +8,10 @@
 
 mod blocks;
 mod brakes;
-pub mod changed;
 pub mod courses;
 mod rotating;
 pub mod trial;
+pub mod variants;
 
 use sliding_contact::component::Values;
 
@@ -96,9 +96,9 @@ mod tests {
 
     #[test]
     fn every_application_is_a_legal_scene_with_a_course_of_increasing_times() {
-        let [own, changed] = [all().unwrap(), changed::all().unwrap()];
-        assert!(own.len() >= 60 && changed.len() >= 60, "{} and {}", own.len(), changed.len());
-        for application in own.iter().chain(&changed) {
+        let [own, variants] = [all().unwrap(), variants::all().unwrap()];
+        assert!(own.len() >= 60 && variants.len() >= 60, "{} and {}", own.len(), variants.len());
+        for application in own.iter().chain(&variants) {
             let name = &application.name;
             Scene::new(&application.starts, Some(1e-3)).unwrap_or_else(|broken| panic!("{name}: {broken}"));
             let mut before = -1.0;

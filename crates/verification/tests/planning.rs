@@ -1,8 +1,9 @@
 //! Generated scenes, and plans for them judged by their truth.
 
 use model::levels::ModelOperators;
+use model::plan::distance::distance;
 use model::plan::model_level::ModelLevel;
-use model::plan::trajectory::{NominalTrajectory, Run, distance};
+use model::plan::trajectory::{NominalTrajectory, Run};
 use model::plan::{self, largest};
 use scene::{HeatResolution, Scene, value};
 use verification::applications;

@@ -41,9 +41,9 @@ pub struct Arguments {
     /// Every third scene is held out. Reference runs and runs at fixed settings are cached in cargo's target folder.
     #[arg(long, conflicts_with_all = ["scene", "set", "tolerance"])]
     campaign: bool,
-    /// Shipped scenes with other numbers and drives of ramps, instead of those that the choice of the level was adjusted to.
+    /// Variants of the shipped scenes, driven by random ramps, instead of the scenes that the choice of the level was adjusted to.
     #[arg(long, requires = "campaign")]
-    changed: bool,
+    variants: bool,
     /// Scenes of the campaign, held-out ones counted.
     #[arg(long, default_value_t = 1000, requires = "campaign", value_parser = arguments::whole::<usize>(1..=1_000_000), allow_negative_numbers = true)]
     scenes: usize,
@@ -78,7 +78,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     if arguments.campaign {
         return campaign::execute(&campaign::Request {
-            changed: arguments.changed,
+            variants: arguments.variants,
             first: arguments.first,
             scenes: arguments.scenes,
             only: arguments.only.clone(),

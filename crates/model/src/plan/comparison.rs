@@ -15,9 +15,10 @@
 //! Theory: docs/theory.md, section 8.2.
 
 use super::cost::{self, build_cost};
+use super::distance::distance;
 use super::estimates::{Certainty, Level, LevelRuns, kind};
 use super::model_level::{CELLS, ModelLevel};
-use super::trajectory::{NominalTrajectory, Run, distance};
+use super::trajectory::{NominalTrajectory, Run};
 use super::{Candidate, largest};
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::is_resolved;

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-use super::companion::LevelDistance;
+use super::distance::LevelDistance;
 use numerics::maximum::maximum;
 
 /// Ratio of load, speed and friction work to the nominal ones up to which the error of the nominal trajectory is that of the run:
@@ -27,7 +27,7 @@ pub struct Course {
     pub largest_load: f64,
     /// The load has been released: the levels differ more then than under load.
     pub is_released: bool,
-    /// Distance of a contact line from the lumped level beside it, where that is followed; see [`super::companion`].
+    /// Distance of a contact line from the lumped level in parallel, where that is advanced; see [`super::parallel`].
     pub distance: Option<LevelDistance>,
 }
 
@@ -55,12 +55,12 @@ impl Course {
 
     /// Factor by which the error of the plan is multiplied. `uniform`: error of the lumped level in the plan.
     ///
-    /// Where the distance from the lumped level is followed, the error is in proportion to it. Otherwise, beyond the conditions of the plan, it
+    /// Where the lumped level is advanced in parallel, the error is in proportion to the distance from it. Otherwise, beyond the conditions of the plan, it
     /// is in proportion to them.
     pub fn factor(&self, planned_growth: f64, uniform: f64) -> f64 {
         let by_conditions = (self.severity / PLANNED).max(1.0);
         let factor = match self.distance {
-            Some(distance) if uniform > 0.0 => distance.relative() / uniform,
+            Some(distance) if uniform > 0.0 => distance.most() / uniform,
             _ => by_conditions,
         };
         factor * self.excess(planned_growth).exp()
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_is_in_proportion_to_the_distance_from_the_lumped_level_where_that_is_followed() {
+    fn the_error_is_in_proportion_to_the_distance_from_the_lumped_level_in_parallel() {
         let mut distance = LevelDistance::default();
         distance.follow([1.0, 100.0, 1.0], [1.0, 95.0, 1.0]);
         let course = Course { distance: Some(distance), ..after(4.0, 2.0_f64.ln()) };

@@ -18,8 +18,9 @@
 //! Theory: docs/theory.md, section 8.2.
 
 use super::cost;
+use super::distance::distance;
 use super::model_level::{CELLS, ModelLevel};
-use super::trajectory::{NominalTrajectory, Run, distance};
+use super::trajectory::{NominalTrajectory, Run};
 use super::{Candidate, MOST_IN_VAIN, RELEASED, largest};
 use crate::levels::ModelOperators;
 use scene::HeatResolution;

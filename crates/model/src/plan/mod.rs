@@ -18,23 +18,24 @@
 //!
 //! # Limits
 //!
-//! - The trajectory is that of `nominal.*`. In a run the error of a contact line follows its distance from the lumped level beside it
-//!   ([`companion`]); that of the lumped level is extrapolated: [`prepared::Prepared::severity`].
+//! - The trajectory is that of `nominal.*`. In a run the error of a contact line follows its distance from the lumped level in parallel
+//!   ([`parallel`]); that of the lumped level is extrapolated: [`prepared::Prepared::severity`].
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
 //!   and where the cells do not converge, as mostly well above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-pub mod companion;
 pub mod comparison;
 pub mod cost;
 pub mod course;
+pub mod distance;
 pub mod effects;
 mod estimates;
 pub mod groups;
 pub mod growth;
 pub mod model_level;
+pub mod parallel;
 pub mod prepared;
 mod text;
 pub mod trajectory;
@@ -153,6 +154,8 @@ pub struct Planned {
     pub plan: Plan,
     /// Operators of the chosen level.
     pub operators: ModelOperators,
+    /// Operators of the lumped level, where a contact line of known error was chosen: it is advanced in parallel.
+    pub lumped: Option<ModelOperators>,
     /// Growth of perturbations above the critical speed; none between rigid bodies.
     pub growth: Option<PerturbationGrowth>,
 }
@@ -175,8 +178,8 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
     };
     let growth = PerturbationGrowth::new(scene, &CriticalSpeed::new(scene));
     let exponents = growth.over(&course, scene);
-    let Planned { plan, operators, .. } = choose(scene, &course, exponents[1] >= GROWN, run_in)?;
-    Ok(Planned { plan: Plan { growth: exponents, ..plan }, operators, growth: Some(growth) })
+    let planned = choose(scene, &course, exponents[1] >= GROWN, run_in)?;
+    Ok(Planned { plan: Plan { growth: exponents, ..planned.plan }, growth: Some(growth), ..planned })
 }
 
 /// Compares the levels over `course` and chooses one. `may_grow`: see [`compare`].
@@ -232,10 +235,15 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
             format!("no level has an estimated error below the tolerance; this one has {:.1e}", chosen.error())
         }
     };
-    let run = comparison.operators.into_iter().find(|(model_level, _)| *model_level == chosen.model_level);
-    let operators = match run {
-        Some((_, operators)) => operators,
-        None => ModelOperators::new(&chosen.model_level.apply(scene), run_in)?,
+    let run =
+        |wanted: ModelLevel| comparison.operators.iter().find(|(own, _)| *own == wanted).map(|(_, own)| own.clone());
+    let uniform = match run(ModelLevel::Lumped) {
+        Some(operators) => operators,
+        None => ModelOperators::new(&ModelLevel::Lumped.apply(scene), run_in)?,
+    };
+    let operators = match chosen.model_level {
+        ModelLevel::Lumped => uniform.clone(),
+        line => run(line).map_or_else(|| uniform.line_beside(&line.apply(scene), run_in), Ok)?,
     };
     let groups = Groups::new(scene, &operators.mean().critical_speed, comparison.rise);
     let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
@@ -263,7 +271,8 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         planning_cost: comparison.cost,
         rise: comparison.rise,
     };
-    Ok(Planned { plan, operators, growth: None })
+    let is_parallel = known && chosen.model_level != ModelLevel::Lumped;
+    Ok(Planned { plan, operators, lumped: is_parallel.then_some(uniform), growth: None })
 }
 
 /// A level without a comparison.
@@ -299,7 +308,7 @@ fn uncompared(
         planning_cost: cost::build_cost(&operators),
         rise: 0.0,
     };
-    Ok(Planned { plan, operators, growth: None })
+    Ok(Planned { plan, operators, lumped: None, growth: None })
 }
 
 /// Largest error; infinite where one is NaN.

@@ -2,10 +2,9 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-use super::companion::Companion;
 use super::course::Course;
 use super::growth::PerturbationGrowth;
-use super::model_level::ModelLevel;
+use super::parallel::ParallelLumped;
 use super::{Plan, UNKNOWN};
 use crate::INPUTS;
 use crate::levels::ModelOperators;
@@ -23,7 +22,7 @@ pub struct Prepared {
     pub plan: Option<Plan>,
     /// Operators of the level.
     pub operators: ModelOperators,
-    /// Operators of the lumped level where it is followed beside a contact line whose error the plan knows.
+    /// Operators of the lumped level, where it is advanced in parallel with a contact line.
     pub lumped: Option<ModelOperators>,
     /// Growth of perturbations above the critical speed, with a plan.
     pub growth: Option<PerturbationGrowth>,
@@ -45,15 +44,13 @@ impl Prepared {
                 growth: None,
             });
         }
-        let super::Planned { plan, operators, growth } = super::make(scene, run_in)?;
-        let is_followed = plan.model_level != ModelLevel::Lumped && plan.lumped_errors.is_some();
-        let lumped = is_followed.then(|| ModelOperators::new(&ModelLevel::Lumped.apply(scene), run_in)).transpose()?;
+        let super::Planned { plan, operators, lumped, growth } = super::make(scene, run_in)?;
         Ok(Prepared { requested, plan: Some(plan), operators, lumped, growth })
     }
 
-    /// The lumped level beside a contact line, where it is followed.
-    pub fn companion(&self, tunables: Tunables, inputs: &[f64; INPUTS]) -> Option<Companion> {
-        self.lumped.as_ref().map(|operators| Companion::new(operators, tunables, inputs))
+    /// The lumped level in parallel with a contact line, where it is advanced.
+    pub fn parallel(&self, tunables: Tunables, inputs: &[f64; INPUTS]) -> Option<ParallelLumped> {
+        self.lumped.as_ref().map(|operators| ParallelLumped::new(operators, tunables, inputs))
     }
 
     /// Whether levels were compared over the nominal course.

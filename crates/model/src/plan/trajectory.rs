@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+use super::distance::Main;
 use crate::INPUTS;
 use crate::levels::{Model, ModelOperators};
 use crate::lumped::conditions::Tunables;
-use numerics::maximum::maximum;
 use scene::Scene;
 use scene::variables::{COUNT, reference};
 use std::f64::consts::PI;
@@ -57,7 +57,7 @@ pub struct NominalTrajectory {
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Run {
     /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the segments that were completed.
-    pub history: Vec<[f64; 3]>,
+    pub history: Vec<Main>,
     /// `estimated_step_error` at the end of the nominal load, and at the end of the release.
     pub step_bounds: [f64; 2],
     /// Internal steps, accepted and rejected.
@@ -190,18 +190,4 @@ impl NominalTrajectory {
         let loaded = &self.segments[..self.loaded];
         duration(&loaded[..count.min(self.loaded)]) / (duration(loaded) * self.repeats)
     }
-}
-
-/// Largest difference of two histories over their common beginning, for each of the three outputs, relative to the largest value
-/// of the second there. A value that is not finite makes the difference infinite.
-pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
-    std::array::from_fn(|output| {
-        let scale = one.iter().zip(other).map(|(_, main)| main[output].abs()).fold(0.0, maximum);
-        let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
-            let difference = (a[output] - b[output]).abs();
-            if difference.is_finite() { difference } else { f64::INFINITY }
-        };
-        let apart = one.iter().zip(other).map(apart).fold(0.0, maximum);
-        if apart == 0.0 { 0.0 } else { apart / scale }
-    })
 }

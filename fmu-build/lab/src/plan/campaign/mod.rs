@@ -33,8 +33,8 @@ const TRUTH_SHARE: f64 = 1.0 / 3.0;
 /// Selection of scenes and outputs of a campaign.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Changed scenes instead of the applications.
-    pub changed: bool,
+    /// Variants of the shipped scenes instead of the applications.
+    pub variants: bool,
     /// Number of the first scene.
     pub first: usize,
     /// Number of scenes from there on.
@@ -116,7 +116,7 @@ impl Tried {
 /// # Errors
 /// Where no scene is selected or a file cannot be written.
 pub fn execute(request: &Request) -> Result<()> {
-    let all = if request.changed { applications::changed::all() } else { applications::all() };
+    let all = if request.variants { applications::variants::all() } else { applications::all() };
     let all = all.map_err(|text| anyhow!(text))?;
     let selected: Vec<(usize, Application)> = all
         .into_iter()

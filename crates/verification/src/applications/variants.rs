@@ -1,4 +1,4 @@
-//! Shipped scenes as users change them: other dimensions, friction and materials, driven by ramps of velocity and load, reciprocating where the
+//! Variants of the shipped scenes, as users make them: other dimensions, friction and materials, driven by ramps of velocity and load, reciprocating where the
 //! scene reciprocates. `nominal.*` are those shipped, which the drives stay below or exceed. Nothing in the choice of the level was adjusted to them.
 //!
 //! Left out: the clutch and hot spots, which are far above their critical speed, so that there is no reference to compare with.
