@@ -1,4 +1,6 @@
 //! Distance of two runs at different levels: largest differences of the main outputs, relative to their largest values.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::largest;
 use numerics::maximum::maximum;
