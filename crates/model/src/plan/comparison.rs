@@ -17,6 +17,7 @@
 use super::cost::{self, build_cost};
 use super::distance::distance;
 use super::estimates::{Certainty, Level, LevelRuns, kind};
+use super::growth::Growth;
 use super::model_level::{CELLS, ModelLevel};
 use super::trajectory::{NominalTrajectory, Run};
 use super::{Candidate, largest};
@@ -26,9 +27,11 @@ use crate::line::operators::RunIn;
 use numerics::maximum::maximum;
 use scene::{HeatResolution, Scene};
 
-/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which assume new
-/// operators in every step: some 100 ms.
-const BUDGET: f64 = 400e3;
+/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`].
+const BUDGET: f64 = 100e3;
+
+/// Factor of the budget where the cells do not show whether they converge.
+const UNKNOWN_PART: f64 = 2.5;
 
 /// Fraction of the budget for a doubling that makes the estimated error of the chosen level more accurate without changing the choice.
 const ACCURACY_PART: f64 = 0.25;
@@ -36,9 +39,6 @@ const ACCURACY_PART: f64 = 0.25;
 /// Fraction of the budget for one run, and the least number of steps permitted to every run.
 const RUN_PART: f64 = 0.4;
 const LEAST_STEPS: f64 = 200.0;
-
-/// Expected cost of the next doubling relative to the last.
-const DEARER: f64 = 2.5;
 
 /// Least fraction of a unidirectional trajectory that a line has to cover for an extrapolation to its end.
 const LEAST_COVERED: f64 = 0.2;
@@ -101,8 +101,7 @@ impl From<String> for Incomparable {
 }
 
 /// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: with resolved heat where
-/// the contact line resolves it. `may_grow`: cells that neither agree to `enough` nor show a ratio of convergence are taken not
-/// to converge.
+/// the contact line resolves it. `growth`: of perturbations over the nominal duration.
 ///
 /// # Errors
 /// Error of a level, or of a step of it; too many steps.
@@ -111,7 +110,7 @@ pub fn compare(
     course: &NominalTrajectory,
     enough: f64,
     by_cells: bool,
-    may_grow: bool,
+    growth: Growth,
     run_in: RunIn,
 ) -> Result<Comparison, Incomparable> {
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
@@ -130,25 +129,25 @@ pub fn compare(
     progress.measure_steps(&own_scene, run_scene.tolerance, first)?;
     let mut cells = first;
     loop {
-        let before = progress.cost;
         cells = doubled(cells);
         match progress.line(run_scene, cells, &mean) {
             Err(reason) if progress.runs.lines().count() < 2 => return Err(reason),
             Err(_) => break,
             Ok(()) => {}
         }
-        let judgement = progress.runs.judge(may_grow.then_some(enough))?;
+        let judgement = progress.runs.judge(growth, enough)?;
         let budget = match judgement.certainty(enough) {
+            Certainty::None if !judgement.is_known => UNKNOWN_PART * BUDGET,
             Certainty::None => BUDGET,
             Certainty::Choice => ACCURACY_PART * BUDGET,
             Certainty::ChoiceAndError => 0.0,
         };
-        let next = progress.cost + DEARER * (progress.cost - before);
+        let next = progress.cost + progress.runs.cost_of(doubled(cells));
         if scene.cells > 0 || next > budget || cells == CELLS[CELLS.len() - 1] {
             break;
         }
     }
-    let judgement = progress.runs.judge(may_grow.then_some(enough))?;
+    let judgement = progress.runs.judge(growth, enough)?;
     let is_known = judgement.is_known;
     let candidates = progress.runs.candidates(judgement, scene.cells);
     let finest = progress.runs.lines().next_back().ok_or_else(|| "no contact line could be compared".to_owned())?;

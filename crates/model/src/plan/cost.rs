@@ -1,23 +1,32 @@
-//! Counted cost of the levels: with constants calibrated once, in microseconds of a core of 3 GHz, so that no plan depends on a
-//! clock.
+//! Counted cost of the levels, in microseconds of a core of 3 GHz: a function of cells and thermal states alone, so that no plan depends
+//! on a clock.
+//!
+//! The constants are those of a fit to 900 runs of users' scenes, with the inputs of each (`docs/decisions.md`): four of five
+//! runs take from 0.66 to 1.5 times the counted time.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
 use crate::levels::ModelOperators;
-use scene::Geometry;
 
-const LUMPED_STEP: f64 = 1.4;
-const LINE_STEP: f64 = 0.7;
-const LINE_CELL_PAIR: f64 = 0.009;
-const HEAT_STEP: f64 = 4.0;
-const HEAT_CELL_PAIR: f64 = 0.07;
-const HEAT_STATE: f64 = 0.1;
-const HEAT_STATE_CELLS: f64 = 600.0;
+/// Internal step of the lumped level.
+const LUMPED_STEP: f64 = 1.6;
 
-/// Costs of building a lumped level, a contact line, its resolved heat, and rings in addition; of a thermal state of punch and
-/// strip.
-const BUILD: [f64; 4] = [300.0, 1500.0, 500.0, 1200.0];
-const BUILD_STATE: [f64; 2] = [5.0, 1.7];
+/// Step of a contact line with lumped heat, by the square of its cells.
+const LINE_STEP: f64 = 1.6;
+const LINE_CELL_PAIR: f64 = 0.0017;
+
+/// Step of a contact line with resolved heat: by its cells, by their cube (factors of the stage matrix), and by the thermal states.
+const HEAT_STEP: f64 = 4.2;
+const HEAT_CELL: f64 = 0.81;
+const HEAT_CELL_TRIPLE: f64 = 3.3e-4;
+const HEAT_STATE: f64 = 0.011;
+
+/// Building the lumped level; a contact line with lumped heat, by its cells; one with resolved heat, by its cells, their square and the
+/// thermal states.
+const BUILD_LUMPED: f64 = 1000.0;
+const BUILD_LINE: [f64; 2] = [2700.0, 100.0];
+const BUILD_HEAT: [f64; 3] = [6800.0, 210.0, 1.9];
+const BUILD_STATE: f64 = 2.8;
 
 /// Thermal states of both bodies with resolved heat.
 pub fn states(operators: &ModelOperators) -> Option<usize> {
@@ -27,36 +36,40 @@ pub fn states(operators: &ModelOperators) -> Option<usize> {
     }
 }
 
-/// Cost of one internal step.
-///
-/// Lumped: a constant. The line adds its pressure, c N^2 with cached factors, and with resolved heat c (1 + N^2/n^2) per thermal
-/// state, for the weights of the step and the influence matrices, and c N^2 for the heat partition.
-pub fn per_step(operators: &ModelOperators) -> f64 {
+/// Number of cells; 1 at the lumped level.
+pub fn cells(operators: &ModelOperators) -> usize {
     match operators {
-        ModelOperators::Lumped(_) => per_step_of(1, None),
-        ModelOperators::Line(line) => per_step_of(line.count(), states(operators)),
+        ModelOperators::Lumped(_) => 1,
+        ModelOperators::Line(line) => line.count(),
     }
 }
 
-/// Cost of one internal step by the counts: `cells`, and thermal states with resolved heat.
+/// Cost of one internal step.
+pub fn per_step(operators: &ModelOperators) -> f64 {
+    per_step_of(cells(operators), states(operators))
+}
+
+/// Cost of one internal step by the counts: `cells`, and thermal `states` with resolved heat.
 pub fn per_step_of(cells: usize, states: Option<usize>) -> f64 {
-    if cells <= 1 {
-        return LUMPED_STEP;
+    let count = cells as f64;
+    match states {
+        _ if cells <= 1 => LUMPED_STEP,
+        None => LINE_STEP + LINE_CELL_PAIR * count * count,
+        Some(states) => HEAT_STEP + count * (HEAT_CELL + HEAT_CELL_TRIPLE * count * count) + HEAT_STATE * states as f64,
     }
-    let pairs = (cells * cells) as f64;
-    let heat = states.map_or(0.0, |states| {
-        HEAT_STEP + HEAT_CELL_PAIR * pairs + HEAT_STATE * states as f64 * (1.0 + pairs / HEAT_STATE_CELLS)
-    });
-    LUMPED_STEP + LINE_STEP + LINE_CELL_PAIR * pairs + heat
 }
 
 /// Cost of building the operators of a level.
 pub fn build_cost(operators: &ModelOperators) -> f64 {
-    let ModelOperators::Line(line) = operators else { return BUILD[0] };
-    let heat = line.heat.as_ref().map_or(0.0, |bodies| {
-        let ring = if line.scene.geometry == Geometry::Annular { BUILD[3] } else { 0.0 };
-        let states = bodies.states.iter().zip(BUILD_STATE).map(|(&count, cost)| count as f64 * cost).sum::<f64>();
-        BUILD[2] + ring + states
-    });
-    BUILD[1] + heat
+    build_cost_of(cells(operators), states(operators))
+}
+
+/// Cost of building the operators of a level by the counts: `cells`, and thermal `states` with resolved heat.
+pub fn build_cost_of(cells: usize, states: Option<usize>) -> f64 {
+    let count = cells as f64;
+    match states {
+        _ if cells <= 1 => BUILD_LUMPED,
+        None => BUILD_LINE[0] + BUILD_LINE[1] * count,
+        Some(states) => BUILD_HEAT[0] + count * (BUILD_HEAT[1] + BUILD_HEAT[2] * count) + BUILD_STATE * states as f64,
+    }
 }

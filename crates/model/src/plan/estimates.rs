@@ -19,6 +19,7 @@
 
 use super::cost;
 use super::distance::distance;
+use super::growth::Growth;
 use super::model_level::{CELLS, ModelLevel};
 use super::trajectory::{NominalTrajectory, Run};
 use super::{Candidate, MOST_IN_VAIN, RELEASED, largest};
@@ -119,11 +120,20 @@ impl LevelRuns<'_> {
         self.levels.iter().filter(|level| level.model_level.heat() == Some(self.heat))
     }
 
-    /// Estimates the errors of all levels. `agreed`: the difference of the finest lines accepted where their ratio is not known.
+    /// Expected cost of a line on `cells` cells, with the thermal states and steps of the finest one.
+    pub fn cost_of(&self, cells: usize) -> f64 {
+        let of = |level: &Level| {
+            let states = cost::states(&level.operators);
+            cost::build_cost_of(cells, states) + level.run.steps as f64 * cost::per_step_of(cells, states)
+        };
+        self.lines().next_back().map_or(0.0, of)
+    }
+
+    /// Estimates the errors of all levels; `growth` of perturbations over the nominal duration. Errors up to `enough` are admitted.
     ///
     /// # Errors
     /// There is only one contact line.
-    pub fn judge(&self, agreed: Option<f64>) -> Result<Judgement, String> {
+    pub fn judge(&self, growth: Growth, enough: f64) -> Result<Judgement, String> {
         let mut lines = self.lines().rev();
         let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
             return Err("one contact line has nothing to be compared with".into());
@@ -150,9 +160,11 @@ impl LevelRuns<'_> {
         let whole = |run: &Run, finer: &Run| distance(&run.history, &finer.history);
         let (under_load, all) = (self.course.loaded, self.course.segments.len());
         let (between, ratio, bounded) = measured(&loaded, under_load);
-        let converges = match agreed {
-            Some(agreed) => largest(between) <= agreed || ratio.is_some_and(|ratio| ratio >= RATIO.0),
-            None => ratio.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
+        let (agree, approach) = (largest(between) <= enough, ratio.is_some_and(|ratio| ratio >= RATIO.0));
+        let converges = match growth {
+            Growth::FromRounding => agree && approach,
+            Growth::Noticeable => agree || approach,
+            Growth::Little => ratio.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
         let finest_errors =
             [largest(errors(&loaded, under_load, &finest.run)), largest(errors(&whole, all, &finest.run))];

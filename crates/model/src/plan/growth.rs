@@ -19,6 +19,33 @@ use crate::instability::CriticalSpeed;
 use numerics::maximum::maximum;
 use scene::Scene;
 
+/// Exponent from which on cells have to be seen to converge.
+const NOTICEABLE: f64 = 1.0;
+
+/// How much perturbations may grow over the nominal duration: what it takes for two numbers of cells to show that they converge.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Growth {
+    /// By less than a factor of e.
+    Little,
+    /// By more. Either the finest lines agree within the tolerance, or their differences decrease.
+    Noticeable,
+    /// From the size of a rounding error to that of the solution: both, since each of them may be chance.
+    FromRounding,
+}
+
+impl Growth {
+    /// Growth by `exp(exponent)`.
+    pub fn by(exponent: f64) -> Growth {
+        if exponent >= -f64::EPSILON.ln() {
+            Growth::FromRounding
+        } else if exponent >= NOTICEABLE {
+            Growth::Noticeable
+        } else {
+            Growth::Little
+        }
+    }
+}
+
 /// Growth of the perturbations of a scene.
 #[derive(Clone, Debug)]
 pub struct PerturbationGrowth {
@@ -69,5 +96,17 @@ impl PerturbationGrowth {
         let all = exponent(&|speed| self.rate(friction, speed));
         let contained = if all > 0.0 && self.bound.has_free_waves() { f64::INFINITY } else { all };
         [contained, course.repeats * modelled]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn perturbations_grow_from_rounding_errors_beyond_an_exponent_of_36() {
+        assert_eq!([0.0, 1.0_f64.next_down()].map(Growth::by), [Growth::Little; 2]);
+        assert_eq!([1.0, 36.0].map(Growth::by), [Growth::Noticeable; 2]);
+        assert_eq!([36.1, f64::INFINITY].map(Growth::by), [Growth::FromRounding; 2]);
     }
 }

@@ -14,7 +14,7 @@
 //! # Cost
 //!
 //! None where dimensionless groups are sufficient: two rigid bodies have a uniform pressure. Otherwise some runs of the nominal
-//! trajectory, mostly below 100 ms of processor time, up to 700 ms at most ([`cost`]). A level whose run was that of the user is not built again.
+//! trajectory, mostly below 100 ms of processor time, up to 600 ms at most ([`cost`]). A level whose run was that of the user is not built again.
 //!
 //! # Limits
 //!
@@ -46,7 +46,7 @@ use crate::line::operators::RunIn;
 use comparison::{Comparison, compare};
 use effects::Effect;
 use groups::Groups;
-use growth::PerturbationGrowth;
+use growth::{Growth, PerturbationGrowth};
 use model_level::ModelLevel;
 use numerics::maximum::maximum;
 use scene::{HeatResolution, Scene};
@@ -59,9 +59,6 @@ const SAFETY: f64 = 0.9;
 /// run: a level that is finer for its sake costs up to a few hundred times as much. Runs that unload have a third to a fifteenth of the error
 /// of the planned release.
 const RELEASED: f64 = 8.0;
-
-/// Exponent of the growth of perturbations over the nominal duration from which on cells have to be seen to converge.
-const GROWN: f64 = 1.0;
 
 /// Stated error where it is unknown.
 pub const UNKNOWN: f64 = 1.0;
@@ -178,14 +175,14 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
     };
     let growth = PerturbationGrowth::new(scene, &CriticalSpeed::new(scene));
     let exponents = growth.over(&course, scene);
-    let planned = choose(scene, &course, exponents[1] >= GROWN, run_in)?;
+    let planned = choose(scene, &course, Growth::by(exponents[1]), run_in)?;
     Ok(Planned { plan: Plan { growth: exponents, ..planned.plan }, growth: Some(growth), ..planned })
 }
 
-/// Compares the levels over `course` and chooses one. `may_grow`: see [`compare`].
-fn choose(scene: &Scene, course: &NominalTrajectory, may_grow: bool, run_in: RunIn) -> Result<Planned, String> {
+/// Compares the levels over `course` and chooses one; `growth` of perturbations over the nominal duration.
+fn choose(scene: &Scene, course: &NominalTrajectory, growth: Growth, run_in: RunIn) -> Result<Planned, String> {
     let enough = SAFETY * scene.tolerance;
-    let failure = match compare(scene, course, enough, true, may_grow, run_in) {
+    let failure = match compare(scene, course, enough, true, growth, run_in) {
         Ok(comparison) => return decide(scene, comparison, None, run_in),
         Err(failure) => failure,
     };
@@ -197,7 +194,7 @@ fn choose(scene: &Scene, course: &NominalTrajectory, may_grow: bool, run_in: Run
         return uncompared(scene, finest, format!("too costly to compare: {reason}"), Some(UNKNOWN), run_in);
     }
     // Where resolved heat has no solution (thermal runaway by friction, instability), lumped heat still has one.
-    if let Ok(comparison) = compare(scene, course, enough, false, may_grow, run_in) {
+    if let Ok(comparison) = compare(scene, course, enough, false, growth, run_in) {
         return decide(scene, comparison, Some(format!("nothing to compare the mean heat with: {reason}")), run_in);
     }
     // The lumped level does not reproduce the failure of the contact line.
