@@ -124,8 +124,8 @@ fn slow_down(parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
 #[test]
 fn pressure_and_temperature_are_of_second_order() {
     for changes in [&[][..], &PADS[..2]] {
-        let finest = slow_down(640, changes);
-        let errors = [20, 40, 80].map(|parts| {
+        let finest = slow_down(1280, changes);
+        let errors = [40, 80, 160].map(|parts| {
             let values = slow_down(parts, changes);
             [0, 1].map(|quantity| {
                 let pairs = values[quantity].iter().zip(&finest[quantity]);

@@ -114,18 +114,17 @@ pub struct Flash {
 }
 
 impl Flash {
-    /// Reduces `source` on decay rates from .3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in at most [`MAX_FLASH_STATES`]
-    /// states.
+    /// Reduces `source` on decay rates from .3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in [`MAX_FLASH_STATES`] states: steps take
+    /// that many abreast, so that fewer would save nothing. Fewer remain where the rates are too close to each other.
     pub fn new(source: &MovingSource, duration: f64, tolerance: f64) -> Flash {
         let diffusivity = source.slab().diffusivity();
         let own = diffusivity / source.half_length().powi(2);
         // Slower decays than these (over the duration, or over the contact's own diffusion time along the path) have no effect.
         let slowest = (0.3 / duration).max(1e-6 * own);
         let fastest = (10.0 * own / tolerance).max(10.0 * slowest);
-        let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.25 * tolerance.log10())).round();
-        let count = count.clamp(2.0, MAX_FLASH_STATES as f64) as usize;
+        let last = (MAX_FLASH_STATES - 1) as f64;
         let shifts: Vec<f64> =
-            (0..count).map(|i| slowest * (fastest / slowest).powf(i as f64 / (count - 1) as f64)).collect();
+            (0..MAX_FLASH_STATES).map(|i| slowest * (fastest / slowest).powf(i as f64 / last)).collect();
         let decays = Decays::interpolate(&shifts, |s| source.response(Part::Flash, s, 0.0));
         let track = if source.has_track() {
             Decays::interpolate(&shifts, |s| source.response(Part::Track, s, 0.0))

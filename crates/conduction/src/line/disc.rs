@@ -412,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_of_a_constant_flux_are_exact_and_those_of_a_changing_speed_of_second_order() {
+    fn steps_of_a_constant_flux_are_exact_and_those_of_a_changing_speed_at_least_of_second_order() {
         let (mut disc, ..) = disc();
         let flux = [1.0, 2.0, 1.5, 0.5, 1.0];
         let mut run = |parts: u32, last: f64| {
@@ -427,9 +427,9 @@ mod tests {
         };
         let (one, many) = (run(1, 2.0), run(7, 2.0));
         assert!(one.iter().zip(&many).all(|(one, many)| (one / many - 1.0).abs() < 1e-12), "{one:?} {many:?}");
-        let exact = run(640, 6.0);
+        let exact = run(2560, 6.0);
         let error = |values: Vec<f64>| values.iter().zip(&exact).map(|(a, b)| (a - b).abs()).sum::<f64>();
-        let order = (error(run(10, 6.0)) / error(run(40, 6.0))).log2() / 2.0;
-        assert!((1.8..2.3).contains(&order), "{order}");
+        let order = (error(run(40, 6.0)) / error(run(160, 6.0))).log2() / 2.0;
+        assert!(order > 1.9, "{order}");
     }
 }
