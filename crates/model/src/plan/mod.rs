@@ -58,7 +58,7 @@ const SAFETY: f64 = 0.9;
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
 /// run: a level that is finer for its sake costs up to a few hundred times as much. Runs that unload have a third to a fifteenth of the error
 /// of the planned release.
-const RELEASED: f64 = 8.0;
+const RELEASED: f64 = 4.0;
 
 /// Stated error where it is unknown.
 pub const UNKNOWN: f64 = 1.0;
