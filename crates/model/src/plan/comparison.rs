@@ -31,7 +31,7 @@ use scene::{HeatResolution, Scene};
 const BUDGET: f64 = 100e3;
 
 /// Factor of the budget where the cells do not show whether they converge.
-const UNKNOWN_PART: f64 = 2.5;
+const UNKNOWN_FACTOR: f64 = 2.5;
 
 /// Fraction of the budget for a doubling that makes the estimated error of the chosen level more accurate without changing the choice.
 const ACCURACY_PART: f64 = 0.25;
@@ -137,7 +137,7 @@ pub fn compare(
         }
         let judgement = progress.runs.judge(growth, enough)?;
         let budget = match judgement.certainty(enough) {
-            Certainty::None if !judgement.is_known => UNKNOWN_PART * BUDGET,
+            Certainty::None if !judgement.is_known => UNKNOWN_FACTOR * BUDGET,
             Certainty::None => BUDGET,
             Certainty::Choice => ACCURACY_PART * BUDGET,
             Certainty::ChoiceAndError => 0.0,

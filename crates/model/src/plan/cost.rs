@@ -2,7 +2,7 @@
 //! on a clock.
 //!
 //! The constants are those of a fit to 900 runs of users' scenes, with the inputs of each (`docs/decisions.md`): four of five
-//! runs take from 0.66 to 1.5 times the counted time.
+//! runs with resolved heat take from 0.66 to 1.5 times the counted time.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
@@ -36,17 +36,9 @@ pub fn states(operators: &ModelOperators) -> Option<usize> {
     }
 }
 
-/// Number of cells; 1 at the lumped level.
-pub fn cells(operators: &ModelOperators) -> usize {
-    match operators {
-        ModelOperators::Lumped(_) => 1,
-        ModelOperators::Line(line) => line.count(),
-    }
-}
-
 /// Cost of one internal step.
 pub fn per_step(operators: &ModelOperators) -> f64 {
-    per_step_of(cells(operators), states(operators))
+    per_step_of(operators.cells(), states(operators))
 }
 
 /// Cost of one internal step by the counts: `cells`, and thermal `states` with resolved heat.
@@ -61,7 +53,7 @@ pub fn per_step_of(cells: usize, states: Option<usize>) -> f64 {
 
 /// Cost of building the operators of a level.
 pub fn build_cost(operators: &ModelOperators) -> f64 {
-    build_cost_of(cells(operators), states(operators))
+    build_cost_of(operators.cells(), states(operators))
 }
 
 /// Cost of building the operators of a level by the counts: `cells`, and thermal `states` with resolved heat.
