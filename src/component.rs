@@ -83,6 +83,8 @@ pub struct Component {
     stale: bool,
     /// Tolerance given by the importer.
     tolerance: Option<f64>,
+    /// Duration of the run, s, where the importer gives a stop time.
+    run_duration: Option<f64>,
     /// Tolerance of the scene's default experiment: used where neither the importer nor `solver.tolerance` gives one.
     declared_tolerance: Option<f64>,
     /// Scene prepared last: reused for the same scene.
@@ -117,6 +119,7 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
+            run_duration: None,
             declared_tolerance: None,
             prepared: None,
             planned: false,
@@ -134,9 +137,16 @@ impl Component {
         Component { declared_tolerance: Some(tolerance), ..self }
     }
 
-    /// Tolerance used where `solver.tolerance` is 0.
-    fn outer_tolerance(&self) -> Option<f64> {
-        self.tolerance.or(self.declared_tolerance)
+    /// The scene of these values for this experiment: the tolerance where `solver.tolerance` is 0, and the duration (s) of the run.
+    fn scene_of(&self, values: &Values, tolerance: Option<f64>, run_duration: Option<f64>) -> Result<Scene, String> {
+        let scene = Scene::new(values, tolerance.or(self.declared_tolerance)).map_err(|broken| broken.to_string())?;
+        Ok(scene.for_run_of(run_duration))
+    }
+
+    /// Sets the duration of the run (s), where the importer knows it: a level is chosen automatically for this time, if it is shorter than
+    /// the nominal one.
+    pub fn set_run_duration(&mut self, duration: Option<f64>) {
+        self.run_duration = duration;
     }
 
     /// Resets to the state of [`Component::new`]; the prepared scene is kept for reuse.
@@ -227,7 +237,7 @@ impl Component {
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
         self.tolerance = tolerance;
         self.check_inputs(0.0)?;
-        let scene = Scene::new(&self.values, self.outer_tolerance()).map_err(|broken| broken.to_string())?;
+        let scene = self.scene_of(&self.values, self.tolerance, self.run_duration)?;
         self.build(&scene)?;
         self.check_outputs()?;
         self.phase = Phase::Running;
@@ -270,8 +280,11 @@ impl Component {
         let slopes = self.sloped.then_some(&self.slopes);
         let began = *inputs;
         model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
-        if let (Some(parallel), Some(distance)) = (&mut self.parallel, &self.course.distance) {
-            self.course.distance = parallel.follow(model, inputs, slopes, step, distance);
+        if let (Some(parallel), Some(distance)) = (&mut self.parallel, self.course.distance) {
+            let end = inputs[1] + self.slopes[1] * step;
+            [inputs[1], end].into_iter().for_each(|load| self.course.follow_load(load));
+            let is_released = self.course.releases(end);
+            self.course.distance = parallel.follow(model, inputs, slopes, step, is_released, &distance);
         }
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;

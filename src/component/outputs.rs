@@ -4,8 +4,8 @@
 
 use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, Phase, inputs_of};
 use scene::message::Number;
+use scene::value;
 use scene::variables::{COUNT, ValueReference, lookup, reference};
-use scene::{Scene, value};
 
 const MAIN: [usize; 3] =
     [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
@@ -102,7 +102,7 @@ impl Component {
         if self.phase == Phase::Initializing && self.stale {
             self.stale = false;
             // Rules between several parameters are checked at the end of initialisation.
-            if let Ok(scene) = Scene::new(&self.values, self.outer_tolerance()) {
+            if let Ok(scene) = self.scene_of(&self.values, self.tolerance, self.run_duration) {
                 let _ = self.build(&scene);
             }
         }

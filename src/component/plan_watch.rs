@@ -33,12 +33,11 @@ impl Component {
             return;
         }
         let (planned_speed, planned_load, duration) =
-            (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
+            (scene.nominal_velocity, scene.nominal_load, scene.planned_duration);
         let planned_work = prepared.planned_work();
         let beyond = format_args!(
             "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {load} N and {work} J of friction, \
-             planned for nominal.velocity = {planned_speed} m/s, nominal.load = {planned_load} N and {planned_work} J in nominal.duration = \
-             {duration} s; the level is unchanged, and estimated_error {error} from here on",
+             planned for nominal.velocity = {planned_speed} m/s, nominal.load = {planned_load} N and {planned_work} J in {duration} s; the level is unchanged, and estimated_error {error} from here on",
             speed = Number(speed),
             load = Number(load),
             work = Number(work),

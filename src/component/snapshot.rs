@@ -6,8 +6,8 @@ use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
 use model::plan::course::Course;
 use model::plan::distance::LevelDistance;
+use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
-use scene::{Scene, value};
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -17,6 +17,8 @@ pub struct Snapshot {
     slopes: [f64; INPUTS],
     phase: u8,
     tolerance: Option<f64>,
+    /// Duration of the run, s.
+    run_duration: Option<f64>,
     reported: u8,
     at_end: bool,
     last_step: f64,
@@ -45,7 +47,7 @@ impl Component {
             Phase::Initializing => 1,
             Phase::Running => 2,
         };
-        into.tolerance = self.tolerance;
+        (into.tolerance, into.run_duration) = (self.tolerance, self.run_duration);
         into.reported = self.reported;
         into.at_end = self.at_end;
         into.last_step = self.last_step;
@@ -80,6 +82,9 @@ impl Component {
         if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
+        if let Some(duration) = from.run_duration.filter(|duration| !(*duration >= 0.0 && duration.is_finite())) {
+            return Err(format!("the saved state is damaged: its duration {duration} s must be a finite number >= 0"));
+        }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {
             // The scene at the end of initialisation: tunable parameters may have changed since.
@@ -88,7 +93,7 @@ impl Component {
             value!(at_start, "ambient_temperature") = from.built[1];
             value!(at_start, "wear_acceleration") = from.built[2];
             let same = self.phase == Phase::Running
-                && self.tolerance == from.tolerance
+                && (self.tolerance, self.run_duration) == (from.tolerance, from.run_duration)
                 && self.model.as_ref().is_some_and(|model| {
                     let scene = model.scene();
                     [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration] == from.built
@@ -100,8 +105,7 @@ impl Component {
             let prepared = match &self.prepared {
                 Some(prepared) if same => prepared.clone(),
                 known => {
-                    let scene = Scene::new(&at_start, from.tolerance.or(self.declared_tolerance))
-                        .map_err(|broken| broken.to_string())?;
+                    let scene = self.scene_of(&at_start, from.tolerance, from.run_duration)?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
                         None => super::prepare(&scene)?,
@@ -144,7 +148,7 @@ impl Component {
             1 => Phase::Initializing,
             _ => Phase::Running,
         };
-        self.tolerance = from.tolerance;
+        (self.tolerance, self.run_duration) = (from.tolerance, from.run_duration);
         self.reported = from.reported;
         self.at_end = from.at_end;
         self.last_step = from.last_step;
@@ -172,8 +176,9 @@ impl Snapshot {
         put(self.course.largest_load);
         put(f64::from(u8::from(self.course.distance.is_some())));
         let distance = self.course.distance.unwrap_or_default();
-        distance.apart.into_iter().chain(distance.largest).for_each(&mut put);
+        distance.apart.into_iter().flatten().chain(distance.largest).for_each(&mut put);
         put(self.tolerance.unwrap_or(f64::NAN));
+        put(self.run_duration.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
             put(f64::from(index));
@@ -203,7 +208,7 @@ impl Snapshot {
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
         let parallel = self.parallel.as_ref().map_or(0, |parallel| parallel.numbers().len());
-        8 * (17 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (21 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -231,14 +236,14 @@ impl Snapshot {
         };
         let is_followed = next()? != 0.0;
         let mut distance = LevelDistance::default();
-        for slot in distance.apart.iter_mut().chain(&mut distance.largest) {
+        for slot in distance.apart.iter_mut().flatten().chain(&mut distance.largest) {
             *slot = next()?;
             if !(0.0..=LARGEST_STATE).contains(slot) {
                 return None;
             }
         }
         course.distance = is_followed.then_some(distance);
-        let (tolerance, count) = (next()?, next()?);
+        let (tolerance, run_duration, count) = (next()?, next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count)
             || !(0.0..=2.0).contains(&phase)
             || !(0.0..256.0).contains(&reported)
@@ -256,6 +261,7 @@ impl Snapshot {
             last_step,
             course,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
+            run_duration: (!run_duration.is_nan()).then_some(run_duration),
             ..Snapshot::default()
         };
         for _ in 0..count as usize {

@@ -212,6 +212,7 @@ impl Instance {
     /// `fmi2EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Outcome {
         self.component.set_importer_tolerance(self.clock.tolerance);
+        self.component.set_run_duration(self.clock.stop.map(|stop| stop - self.clock.time));
         self.component.enter_initialization();
         self.phase = Phase::Initialization;
         Ok(())

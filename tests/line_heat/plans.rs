@@ -324,3 +324,41 @@ fn the_error_stays_known_while_perturbations_hardly_grow() {
     let estimate = run.estimated.last().copied().unwrap();
     assert!((0.5..10.0).contains(&(estimate / error)), "{error:e}, estimated {estimate:e}");
 }
+
+/// A stop time before the nominal duration shortens what levels are compared over; a saved state brings it along, and a level that is named
+/// does not depend on it.
+#[test]
+fn a_level_is_chosen_for_the_time_that_the_run_lasts() {
+    let of = |fidelity: f64, duration: Option<f64>| {
+        let mut starts = scene("disc_brake");
+        for (name, value) in [("solver.fidelity", fidelity), ("solver.tolerance", 1e-1)] {
+            starts[reference(name) as usize] = value;
+        }
+        let mut component = Component::new(Arc::new(starts));
+        component.set_run_duration(duration);
+        component.enter_initialization();
+        component.initialise(None).unwrap();
+        component
+    };
+    let cells = |component: &Component| component.operators().unwrap().cells();
+    let durations = [None, Some(1370.0), Some(93.0), Some(20.0), Some(0.0)];
+    assert_eq!(durations.map(|duration| cells(&of(1.0, duration))), [9, 9, 9, 1, 9]);
+    let step = |component: &mut Component| {
+        component.set_input(reference("sliding_velocity"), 3.0);
+        component.set_input(reference("normal_load"), 2e3);
+        component.step(1.0).unwrap();
+        (0..COUNT as u32).map(|index| component.get(index).to_bits()).collect::<Vec<_>>()
+    };
+    let mut stop = of(1.0, Some(20.0));
+    step(&mut stop);
+    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+    stop.snapshot(&mut saved);
+    saved.encode(&mut bytes);
+    assert_eq!(bytes.len(), saved.encoded_size());
+    let mut other = of(1.0, None);
+    other.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+    assert_eq!(cells(&other), 1);
+    assert!(step(&mut other) == step(&mut stop), "a replay differs");
+    let [short, long] = [Some(20.0), None].map(|duration| step(&mut of(2.0, duration)));
+    assert!(short == long, "a named level depends on the stop time");
+}

@@ -276,6 +276,8 @@ pub struct Scene {
     pub nominal_load: f64,
     pub nominal_velocity: f64,
     pub nominal_duration: f64,
+    /// Duration for which a level is chosen automatically, s: the nominal one, or that of the run where it is shorter.
+    pub planned_duration: f64,
     pub nominal_stroke: f64,
     pub fidelity: Fidelity,
     /// Number of cells of the contact line; 0: automatic.
@@ -284,6 +286,8 @@ pub struct Scene {
     pub heat_resolution: HeatResolution,
     pub scheme: Scheme,
     pub tolerance: f64,
+    /// Part of the tolerance for the steps of a contact line.
+    pub step_part: f64,
     pub wear_acceleration: f64,
 }
 
@@ -412,6 +416,7 @@ impl Scene {
             nominal_load: value!(v, "nominal.load"),
             nominal_velocity: value!(v, "nominal.velocity"),
             nominal_duration: value!(v, "nominal.duration"),
+            planned_duration: value!(v, "nominal.duration"),
             nominal_stroke: value!(v, "nominal.stroke"),
             fidelity: match value!(v, "solver.fidelity") as i32 {
                 1 => Fidelity::Auto,
@@ -427,10 +432,25 @@ impl Scene {
                 _ => Scheme::Explicit,
             },
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
+            step_part: 1.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene, v)?;
         Ok(scene)
+    }
+
+    /// The scene for a run that ends after `duration` s, where that is known: a level is chosen automatically for this time, if it is
+    /// shorter than the nominal one.
+    pub fn for_run_of(mut self, duration: Option<f64>) -> Scene {
+        if let (Fidelity::Auto, Some(duration)) = (self.fidelity, duration.filter(|duration| *duration > 0.0)) {
+            self.planned_duration = self.nominal_duration.min(duration);
+        }
+        self
+    }
+
+    /// Tolerance of the steps of a contact line.
+    pub fn step_tolerance(&self) -> f64 {
+        self.step_part * self.tolerance
     }
 
     /// Whether both bodies are rigid: the pressure is uniform then.

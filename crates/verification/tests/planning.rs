@@ -42,7 +42,8 @@ fn plans_meet_their_tolerance_at_the_cost_of_the_cheapest_setting() {
 }
 
 /// The ends of a heated pad open cell by cell: successive differences of such runs are in no regular ratio, and an extrapolation with
-/// the measured one stated a fifth of the error.
+/// the measured one stated a fifth of the error. Of the second scene only 9 and 17 cells fit the budget, which agree better than with finer
+/// ones.
 #[test]
 fn estimated_errors_of_a_contact_that_opens_are_not_too_small() {
     let all = applications::all().unwrap();
@@ -52,9 +53,11 @@ fn estimated_errors_of_a_contact_that_opens_are_not_too_small() {
         value!(starts, "solver.tolerance") = 1e-3;
         let scene = Scene::new(&starts, None).unwrap();
         let course = NominalTrajectory::new(&scene).unwrap();
+        // The errors of the cells alone: those of the steps are near the tolerance.
+        let fine_scene = Scene { tolerance: 2e-4, ..scene.clone() };
         let run = |cells: usize| -> Run {
             let level = ModelLevel::Line { cells, heat: HeatResolution::Resolved };
-            course.run(&ModelOperators::new(&level.apply(&scene), steady::run_in).unwrap(), u32::MAX).unwrap()
+            course.run(&ModelOperators::new(&level.apply(&fine_scene), steady::run_in).unwrap(), u32::MAX).unwrap()
         };
         let fine = run(129);
         assert!(fine.parted.is_some(), "{name}: no cell opens");

@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 6"],
+        &["layout 1", "layout 7"],
     ),
     stepping(
         "noise as a state",

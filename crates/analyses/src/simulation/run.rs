@@ -169,6 +169,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     for (input, values) in &trajectory.inputs {
         component.set_input(*input, values[0]);
     }
+    component.set_run_duration(points.last().map(|last| last - points[0]));
     component.enter_initialization();
     component.initialise(None).map_err(|text| anyhow!("the scene {}{}: {text}", packaged.name, trajectory.place(1)))?;
     let operators = component.operators();

@@ -34,8 +34,13 @@ pub struct Course {
 impl Course {
     /// Takes a load (N).
     pub fn follow_load(&mut self, load: f64) {
-        self.is_released |= load < RELEASED * self.largest_load;
+        self.is_released |= self.releases(load);
         self.largest_load = maximum(self.largest_load, load);
+    }
+
+    /// Whether a load (N) counts as released.
+    pub fn releases(&self, load: f64) -> bool {
+        load < RELEASED * self.largest_load
     }
 
     /// Exponent of growth beyond the one that the plan contains.
@@ -53,17 +58,25 @@ impl Course {
         self.severity > PLANNED || self.excess(planned_growth) > PLANNED.ln()
     }
 
-    /// Factor by which the error of the plan is multiplied. `uniform`: error of the lumped level in the plan.
+    /// Error of a level, from that of the plan. `planned`: errors in the plan under load and with the load released; `uniform`: the same
+    /// of the lumped level.
     ///
-    /// Where the lumped level is advanced in parallel, the error is in proportion to the distance from it. Otherwise, beyond the conditions of the plan, it
-    /// is in proportion to them.
-    pub fn factor(&self, planned_growth: f64, uniform: f64) -> f64 {
+    /// Where the lumped level is advanced in parallel, the error is in proportion to the distance from it, under load and with the load
+    /// released apart. Otherwise, beyond the conditions of the plan, it is in proportion to them.
+    pub fn level_error(&self, planned_growth: f64, planned: [f64; 2], uniform: [f64; 2]) -> f64 {
         let by_conditions = (self.severity / PLANNED).max(1.0);
-        let factor = match self.distance {
-            Some(distance) if uniform > 0.0 => distance.most() / uniform,
-            _ => by_conditions,
+        let in_phase = |is_released: bool| {
+            let phase = usize::from(is_released);
+            match self.distance {
+                Some(distance) if uniform[phase] > 0.0 => planned[phase] * distance.most(is_released) / uniform[phase],
+                _ => planned[phase] * by_conditions,
+            }
         };
-        factor * self.excess(planned_growth).exp()
+        let error = match (self.is_released, self.distance) {
+            (true, Some(_)) => maximum(in_phase(false), in_phase(true)),
+            (is_released, _) => in_phase(is_released),
+        };
+        error * self.excess(planned_growth).exp()
     }
 }
 
@@ -77,7 +90,10 @@ mod tests {
 
     #[test]
     fn beyond_twice_the_nominal_conditions_the_error_is_in_proportion_up_to_ten_times() {
-        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|severity| after(severity, 0.0).factor(0.0, 0.1)), [1.0, 1.0, 1.0, 2.5]);
+        let error = |severity: f64| after(severity, 0.0).level_error(0.0, [1.0, 9.0], [0.1; 2]);
+        assert_eq!([0.0, 1.0, 2.0, 5.0].map(error), [1.0, 1.0, 1.0, 2.5]);
+        let released = Course { is_released: true, ..after(5.0, 0.0) };
+        assert_eq!(released.level_error(0.0, [1.0, 9.0], [0.1; 2]), 22.5);
         assert!(!after(2.0, 0.0).is_beyond(0.0) && after(2.0_f64.next_up(), 0.0).is_beyond(0.0));
         assert!(after(10.0, 0.0).is_known(0.0) && !after(10.0_f64.next_up(), 0.0).is_known(0.0));
     }
@@ -85,8 +101,9 @@ mod tests {
     #[test]
     fn the_error_grows_with_perturbations_up_to_ten_times() {
         let double = 2.0_f64.ln();
-        assert_eq!(after(4.0, double).factor(0.0, 0.1), 4.0);
-        assert_eq!([double, f64::INFINITY].map(|planned| after(1.0, double).factor(planned, 0.1)), [1.0; 2]);
+        let error = |course: Course, planned: f64| course.level_error(planned, [1.0; 2], [0.1; 2]);
+        assert_eq!(error(after(4.0, double), 0.0), 4.0);
+        assert_eq!([double, f64::INFINITY].map(|planned| error(after(1.0, double), planned)), [1.0; 2]);
         assert!(!after(1.0, double).is_beyond(0.0) && after(1.0, 1.01 * double).is_beyond(0.0));
         assert!(after(1.0, 9.9_f64.ln()).is_known(0.0) && !after(1.0, 10.1_f64.ln()).is_known(0.0));
         assert!(!after(1.0, f64::INFINITY).is_known(0.0));
@@ -95,11 +112,18 @@ mod tests {
     #[test]
     fn the_error_is_in_proportion_to_the_distance_from_the_lumped_level_in_parallel() {
         let mut distance = LevelDistance::default();
-        distance.follow([1.0, 100.0, 1.0], [1.0, 95.0, 1.0]);
-        let course = Course { distance: Some(distance), ..after(4.0, 2.0_f64.ln()) };
-        assert_eq!(course.factor(f64::INFINITY, 0.1), 0.5);
-        assert_eq!(course.factor(0.0, 0.1), 1.0);
-        assert_eq!(course.factor(f64::INFINITY, 0.0), 2.0);
+        distance.follow([1.0, 100.0, 1.0], [1.0, 95.0, 1.0], false);
+        let mut course = Course { distance: Some(distance), ..after(4.0, 2.0_f64.ln()) };
+        let planned = [1.0, 8.0];
+        assert_eq!(course.level_error(f64::INFINITY, planned, [0.1, 0.4]), 0.5);
+        assert_eq!(course.level_error(0.0, planned, [0.1, 0.4]), 1.0);
+        assert_eq!(course.level_error(f64::INFINITY, planned, [0.0; 2]), 2.0);
+        // A release adds what both levels are apart then.
+        course.is_released = true;
+        assert_eq!(course.level_error(f64::INFINITY, planned, [0.1, 0.4]), 0.5);
+        distance.follow([1.0, 50.0, 1.0], [1.0, 40.0, 1.0], true);
+        course.distance = Some(distance);
+        assert_eq!(course.level_error(f64::INFINITY, planned, [0.1, 0.4]), 2.0);
     }
 
     #[test]

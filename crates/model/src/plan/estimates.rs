@@ -7,8 +7,8 @@
 //! e(n) = d(n/2, n)/(r - 1),
 //! ```
 //!
-//! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, and where a part of the zone is not in
-//! contact, r is taken as 2: first order in the cell size. More doublings are extrapolated with r, from the second on by r = 2 at
+//! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only r is taken as 2, first order in the cell size,
+//! with more as 2.4 where a part of the zone is not in contact. More doublings are extrapolated with r, from the second on by r = 2 at
 //! most. Between two numbers of cells, one has the mean of their errors.
 //!
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
@@ -29,8 +29,9 @@ use scene::HeatResolution;
 /// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower
 /// bound is that of a temperature under a pressure that is singular at the edge, the upper one is second order. Where a part of the
 /// zone is not in contact, the edge is known to a part of a cell, which varies from one number of cells to the next: a ratio of two
-/// differences may be chance, and the assumed one is taken.
+/// differences may be chance, and an assumed one is taken, between first and second order.
 const ASSUMED_RATIO: f64 = 2.0;
+const PARTED_RATIO: f64 = 2.4;
 const RATIO: (f64, f64) = (1.5, 4.0);
 
 /// Number of doublings that are extrapolated in any case.
@@ -147,7 +148,11 @@ impl LevelRuns<'_> {
             // A difference within the error of the time steps does not show how fast the cells converge.
             let least = if largest(between) <= self.error_of_steps(finest) { ASSUMED_RATIO } else { RATIO.0 };
             let parted = [&before.run, &finest.run].iter().any(|run| run.parted.is_some_and(|first| first < segments));
-            let bounded = ratio.filter(|_| !parted).map_or(ASSUMED_RATIO, |ratio| ratio.clamp(least, RATIO.1));
+            let bounded = match ratio {
+                None => ASSUMED_RATIO,
+                Some(_) if parted => PARTED_RATIO,
+                Some(ratio) => ratio.clamp(least, RATIO.1),
+            };
             (between, ratio, bounded)
         };
         let errors = |difference: &dyn Fn(&Run, &Run) -> [f64; 3], segments: usize, run: &Run| {

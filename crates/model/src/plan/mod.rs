@@ -55,6 +55,12 @@ use trajectory::NominalTrajectory;
 /// Part of the tolerance for the error of the level and its cells.
 const SAFETY: f64 = 0.9;
 
+/// Tolerance below which the steps of a contact line get the part of it that is proportional to it, and the least part. Where edges of
+/// the contact move, the error of a step is of first order and its estimate, by which steps are chosen, of second: the error over the
+/// tolerance rises as its inverse root. At 1e-3 it is 1 to 2.5 on fine cells, which leaves nothing for the cells.
+const WHOLE_STEP_PART: f64 = 2e-3;
+const LEAST_STEP_PART: f64 = 0.25;
+
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
 /// run: a level that is finer for its sake costs up to a few hundred times as much. Runs that unload have a third to a fifteenth of the error
 /// of the planned release.
@@ -100,6 +106,8 @@ impl Candidate {
 pub struct Plan {
     /// Tolerance of the plan.
     pub tolerance: f64,
+    /// Duration for which it is made, s.
+    pub duration: f64,
     /// Chosen level.
     pub model_level: ModelLevel,
     /// Whether its estimated error is below the tolerance.
@@ -162,6 +170,8 @@ pub struct Planned {
 /// # Errors
 /// A text with the numbers where the chosen level cannot be built.
 pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
+    let step_part = (scene.tolerance / WHOLE_STEP_PART).clamp(LEAST_STEP_PART, 1.0);
+    let scene = &Scene { step_part, ..scene.clone() };
     let lumped = |reason: String, error: Option<f64>| uncompared(scene, ModelLevel::Lumped, reason, error, run_in);
     if scene.has_rigid_bodies() {
         return lumped("both bodies are rigid".into(), None);
@@ -247,6 +257,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
     let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
+        duration: scene.planned_duration,
         model_level: chosen.model_level,
         meets: good.is_some(),
         reason,
@@ -284,6 +295,7 @@ fn uncompared(
     let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
+        duration: scene.planned_duration,
         model_level,
         meets: estimated_error.is_none(),
         reason,

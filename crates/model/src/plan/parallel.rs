@@ -3,7 +3,7 @@
 //!
 //! Both the error of the cells and the distance of the lumped level come from the uneven pressure. With e the error of the chosen line and u
 //! that of the lumped level over the nominal trajectory, and d the largest distance of both levels in the run so far, the error of the run
-//! is about `e d/u`: nothing is assumed of how it depends on load, speed and duration.
+//! is about `e d/u`, under load and with the load released apart: nothing is assumed of how it depends on load, speed and duration.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
@@ -51,7 +51,7 @@ impl ParallelLumped {
         self.model.set_state(&ModelState::Lumped(state));
     }
 
-    /// Makes the step that `line` has just made, and adds the distance of both at its end. `None` where the lumped level has no
+    /// Makes the step that `line` has just made, and adds the distance of both at its end, where the load may be released. `None` where the lumped level has no
     /// solution: from there on nothing is known of the distance.
     pub fn follow(
         &mut self,
@@ -59,6 +59,7 @@ impl ParallelLumped {
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
         step: f64,
+        is_released: bool,
         so_far: &LevelDistance,
     ) -> Option<LevelDistance> {
         self.model.step(inputs, slopes, step).ok()?;
@@ -67,8 +68,8 @@ impl ParallelLumped {
         self.model.write_end(&mut self.values);
         let other = self.main();
         let mut distance = *so_far;
-        distance.follow(first, other);
-        distance.apart.iter().all(|apart| apart.is_finite()).then_some(distance)
+        distance.follow(first, other, is_released);
+        distance.apart.iter().flatten().all(|apart| apart.is_finite()).then_some(distance)
     }
 
     /// Main outputs among those written last.

@@ -58,11 +58,11 @@ impl Prepared {
         self.plan.as_ref().is_some_and(|plan| plan.compared_steps > 0)
     }
 
-    /// Friction work (J) of nominal load and velocity over the nominal duration.
+    /// Friction work (J) of nominal load and velocity over the planned duration.
     pub fn planned_work(&self) -> f64 {
         let scene = &self.requested;
         let force = scene.friction_coefficient * scene.nominal_load * scene.faces * self.operators.mean().power_factor;
-        force * scene.nominal_velocity * scene.nominal_duration
+        force * scene.nominal_velocity * scene.planned_duration
     }
 
     /// Largest ratio of a speed (m/s), a load (N) and the friction work (J) so far to the nominal ones. The work represents a run
@@ -92,12 +92,9 @@ impl Prepared {
             // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if course.is_known(plan.growth[0]) => {
-                let phase = usize::from(course.is_released);
-                let level = [plan.estimated_error, plan.released_error][phase].unwrap_or(0.0);
-                let uniform = plan.lumped_errors.map_or(0.0, |errors| errors[phase]);
-                (course.factor(plan.growth[0], uniform) * level)
-                    .hypot(plan.step_ratios[phase] * step_error)
-                    .min(UNKNOWN)
+                let planned = [plan.estimated_error, plan.released_error].map(|error| error.unwrap_or(0.0));
+                let level = course.level_error(plan.growth[0], planned, plan.lumped_errors.unwrap_or([0.0; 2]));
+                level.hypot(plan.step_ratios[usize::from(course.is_released)] * step_error).min(UNKNOWN)
             }
             _ => UNKNOWN,
         }

@@ -24,13 +24,14 @@ impl Plan {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.summary()];
         lines.push(format!(
-            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} µs for an internal step, {} s for the nominal \
-             duration; compared in {} internal steps over {:.3} % of it, {} s",
+            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} µs for an internal step, {} s for {} s \
+             of the run; compared in {} internal steps over {:.3} % of it, {} s",
             self.estimated_error.map_or("that of the steps".into(), short),
             short(self.tolerance),
             short(self.reduction_error),
             self.cost_per_step,
             short(1e-6 * self.run_cost),
+            self.duration,
             self.compared_steps,
             100.0 * self.covered,
             short(1e-6 * self.planning_cost)

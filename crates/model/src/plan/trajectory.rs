@@ -1,4 +1,5 @@
-//! Nominal trajectory of a scene: the inputs described by `nominal.*`, over the nominal duration.
+//! Nominal trajectory of a scene: the inputs described by `nominal.*`, over the nominal duration, or over that of the run where it is
+//! known and shorter. Below both are called the nominal duration.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
@@ -73,7 +74,7 @@ pub struct Run {
 impl NominalTrajectory {
     /// Nominal trajectory; `None` where nominal load or velocity is 0.
     pub fn new(scene: &Scene) -> Option<NominalTrajectory> {
-        let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
+        let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.planned_duration);
         if !(speed > 0.0 && load > 0.0 && duration > 0.0) {
             return None;
         }

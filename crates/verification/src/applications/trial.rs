@@ -92,6 +92,7 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
         inputs.iter().for_each(|(input, values)| component.set_input(*input, values[point]));
     };
     set(&mut component, 0);
+    component.set_run_duration(course.last().map(|last| last[0] - course[0][0]));
     component.enter_initialization();
     component.initialise(None)?;
     component.messages().for_each(drop);

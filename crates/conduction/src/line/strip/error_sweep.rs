@@ -19,6 +19,8 @@ pub struct ErrorSweep {
     weights: Vec<f64>,
     /// Exact impedances, one row per frequency.
     exact: Vec<Complex<f64>>,
+    /// Exact stationary impedances.
+    stationary: Vec<f64>,
     /// Reduction error of the mean mode at each frequency.
     mean: Vec<Complex<f64>>,
     scale: f64,
@@ -49,7 +51,9 @@ impl ErrorSweep {
         let points = 16;
         let frequencies: Vec<f64> =
             (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
-        let mut error_sweep = ErrorSweep { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
+        let stationary = layers.iter().map(|layer| layer.impedance(Complex::default()).re).collect();
+        let mut error_sweep =
+            ErrorSweep { frequencies, weights, exact: Vec::new(), stationary, mean: Vec::new(), scale: 0.0 };
         for &frequency in &error_sweep.frequencies {
             let s = Complex::new(0.0, frequency);
             error_sweep.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
@@ -64,7 +68,8 @@ impl ErrorSweep {
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode.
+    /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode with their static
+    /// correction, by which the stationary response is exact.
     pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
         let mut largest: f64 = 0.0;
@@ -72,8 +77,10 @@ impl ErrorSweep {
             let s = Complex::new(0.0, frequency);
             let mut error = self.mean[row];
             for (index, modes) in modes.iter().enumerate() {
-                error += (modes.impedance(s) - self.exact[row * count + index * step])
-                    * (self.weights[index * step] * step as f64);
+                let wave = index * step;
+                let correction = self.stationary[wave] - modes.impedance(Complex::default());
+                error += (modes.impedance(s) + correction - self.exact[row * count + wave])
+                    * (self.weights[wave] * step as f64);
             }
             largest = maximum(largest, error.norm_sqr().sqrt() / self.scale);
         }

@@ -55,7 +55,7 @@ impl Solved<'_> {
             rise = maximum(rise, largest(&heat.temperature[1][side]));
         }
         let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
-        maximum(allowance * moved / bound, allowance * temperature_error / (operators.scene.tolerance * rise))
+        maximum(allowance * moved / bound, allowance * temperature_error / (operators.scene.step_tolerance() * rise))
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
@@ -96,7 +96,7 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise))
+        maximum(moved / bound, temperature_error / (operators.scene.step_tolerance() * rise))
     }
 }
 

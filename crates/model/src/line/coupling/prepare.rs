@@ -150,10 +150,9 @@ impl ThermalCoupling {
     /// Sets the parts of the cells in contact in a step of `step` s.
     fn set_contact_parts(&mut self, given: &StepData<'_>, step: f64) {
         let Some(edges) = &self.edges else { return };
-        let (line, state) = (given.state, state_of(given));
-        let worn = given.operators.shaping(&line.punch, &line.strip);
+        let state = state_of(given);
         let was_whole = self.contact_parts.is_whole();
-        edges.find(&state.edges, step, worn, &mut self.contact_parts);
+        edges.find(&state.edges, step, &mut self.contact_parts);
         if was_whole && self.contact_parts.is_whole() {
             return;
         }

@@ -1,7 +1,7 @@
 //! Comparison with exact solutions.
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
-use crate::line::strip::{Resolution, SlidingPath, StripHeat};
+use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::line::{Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
@@ -54,6 +54,25 @@ fn half_space_at_short_times() {
     let temperature = march(&mut body, &mut state, 0.02, 50, |_| 0.0);
     println!("{} states error {:.1e} {}", body.states(), body.error(), temperature[16] * 1e6);
     assert!((temperature[16] * 1e6 - 84.375).abs() < 84.375e-4, "{}", temperature[16] * 1e6);
+}
+
+/// Every mode of a pin on a disk decays faster than its shortest time, so most of its response is the static correction.
+#[test]
+fn the_stated_error_of_a_short_contact_is_that_of_its_temperature() {
+    let lateral = Some(crate::lateral::Lateral::new(2e-3, 55.0 / (7800.0 * 460.0)));
+    let properties = StripProperties { lateral, ..steel(0.01, FarBoundary::Held, SlidingPath::Closed(0.1), 10.0) };
+    let cells = Cells::graded(1e-3, 17).unwrap();
+    let after = |steps: usize, shortest: f64| {
+        let resolution = Resolution { duration: 1e4, shortest, tolerance: 1e-3 };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        let temperature = march(&mut body, &mut state, 10.0 / steps as f64, steps, |_| 0.0);
+        (mean(&cells, &temperature), body.error(), body.states())
+    };
+    let [(coarse, error, states), (fine, _, more)] = [after(1, 10.0), after(200, 0.05)];
+    let apart = (coarse / fine - 1.0).abs();
+    println!("{states} and {more} states: apart by {apart:.1e}, stated {error:.1e}");
+    assert!(states < more && apart < 3.0 * error && error < 5e-4, "{apart} and {error}");
 }
 
 #[test]
