@@ -82,8 +82,8 @@ impl Component {
         if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
-        if let Some(duration) = from.run_duration.filter(|duration| !(*duration >= 0.0 && duration.is_finite())) {
-            return Err(format!("the saved state is damaged: its duration {duration} s must be a finite number >= 0"));
+        if let Some(duration) = from.run_duration.filter(|duration| *duration < 0.0) {
+            return Err(format!("the saved state is damaged: the duration {duration} s of its run must be >= 0"));
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {

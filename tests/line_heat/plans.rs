@@ -341,24 +341,26 @@ fn a_level_is_chosen_for_the_time_that_the_run_lasts() {
         component
     };
     let cells = |component: &Component| component.operators().unwrap().cells();
-    let durations = [None, Some(1370.0), Some(93.0), Some(20.0), Some(0.0)];
-    assert_eq!(durations.map(|duration| cells(&of(1.0, duration))), [9, 9, 9, 1, 9]);
+    let durations = [None, Some(f64::INFINITY), Some(1370.0), Some(93.0), Some(20.0), Some(1e-300), Some(0.0)];
+    assert_eq!(durations.map(|duration| cells(&of(1.0, duration))), [9, 9, 9, 9, 1, 9, 9]);
     let step = |component: &mut Component| {
         component.set_input(reference("sliding_velocity"), 3.0);
         component.set_input(reference("normal_load"), 2e3);
         component.step(1.0).unwrap();
         (0..COUNT as u32).map(|index| component.get(index).to_bits()).collect::<Vec<_>>()
     };
-    let mut stop = of(1.0, Some(20.0));
-    step(&mut stop);
-    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
-    stop.snapshot(&mut saved);
-    saved.encode(&mut bytes);
-    assert_eq!(bytes.len(), saved.encoded_size());
-    let mut other = of(1.0, None);
-    other.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-    assert_eq!(cells(&other), 1);
-    assert!(step(&mut other) == step(&mut stop), "a replay differs");
+    for (duration, planned) in [(20.0, 1), (f64::INFINITY, 9)] {
+        let mut first = of(1.0, Some(duration));
+        step(&mut first);
+        let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+        first.snapshot(&mut saved);
+        saved.encode(&mut bytes);
+        assert_eq!(bytes.len(), saved.encoded_size());
+        let mut other = of(1.0, None);
+        other.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert_eq!(cells(&other), planned);
+        assert!(step(&mut other) == step(&mut first), "a replay differs");
+    }
     let [short, long] = [Some(20.0), None].map(|duration| step(&mut of(2.0, duration)));
     assert!(short == long, "a named level depends on the stop time");
 }

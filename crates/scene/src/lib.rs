@@ -291,6 +291,9 @@ pub struct Scene {
     pub wear_acceleration: f64,
 }
 
+/// Least duration for which a level is chosen, s: that of `nominal.duration`.
+const SHORTEST_PLANNED: f64 = 1e-6;
+
 /// The friction table of the values of the variable table, if it has points.
 fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
     let row = |first: usize| std::array::from_fn(|point| v[first + point]);
@@ -443,7 +446,7 @@ impl Scene {
     /// shorter than the nominal one.
     pub fn for_run_of(mut self, duration: Option<f64>) -> Scene {
         if let (Fidelity::Auto, Some(duration)) = (self.fidelity, duration.filter(|duration| *duration > 0.0)) {
-            self.planned_duration = self.nominal_duration.min(duration);
+            self.planned_duration = self.nominal_duration.min(duration.max(SHORTEST_PLANNED));
         }
         self
     }

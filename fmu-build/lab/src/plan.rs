@@ -122,7 +122,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         file.packaged.name,
         scene.nominal_load,
         scene.nominal_velocity,
-        scene.nominal_duration
+        planned.plan.duration
     );
     for line in planned.plan.lines() {
         print_line!("{line}");

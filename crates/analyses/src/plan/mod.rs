@@ -10,15 +10,17 @@ use scene_file::SceneFile;
 use serde_json::{Value, json};
 
 /// The plan of a scene, also where it fixes its level, and the scene as it is; `tolerance`: of the importer, where
-/// `solver.tolerance` is 0.
+/// `solver.tolerance` is 0. It is the plan for the scene's default experiment.
 ///
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
 pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<(Scene, Planned)> {
-    let importer = tolerance.or(Some(file.packaged.experiment.tolerance));
+    let experiment = file.packaged.experiment;
+    let importer = tolerance.or(Some(experiment.tolerance));
     let scene = Scene::new(&file.packaged.starts, importer).map_err(|broken| anyhow!("{broken}"))?;
     let mut free = scene.clone();
     free.fidelity = Fidelity::Auto;
+    let free = free.for_run_of(Some(experiment.stop - experiment.start));
     let planned = plan::make(&free, run_in).map_err(|text| anyhow!(text))?;
     Ok((scene, planned))
 }

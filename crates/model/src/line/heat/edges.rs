@@ -107,14 +107,12 @@ fn interpolate(position: f64, [first, second]: [f64; 2]) -> f64 {
 ///
 /// The part wears like the cells in contact, in proportion to its overlap. Implicit Euler.
 fn worn_relief(before: f64, position: f64, overlap: [f64; 2], wear: [f64; 2]) -> f64 {
-    let of_contact = |i: usize| if overlap[i] > 0.0 { [overlap[i], wear[i]] } else { [0.0; 2] };
-    let [first, second] = [of_contact(0), of_contact(1)];
     let [level, interpolated] = [overlap, wear].map(|values| interpolate(position, values));
     // Overlap and wear of the cells in contact.
     let [depth, worn] = match (overlap[0] > 0.0, overlap[1] > 0.0) {
         (false, false) => return before,
         (true, true) => [level, interpolated],
-        _ => [first[0] + second[0], first[1] + second[1]],
+        (_, second) => [overlap[usize::from(second)], wear[usize::from(second)]],
     };
     let touching = (depth * (before - interpolated) + worn * level) / (depth + worn);
     if level > touching { touching } else { before - interpolated }
