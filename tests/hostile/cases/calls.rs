@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 7"],
+        &["layout 1", "layout 8"],
     ),
     stepping(
         "noise as a state",

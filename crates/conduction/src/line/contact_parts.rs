@@ -1,8 +1,9 @@
 //! Parts of the cells of the contact line that are in contact, and exchange heat.
 //!
-//! A contact that ends within the zone ends within a cell. The cell is divided into [`PARTS`] parts of equal width, of which
-//! whole ones are in contact: heat enters the body through these alone, evenly, and it is their mean temperature that enters the
-//! interface law. Fluxes remain per area of the whole cell, so that heat is conserved. With the fraction phi in contact
+//! A contact that ends within the zone ends within a cell. The cell is divided into [`PARTS`] parts of equal width. Heat enters the body
+//! through every part in proportion to its fraction in contact, evenly within the part, and the temperatures of the parts enter the
+//! interface law by the same weights. Fluxes remain per area of the whole cell, so that heat is conserved. With the fraction phi of the
+//! cell in contact
 //!
 //! ```text
 //! T_1 - T_2 = (q_2 - q_1)/(2 phi h_c)
@@ -16,19 +17,18 @@
 /// Number of parts of a cell.
 pub const PARTS: usize = 4;
 
-/// All parts, by bits.
-const WHOLE: u8 = (1 << PARTS) - 1;
+/// Multiples of 1/`LEVELS` are the fractions of a part: operators are made anew where one changes. With whole parts an edge jumped by a
+/// quarter of a cell, and which way it went could change a run by up to a hundredth, whatever the step.
+const LEVELS: u8 = 16;
 
-/// The parts from `start` to `end`, by bits.
-fn between(start: usize, end: usize) -> u8 {
-    (WHOLE >> (PARTS - end)) & (WHOLE << start)
-}
+/// All of every part.
+const WHOLE: [u8; PARTS] = [LEVELS; PARTS];
 
 /// Parts in contact of every cell. Cells that do not exchange heat count as whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ContactParts {
-    /// By bits, from the -x edge of the cell to its +x edge; never 0.
-    touching: Vec<u8>,
+    /// From the -x edge of the cell to its +x edge, in units of 1/[`LEVELS`]; not all 0.
+    touching: Vec<[u8; PARTS]>,
 }
 
 impl ContactParts {
@@ -47,21 +47,22 @@ impl ContactParts {
         self.touching.copy_from_slice(&other.touching);
     }
 
-    /// Covers the parts from `start` to `end` of a cell alone, at least one.
-    pub fn include_between(&mut self, cell: usize, start: usize, end: usize) {
-        let start = start.min(PARTS - 1);
-        self.touching[cell] = between(start, end.clamp(start + 1, PARTS));
+    /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the least contact as 1/[`LEVELS`] of
+    /// a part.
+    pub fn set(&mut self, cell: usize, fractions: [f64; PARTS]) {
+        let most = fractions.iter().copied().fold(0.0, f64::max);
+        if most == 0.0 {
+            self.touching[cell] = WHOLE;
+            return;
+        }
+        let least = if most < 0.5 / f64::from(LEVELS) { most } else { f64::INFINITY };
+        self.touching[cell] =
+            fractions.map(|fraction| if fraction >= least { 1 } else { (f64::from(LEVELS) * fraction).round() as u8 });
     }
 
-    /// Covers the parts of a cell before `start` and from `end` on; where these are none, it counts as whole.
-    pub fn include_beside(&mut self, cell: usize, start: usize, end: usize) {
-        let touching = between(0, start) | between(end, PARTS);
-        self.touching[cell] = if touching == 0 { WHOLE } else { touching };
-    }
-
-    /// Whether a part of the cell is in contact.
-    pub fn includes(&self, cell: usize, part: usize) -> bool {
-        self.touching[cell] >> part & 1 == 1
+    /// Fraction in contact of a part of the cell.
+    pub fn of_part(&self, cell: usize, part: usize) -> f64 {
+        f64::from(self.touching[cell][part]) / f64::from(LEVELS)
     }
 
     /// Whether only some parts of the cell are in contact.
@@ -76,7 +77,7 @@ impl ContactParts {
 
     /// Fraction in contact of the width of a cell.
     pub fn fraction(&self, cell: usize) -> f64 {
-        f64::from(self.touching[cell].count_ones()) / PARTS as f64
+        self.touching[cell].iter().map(|part| f64::from(*part)).sum::<f64>() / (f64::from(LEVELS) * PARTS as f64)
     }
 }
 
@@ -85,19 +86,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_are_in_contact_between_edges_or_beside_them() {
+    fn fractions_are_stored_by_part_and_a_cell_without_contact_counts_as_whole() {
         let mut contact_parts = ContactParts::whole(4);
         assert!(contact_parts.is_whole());
-        contact_parts.include_between(0, 1, PARTS);
-        contact_parts.include_between(1, 3, 2);
-        contact_parts.include_beside(2, 1, 3);
-        contact_parts.include_beside(3, 0, PARTS);
-        let touching = |cell: usize| (0..PARTS).map(|part| contact_parts.includes(cell, part)).collect::<Vec<_>>();
-        assert_eq!(touching(0), [false, true, true, true]);
-        // At least one part, where both edges fall on the same boundary.
-        assert_eq!(touching(1), [false, false, false, true]);
-        assert_eq!(touching(2), [true, false, false, true]);
-        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.fraction(cell)), [0.75, 0.25, 0.5, 1.0]);
+        contact_parts.set(0, [0.0, 0.25, 1.0, 1.0]);
+        contact_parts.set(1, [0.02, 0.0, 0.0, 0.0]);
+        contact_parts.set(2, [1.0, 0.0, 0.0, 0.47]);
+        contact_parts.set(3, [1.0, 0.98, 1.0, 1.0]);
+        let of_parts = |cell: usize| [0, 1, 2, 3].map(|part| contact_parts.of_part(cell, part));
+        assert_eq!([0, 2].map(of_parts), [[0.0, 0.25, 1.0, 1.0], [1.0, 0.0, 0.0, 0.5]]);
+        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.fraction(cell)), [0.5625, 1.0 / 64.0, 0.375, 1.0]);
+        contact_parts.set(0, [0.0; PARTS]);
+        assert_eq!(contact_parts.fraction(0), 1.0);
+        contact_parts.set(0, [0.0, 0.25, 1.0, 1.0]);
         assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, true, false]);
         contact_parts.make_whole();
         assert_eq!(contact_parts, ContactParts::whole(4));

@@ -185,10 +185,10 @@ pub trait ThermalBody: Debug + Send {
         false
     }
 
-    /// Sets the parts of the cells through which heat enters in the steps prepared from now on, and whose mean temperatures the
-    /// influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
+    /// Sets the parts of the cells through which the fluxes of both stages enter in the steps prepared from now on, and whose mean
+    /// temperatures the influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
     /// effect on a body that does not divide its cells.
-    fn set_contact_parts(&mut self, _contact_parts: &ContactParts) {}
+    fn set_contact_parts(&mut self, _contact_parts: [&ContactParts; 2]) {}
 
     /// Computes weights and surface influence matrices for a step of `step` s in which the sliding velocity changes linearly
     /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments
@@ -201,6 +201,11 @@ pub trait ThermalBody: Debug + Send {
 
     /// Surface influence matrices of `stage`.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;
+
+    /// The same through whole cells, whatever parts of them are in contact.
+    fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
+        self.influence(stage)
+    }
 
     /// Free response: temperature and distortion of the N cells at `stage` for zero flux of that stage, from the state at
     /// the start of the step, the surroundings and `known`, W/m2: in the first stage the deviation e of the flux at the

@@ -138,7 +138,8 @@ pub struct ReducedHeat {
     scratch: RefCell<Scratch>,
     /// By the bits of the step and whether it is one of implicit Euler. It has no memory until the first step.
     weights: KeyedCache<(u64, bool), Weights>,
-    patterns: Patterns,
+    /// Of both stages.
+    patterns: [Patterns; 2],
 }
 
 impl ReducedHeat {
@@ -147,7 +148,7 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
-        let patterns = Patterns::new(&operators, &modes);
+        let patterns = [Patterns::new(&operators, &modes), Patterns::new(&operators, &modes)];
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
         Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns }
     }
@@ -175,7 +176,9 @@ impl ReducedHeat {
         let slot = weights.get_or_compute((step.to_bits(), euler), |weights| {
             operators.fill(modes, weights, step, euler, scratch.get_mut());
         });
-        patterns.change_influence(operators, modes, &mut weights[slot], scratch.get_mut());
+        for (patterns, stage) in patterns.iter_mut().zip(&mut weights[slot].stages) {
+            patterns.change_influence(operators, modes, stage, scratch.get_mut());
+        }
     }
 
     fn weights(&self) -> &Weights {
@@ -197,14 +200,14 @@ impl ReducedHeat {
                 values.for_each(|(value, (falling, input))| *value += falling * input * fall);
             }
         }
-        self.heat(known, scratch);
+        self.heat(known, Stage::First, scratch);
         self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
     }
 
-    /// Heat into every mode by the fluxes `flux` through the parts in contact of the cells, into the scratch.
-    fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
+    /// Heat into every mode by the fluxes `flux` of a stage through the parts in contact of the cells, into the scratch.
+    fn heat(&self, flux: &[f64], stage: Stage, scratch: &mut Scratch) {
         self.modes.heat(flux, scratch);
-        self.patterns.heat(flux, &mut scratch.heat);
+        self.patterns[stage as usize].heat(flux, &mut scratch.heat);
     }
 
     /// Temperatures or distortions, or both, of the cells by the ports and the states in the scratch.
@@ -296,8 +299,10 @@ impl ThermalBody for ReducedHeat {
         !self.operators.part_areas.is_empty()
     }
 
-    fn set_contact_parts(&mut self, contact_parts: &ContactParts) {
-        self.patterns.set_contact_parts(contact_parts, &self.operators, &self.modes);
+    fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
+        for (patterns, contact_parts) in self.patterns.iter_mut().zip(contact_parts) {
+            patterns.set_contact_parts(contact_parts, &self.operators, &self.modes);
+        }
     }
 
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
@@ -309,8 +314,12 @@ impl ThermalBody for ReducedHeat {
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        let stage = self.stage(stage);
-        if self.patterns.is_empty() { &stage.influence } else { &stage.through_parts }
+        let weights = self.stage(stage);
+        if self.patterns[stage as usize].is_empty() { &weights.influence } else { &weights.through_parts }
+    }
+
+    fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.stage(stage).influence
     }
 
     fn free_response(
@@ -325,7 +334,7 @@ impl ThermalBody for ReducedHeat {
         let (scratch, until) = (&mut *self.scratch.borrow_mut(), surroundings.until(stage));
         self.carry(scratch, state, &until, stage, known);
         self.observe(scratch, &until.ports(), Some(&mut *temperature), Some(distortion));
-        self.patterns.show(&scratch.surface, temperature);
+        self.patterns[stage as usize].show(&scratch.surface, temperature);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
@@ -339,7 +348,7 @@ impl ThermalBody for ReducedHeat {
         let (states, tallies) = state.split_at_mut(operators.states());
         // The scratch holds the states without the last flux, from the preceding free response.
         let scratch = &mut *self.scratch.borrow_mut();
-        self.heat(end, scratch);
+        self.heat(end, Stage::End, scratch);
         states.copy_from_slice(&scratch.values);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
         // Heat input over the step with the weights of both stages.
@@ -349,7 +358,9 @@ impl ThermalBody for ReducedHeat {
             tallies[tally as usize] += step * (over_step(&passed.fluxes) + dot(&passed.ports, &ports));
         }
         for (place, tally) in [Tally::Ambient, Tally::Far].into_iter().enumerate() {
-            tallies[tally as usize] += step * self.patterns.passed(place, first, end);
+            let [of_first, of_end] = &self.patterns;
+            let passed = (1.0 - GAMMA) * of_first.passed(place, first) + GAMMA * of_end.passed(place, end);
+            tallies[tally as usize] += step * passed;
         }
         // The flux into the cooled surface is heat from the air.
         tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.mean_cooling();
@@ -394,7 +405,7 @@ impl ThermalBody for ReducedHeat {
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
         let scratch = &mut *self.scratch.borrow_mut();
         self.carry(scratch, state, surroundings, Stage::End, first);
-        self.heat(end, scratch);
+        self.heat(end, Stage::End, scratch);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
         CooledAhead {
             temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),

@@ -146,9 +146,9 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
-    /// Parts of the cells in contact, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
-    contact_parts: ContactParts,
-    half_resistance: Vec<f64>,
+    /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
+    contact_parts: [ContactParts; 2],
+    half_resistance: [Vec<f64>; 2],
     /// Ambient, far-face temperatures and cooling of the bodies.
     pub surroundings: [Surroundings; 2],
     /// Heat paths to the neighbours: flow out of the body at the end of the step, W/m2, and the heat of the step, J/m2.
@@ -202,15 +202,15 @@ impl ThermalCoupling {
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            partitions: PartitionCache::new(&partition(), count),
+            partitions: PartitionCache::new(&if divides { partition().with_parts() } else { partition() }, count),
             installed: [usize::MAX; 2],
             edges: divides.then(|| operators.edges()),
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
-            contact_parts: ContactParts::whole(count),
-            half_resistance: vec![half_resistance; count],
+            contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
+            half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],
             external: [(0.0, 0.0); 2],
             unpredicted_rise: [0.0; 2],

@@ -84,7 +84,7 @@ impl Line {
                 Outcome::Tried(error) if error <= 1.0 => {
                     self.accept(path, start, step);
                     self.state.steps += 1;
-                    self.state.error = self.state.error.max(error.powi(2) * operators.scene.step_tolerance());
+                    self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     failures = 0;
                     // The error is O(h^2): this margin permits doubling the step.
                     let rejected_by_growth =
@@ -242,7 +242,7 @@ impl Line {
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
-        let bound = scene.step_tolerance() * operators.displacement_scale * mean;
+        let bound = scene.tolerance * operators.displacement_scale * mean;
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
             // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.

@@ -55,12 +55,6 @@ use trajectory::NominalTrajectory;
 /// Part of the tolerance for the error of the level and its cells.
 const SAFETY: f64 = 0.9;
 
-/// Tolerance below which the steps of a contact line get the part of it that is proportional to it, and the least part. Where edges of
-/// the contact move, the error of a step is of first order and its estimate, by which steps are chosen, of second: the error over the
-/// tolerance rises as its inverse root. At 1e-3 it is 1 to 2.5 on fine cells, which leaves nothing for the cells.
-const WHOLE_STEP_PART: f64 = 2e-3;
-const LEAST_STEP_PART: f64 = 0.25;
-
 /// Admissible error after a release of the load relative to that under load. A release is one transient of a run, and not of every
 /// run: a level that is finer for its sake costs up to a few hundred times as much. Runs that unload have a third to a fifteenth of the error
 /// of the planned release.
@@ -170,8 +164,6 @@ pub struct Planned {
 /// # Errors
 /// A text with the numbers where the chosen level cannot be built.
 pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
-    let step_part = (scene.tolerance / WHOLE_STEP_PART).clamp(LEAST_STEP_PART, 1.0);
-    let scene = &Scene { step_part, ..scene.clone() };
     let lumped = |reason: String, error: Option<f64>| uncompared(scene, ModelLevel::Lumped, reason, error, run_in);
     if scene.has_rigid_bodies() {
         return lumped("both bodies are rigid".into(), None);

@@ -251,7 +251,7 @@ fn heat_is_accounted_for() {
             let step = [1e-3, 0.7, 40.0][i as usize % 3];
             // Part of the time through parts of the cells.
             let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
-            run.heat.set_contact_parts(&contact_parts);
+            run.heat.set_contact_parts([&contact_parts; 2]);
             run.step(step, &first, &end);
             entered += step
                 * (first.iter().zip(&end).zip(cells.widths()))
@@ -264,7 +264,7 @@ fn heat_is_accounted_for() {
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The heat account is the integral of the flows, which are those through whole cells.
-        run.heat.set_contact_parts(&ContactParts::whole(9));
+        run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
         run.surroundings.cooling_fall = 0.0;
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);

@@ -1,22 +1,22 @@
 //! Flux through the parts in contact of cells partly in contact: that through the whole cell, evenly, plus a pattern without heat.
 //!
-//! With the areas c_s of the parts of cell k, c_k of all and c' of those in contact, the pattern is
+//! With the areas c_s of the parts of cell k, their fractions in contact v_s, the area c_k of all and c' = sum v_s c_s of those in
+//! contact, the pattern is
 //!
 //! ```text
-//! delta_s = c_k/c' - 1 on the parts in contact, -1 on the others,    sum c_s delta_s = 0
+//! delta_s = v_s c_k/c' - 1,    sum c_s delta_s = 0
 //! ```
 //!
 //! per unit of the cell's flux. It heats the modes by `sum_s delta_s F_ms`, F_ms the integral of mode m over part s, and by
-//! reciprocity the mean temperature of the parts in contact differs by `(1/c_k) sum_s delta_s F_ms` times the mode's amplitude from
+//! reciprocity the mean temperature of what is in contact differs by `(1/c_k) sum_s delta_s F_ms` times the mode's amplitude from
 //! that of the whole cell. Modes without states act on parts through the same first-order shapes as on the cells, and what
 //! these do not contain, within the cell, by a direct feedthrough.
 //!
 //! Theory: docs/theory.md, section 6.5.
 
 use super::modes::{Modes, Scratch};
-use super::weights::Weights;
+use super::weights::StageWeights;
 use super::{ReducedOperators, dot};
-use crate::line::GAMMA;
 use crate::line::contact_parts::{ContactParts, PARTS};
 use numerics::dense;
 
@@ -101,13 +101,10 @@ impl Patterns {
         for cell in (0..operators.widths.len()).filter(|&cell| contact_parts.is_partial(cell)) {
             let parts = cell * PARTS..(cell + 1) * PARTS;
             let areas = &operators.part_areas[parts.clone()];
-            let touching: f64 =
-                (0..PARTS).filter(|&part| contact_parts.includes(cell, part)).map(|part| areas[part]).sum();
+            let fractions: [f64; PARTS] = std::array::from_fn(|part| contact_parts.of_part(cell, part));
+            let touching = dot(areas, &fractions);
             let whole: f64 = areas.iter().sum();
-            let pattern: [f64; PARTS] = std::array::from_fn(|part| match contact_parts.includes(cell, part) {
-                true => whole / touching - 1.0,
-                false => -1.0,
-            });
+            let pattern = fractions.map(|fraction| fraction * whole / touching - 1.0);
             self.cells.push(cell);
             let first = self.integrals.len();
             self.integrals.resize(first + modes.count(), 0.0);
@@ -143,10 +140,9 @@ impl Patterns {
         }
     }
 
-    /// Mean heat flow over a step to the air (0) or out of the far face (1) in the long run, W/m, by the fluxes of both stages.
-    pub fn passed(&self, place: usize, first: &[f64], end: &[f64]) -> f64 {
-        let patterns = self.cells.iter().zip(&self.passed[place]);
-        patterns.map(|(&cell, passed)| passed * ((1.0 - GAMMA) * first[cell] + GAMMA * end[cell])).sum()
+    /// Heat flow to the air (0) or out of the far face (1) in the long run, W/m, by the fluxes.
+    pub fn passed(&self, place: usize, flux: &[f64]) -> f64 {
+        self.cells.iter().zip(&self.passed[place]).map(|(&cell, passed)| passed * flux[cell]).sum()
     }
 
     /// Makes the surface influence matrices through the parts in contact from those of whole cells, unless they are known.
@@ -154,43 +150,37 @@ impl Patterns {
         &mut self,
         operators: &ReducedOperators,
         modes: &Modes,
-        weights: &mut Weights,
+        stage: &mut StageWeights,
         scratch: &mut Scratch,
     ) {
-        if self.is_empty() || weights.contact_parts == self.contact_parts {
+        if self.is_empty() || stage.contact_parts == self.contact_parts {
             return;
         }
-        weights.contact_parts.copy_from(&self.contact_parts);
+        stage.contact_parts.copy_from(&self.contact_parts);
         let Patterns { cells, integrals, areas, feedthrough, response, aside, .. } = self;
         // Matrices may be made between a free response and the propagation from it.
         std::mem::swap(&mut scratch.values, aside);
         let count = areas.len();
-        for stage in &mut weights.stages {
-            let through = &mut stage.through_parts;
-            through.temperature.copy_from(&stage.influence.temperature);
-            through.distortion.copy_from(&stage.influence.distortion);
-            for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
-                modes.respond(own, &stage.own, scratch);
+        let through = &mut stage.through_parts;
+        through.temperature.copy_from(&stage.influence.temperature);
+        through.distortion.copy_from(&stage.influence.distortion);
+        for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
+            modes.respond(own, &stage.own, scratch);
+            response.fill(0.0);
+            modes.show(&operators.contact, scratch, response);
+            let temperature = through.temperature.as_mut_slice();
+            for (i, rise) in response.iter().enumerate() {
+                temperature[cell * count + i] += rise;
+                temperature[i * count + cell] += rise * areas[i] / areas[cell];
+            }
+            for (&other, integrals) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))) {
+                temperature[cell * count + other] += dot(integrals, &scratch.surface) / areas[other];
+            }
+            temperature[cell * count + cell] += feedthrough[k] / areas[cell];
+            if modes.distorts() {
                 response.fill(0.0);
-                modes.show(&operators.contact, scratch, response);
-                let temperature = through.temperature.as_mut_slice();
-                for (i, rise) in response.iter().enumerate() {
-                    temperature[cell * count + i] += rise;
-                    temperature[i * count + cell] += rise * areas[i] / areas[cell];
-                }
-                for (&other, integrals) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))) {
-                    temperature[cell * count + other] += dot(integrals, &scratch.surface) / areas[other];
-                }
-                temperature[cell * count + cell] += feedthrough[k] / areas[cell];
-                if modes.distorts() {
-                    response.fill(0.0);
-                    modes.distort(scratch, response);
-                    dense::multiply_add(
-                        response,
-                        &[1.0],
-                        &mut through.distortion.as_mut_slice()[cell * count..][..count],
-                    );
-                }
+                modes.distort(scratch, response);
+                dense::multiply_add(response, &[1.0], &mut through.distortion.as_mut_slice()[cell * count..][..count]);
             }
         }
         std::mem::swap(&mut scratch.values, aside);

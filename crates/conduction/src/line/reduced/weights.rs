@@ -13,8 +13,6 @@ use numerics::dense;
 pub struct Weights {
     pub step: f64,
     pub stages: [StageWeights; 2],
-    /// Parts in contact for which influence matrices are known; whole: that of the whole cells alone.
-    pub contact_parts: ContactParts,
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
     pub cooled_rise: [[f64; FACES]; FACES],
 }
@@ -34,8 +32,9 @@ pub struct StageWeights {
     /// Weight of the modal heat of the stage's own fluxes.
     pub own: Vec<f64>,
     pub influence: SurfaceInfluence,
-    /// That through the parts in contact.
+    /// That through parts in contact, and these parts; whole: it is that of the whole cells alone.
     pub through_parts: SurfaceInfluence,
+    pub contact_parts: ContactParts,
 }
 
 impl ReducedOperators {
@@ -54,14 +53,14 @@ impl ReducedOperators {
                 temperature: dense::untouched(divided),
                 distortion: dense::untouched(divided),
             },
+            contact_parts: ContactParts::whole(cells),
         };
-        let contact_parts = ContactParts::whole(cells);
-        Weights { step: f64::NAN, stages: [stage(), stage()], contact_parts, cooled_rise: [[0.0; FACES]; FACES] }
+        Weights { step: f64::NAN, stages: [stage(), stage()], cooled_rise: [[0.0; FACES]; FACES] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
         weights.step = step;
-        weights.contact_parts.make_whole();
+        weights.stages.iter_mut().for_each(|stage| stage.contact_parts.make_whole());
         let [first, end] = &mut weights.stages;
         if euler {
             for stage in [&mut *first, &mut *end] {

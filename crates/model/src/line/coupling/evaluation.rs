@@ -134,7 +134,7 @@ impl ThermalCoupling {
         let s = stage as usize;
         let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
         let (surfaces, fluxes) = (strip.iter().zip(punch), strip_flux.iter().zip(punch_flux));
-        let cells = surfaces.zip(fluxes).zip(&self.half_resistance);
+        let cells = surfaces.zip(fluxes).zip(&self.half_resistance[s]);
         for (residual, (((strip, punch), (given, taken)), half)) in self.iterate.difference.iter_mut().zip(cells) {
             *residual = strip - punch + half * (given - taken);
         }
@@ -254,7 +254,7 @@ impl ThermalCoupling {
                 self.partitions[s].update_punch_temperature(own.influence(stage), &self.flux[s][0], punch);
             }
             let [taken, given] = &self.flux[s];
-            let fluxes = taken.iter().zip(given).zip(&self.half_resistance);
+            let fluxes = taken.iter().zip(given).zip(&self.half_resistance[s]);
             for ((strip, punch), ((taken, given), half)) in strip.iter_mut().zip(&*punch).zip(fluxes) {
                 *strip = punch - half * (given - taken);
             }
@@ -294,12 +294,13 @@ impl ThermalCoupling {
     /// cell exchanges heat.
     ///
     /// So the iteration ends, and a cell that opens with heat and closes without it, which has no consistent state, exchanges heat.
-    pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
+    pub(super) fn update_active_set(&mut self, stage: Stage, pressure: &[f64]) -> bool {
+        let contact_parts = &self.contact_parts[stage as usize];
         let mut settled = true;
-        let touches = !self.contact_parts.is_whole() && pressure.iter().any(|p| *p > 0.0);
+        let touches = !contact_parts.is_whole() && pressure.iter().any(|p| *p > 0.0);
         let cells = self.iterate.closed.iter_mut().zip(&mut self.iterate.added);
         for (i, ((closed, added), p)) in cells.zip(pressure).enumerate() {
-            let carries = *p > 0.0 || touches && self.contact_parts.is_partial(i);
+            let carries = *p > 0.0 || touches && contact_parts.is_partial(i);
             if carries != *closed && (carries || !*added) {
                 (*closed, *added) = (carries, *added || carries);
                 settled = false;

@@ -145,8 +145,8 @@ impl ThermalCoupling {
         let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
         // A cell that is partly in contact may exchange heat without pressure.
         let Iterate { closed, pressure, .. } = &self.iterate;
-        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.contact_parts.is_partial(i));
-        if !self.growth.store_arguments(arguments, carries, &self.contact_parts, slope) {
+        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.contact_parts[0].is_partial(i));
+        if !self.growth.store_arguments(arguments, carries, &self.contact_parts[0], slope) {
             self.growth.answer = self.is_definite(key, friction, weights);
         }
         self.growth.answer
@@ -154,7 +154,7 @@ impl ThermalCoupling {
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.growth.partition.is_for(key, &self.contact_parts) {
+        if !self.growth.partition.is_for(key, &self.contact_parts[0]) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -165,7 +165,7 @@ impl ThermalCoupling {
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.growth.partition.build(key, &self.contact_parts, influence);
+            self.growth.partition.build(key, &self.contact_parts[0], influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }

@@ -11,6 +11,7 @@ use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
+use conduction::line::contact_parts::ContactParts;
 use conduction::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
 use scene::{Body, Scheme};
 
@@ -31,12 +32,8 @@ impl ThermalCoupling {
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
         heat.set_contact_parts(given, step);
-        if monolithic && !(heat.partitions.take(key) && heat.partitions[0].is_for(key, &heat.contact_parts)) {
-            heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
-            for stage in [Stage::First, Stage::End] {
-                let influence = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-                heat.partitions[stage as usize].build(key, &heat.contact_parts, influence);
-            }
+        if monolithic {
+            heat.take_partitions(key);
         }
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
@@ -147,18 +144,53 @@ impl ThermalCoupling {
         Prepared(heat)
     }
 
-    /// Sets the parts of the cells in contact in a step of `step` s.
+    /// Takes the heat partitions of a step (s) and reference velocity (m/s) with the current parts in contact, from the cache or built.
+    fn take_partitions(&mut self, key: (f64, f64)) {
+        let ThermalCoupling { partitions, bodies, contact_parts, edges, .. } = self;
+        let known = partitions.take(key);
+        if known && (0..2).all(|stage| partitions[stage].is_for(key, &contact_parts[stage])) {
+            return;
+        }
+        let (step, velocity) = key;
+        let updates = (0..2).all(|stage| partitions[stage].updates_for(&contact_parts[stage]));
+        if !(known && updates) {
+            bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [velocity; 2]));
+        } else if let Some(punch) = &mut bodies[0] {
+            punch.prepare(step, [velocity; 2]);
+        }
+        for stage in [Stage::First, Stage::End] {
+            let (partition, contact_parts) = (&mut partitions[stage as usize], &contact_parts[stage as usize]);
+            let influence = bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+            let whole = bodies[0].as_ref().map(|punch| punch.influence_of_whole(stage));
+            if edges.is_some() && !known {
+                partition.build_whole(key, [whole, influence[1]]);
+            }
+            match (whole, influence[0]) {
+                (Some(whole), Some(through_parts)) if updates => {
+                    partition.set_parts(contact_parts, [whole, through_parts])
+                }
+                _ => partition.build(key, contact_parts, influence),
+            }
+        }
+    }
+
+    /// Sets the parts of the cells in contact at both stages of a step of `step` s.
     fn set_contact_parts(&mut self, given: &StepData<'_>, step: f64) {
         let Some(edges) = &self.edges else { return };
         let state = state_of(given);
-        let was_whole = self.contact_parts.is_whole();
-        edges.find(&state.edges, step, &mut self.contact_parts);
-        if was_whole && self.contact_parts.is_whole() {
+        let were_whole = self.contact_parts.iter().all(ContactParts::is_whole);
+        for (contact_parts, ahead) in self.contact_parts.iter_mut().zip([GAMMA * step, step]) {
+            edges.find(&state.edges, ahead.min(MOST_EXTRAPOLATED * state.last_step), contact_parts);
+        }
+        if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {
             return;
         }
-        self.bodies[0].iter_mut().for_each(|own| own.set_contact_parts(&self.contact_parts));
-        for (i, half) in self.half_resistance.iter_mut().enumerate() {
-            *half = self.parameters.half_resistance / self.contact_parts.fraction(i);
+        let [first, end] = &self.contact_parts;
+        self.bodies[0].iter_mut().for_each(|own| own.set_contact_parts([first, end]));
+        for (half, contact_parts) in self.half_resistance.iter_mut().zip(&self.contact_parts) {
+            for (i, half) in half.iter_mut().enumerate() {
+                *half = self.parameters.half_resistance / contact_parts.fraction(i);
+            }
         }
     }
 

@@ -56,7 +56,7 @@ impl<'a> Prepared<'a> {
         // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
         for (i, (closed, p)) in heat.iterate.closed.iter_mut().zip(pressure).enumerate() {
-            *closed = *p > 0.0 || untouched || heat.contact_parts.is_partial(i);
+            *closed = *p > 0.0 || untouched || heat.contact_parts[0].is_partial(i);
         }
         heat.predict_first(state, pressure);
         heat.contacts[0].set_status(stages.contact.status());
@@ -237,7 +237,7 @@ impl ThermalCoupling {
                 true => self.update_contact_temperature(stage, given),
                 false => 0.0,
             };
-            let settled = self.update_active_set(&found.pressure);
+            let settled = self.update_active_set(stage, &found.pressure);
             let change = Change { pressure, contact_temperature, interface };
             if convergence.reached(change, self.exact[s]) && settled {
                 self.iterations = self.iterations.max(iteration);

@@ -217,7 +217,7 @@ impl ThermalCoupling {
         // The operators of a changing velocity share a slot and are built anew.
         if !(self.partitions.take(key) && steady) {
             let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
-            self.partitions[1].build(key, &self.contact_parts, influence);
+            self.partitions[1].build(key, &self.contact_parts[1], influence);
         }
         self.partitions[1].set_active_set(&self.iterate.closed);
     }

@@ -50,7 +50,7 @@ impl Exchange {
         }
         let period: f64 = strokes.iter().flat_map(|(_, steps)| steps).sum();
         let around = Surroundings::default();
-        heat.bodies[0].iter_mut().for_each(|punch| punch.set_contact_parts(&ContactParts::whole(count)));
+        heat.bodies[0].iter_mut().for_each(|punch| punch.set_contact_parts([&ContactParts::whole(count); 2]));
         let mut entering = sizes.map(|size| DMatrix::zeros(size, count));
         let mut within = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
         for (side, body) in heat.bodies.iter_mut().enumerate() {

@@ -19,10 +19,12 @@
 //!
 //! Building these operators costs N^3, and the strip's influence matrices change with the velocity. So they are built at a
 //! linearization point and reused within its validity radius; a stage iterates with them on the residual of its own influence
-//! matrices, at N^2 per iteration.
+//! matrices, at N^2 per iteration. Those of cells partly in contact follow from those of whole cells by a low-rank update, at N^2 per such
+//! cell, since edges move from step to step.
 //!
 //! Theory: docs/theory.md, sections 6.2, 6.5.
 
+mod parts;
 #[cfg(test)]
 mod tests;
 
@@ -33,6 +35,34 @@ use nalgebra::DMatrix;
 use numerics::dense;
 use numerics::maximum::{largest, maximum};
 
+/// Operators on all cells, by columns.
+#[derive(Clone, Debug)]
+struct Operators {
+    /// Inverse of G_1 + G_2 + I/h_c: one product is faster than two substitutions, whose operations depend on each other. Iteration
+    /// removes the error from its rounding.
+    inverse: Vec<f64>,
+    /// Partition matrix Y.
+    shares: Vec<f64>,
+    /// Relative distortion D_1 - D_2, m per W/m2.
+    relative_distortion: Vec<f64>,
+    /// E_0, m per W/m2.
+    distortion: Vec<f64>,
+}
+
+impl Operators {
+    fn new(count: usize) -> Operators {
+        let square = || vec![0.0; count * count];
+        Operators { inverse: square(), shares: square(), relative_distortion: square(), distortion: square() }
+    }
+
+    fn copy_from(&mut self, other: &Operators) {
+        self.inverse.copy_from_slice(&other.inverse);
+        self.shares.copy_from_slice(&other.shares);
+        self.relative_distortion.copy_from_slice(&other.relative_distortion);
+        self.distortion.copy_from_slice(&other.distortion);
+    }
+}
+
 /// Heat partition operators of a stage. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
 pub struct HeatPartition {
@@ -41,9 +71,10 @@ pub struct HeatPartition {
     key: Option<(f64, f64)>,
     /// Parts in contact for which they were built.
     contact_parts: ContactParts,
-    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product is faster than two substitutions, whose operations
-    /// depend on each other. Iteration removes the error from its rounding.
-    inverse: Vec<f64>,
+    operators: Operators,
+    /// Those of whole cells with the same step and velocity, where cells may be partly in contact; and the cells that are.
+    of_whole: Option<Operators>,
+    in_part: Vec<usize>,
     /// Cells that exchange heat; the others, and the factors of their block of the inverse.
     closed: Vec<bool>,
     open: Vec<usize>,
@@ -52,12 +83,6 @@ pub struct HeatPartition {
     /// P_:o P_oo^-1 by columns, for up to as many open cells as a [`LowRankUpdate`] holds.
     held: Vec<f64>,
     exchanged: Vec<usize>,
-    /// Partition matrix Y on all cells, by columns.
-    shares: Vec<f64>,
-    /// Relative distortion D_1 - D_2 on all cells, by columns, m per W/m2.
-    relative_distortion: Vec<f64>,
-    /// E_0 of all cells, m per W/m2.
-    distortion: DMatrix<f64>,
     /// Thermal compliance E_0 dQ/dp, m/Pa, added to the compliance of the contact, and dQ/dp = mu s v at the mean radius where mu
     /// is the same for all cells.
     thermal_compliance: DMatrix<f64>,
@@ -83,21 +108,19 @@ impl HeatPartition {
     /// conductance `conductance` (W/(m2 K)).
     pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> HeatPartition {
         let count = ratio.len();
-        let square = || vec![0.0; count * count];
         HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
             contact_parts: ContactParts::whole(count),
-            inverse: square(),
+            operators: Operators::new(count),
+            of_whole: None,
+            in_part: Vec::new(),
             closed: vec![false; count],
             open: Vec::with_capacity(count),
             known: false,
-            factors: square(),
+            factors: vec![0.0; count * count],
             held: vec![0.0; count * largest_update_rank(count)],
             exchanged: vec![0; count],
-            shares: square(),
-            relative_distortion: square(),
-            distortion: dense::untouched(count),
             thermal_compliance: dense::untouched(count),
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
@@ -116,7 +139,8 @@ impl HeatPartition {
     pub fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
         let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
-        HeatPartition { resistance: self.resistance, ..partition }
+        let partition = HeatPartition { resistance: self.resistance, ..partition };
+        if self.of_whole.is_some() { partition.with_parts() } else { partition }
     }
 
     /// Whether the operators were built for this step (s) and reference velocity (m/s), and these parts in contact.
@@ -126,9 +150,15 @@ impl HeatPartition {
 
     /// Builds the operators from the surface influence matrices (`None`: an insulator) with these parts in contact.
     pub fn build(&mut self, key: (f64, f64), contact_parts: &ContactParts, influence: [Option<&SurfaceInfluence>; 2]) {
+        self.contact_parts.copy_from(contact_parts);
+        self.assemble(key, influence);
+    }
+
+    /// Builds the operators with the current parts in contact.
+    fn assemble(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
+        let HeatPartition { operators, contact_parts, .. } = self;
         let count = self.closed.len();
         self.key = Some(key);
-        self.contact_parts.copy_from(contact_parts);
         self.known = false;
         self.per_pressure = f64::NAN;
         for (norms, influence) in self.norms.iter_mut().zip(influence) {
@@ -140,42 +170,42 @@ impl HeatPartition {
         match influence {
             [Some(punch), Some(strip)] => {
                 let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
-                self.shares.fill(0.0);
-                self.inverse.fill(0.0);
+                operators.shares.fill(0.0);
+                operators.inverse.fill(0.0);
                 for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
                     *entry = own + other;
                 }
                 if let Some(resistance) = self.resistance {
                     for i in 0..count {
                         self.factors[i * count + i] += resistance / contact_parts.fraction(i);
-                        self.inverse[i * count + i] = 1.0;
+                        operators.inverse[i * count + i] = 1.0;
                     }
                     dense::factorise(&mut self.factors, count, &mut self.exchanged);
-                    for column in self.inverse.chunks_exact_mut(count) {
+                    for column in operators.inverse.chunks_exact_mut(count) {
                         dense::substitute(&self.factors, count, &self.exchanged, column);
                     }
-                    let columns = self.shares.chunks_exact_mut(count).zip(own.chunks_exact(count));
+                    let columns = operators.shares.chunks_exact_mut(count).zip(own.chunks_exact(count));
                     for (i, (share, own)) in columns.enumerate() {
                         self.column.copy_from_slice(own);
                         self.column[i] += 0.5 * resistance / contact_parts.fraction(i);
-                        dense::multiply_add(&self.inverse, &self.column, share);
+                        dense::multiply_add(&operators.inverse, &self.column, share);
                     }
                 } else {
-                    (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
+                    (0..count).for_each(|i| operators.shares[i * count + i] = 0.5);
                 }
                 let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
-                for (entry, (own, other)) in self.relative_distortion.iter_mut().zip(own.iter().zip(other)) {
+                for (entry, (own, other)) in operators.relative_distortion.iter_mut().zip(own.iter().zip(other)) {
                     *entry = other - own;
                 }
-                self.distortion.copy_from(&strip.distortion);
+                operators.distortion.copy_from_slice(strip.distortion.as_slice());
                 for (target, share) in
-                    self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
+                    operators.distortion.chunks_exact_mut(count).zip(operators.shares.chunks_exact(count))
                 {
-                    dense::multiply_add(&self.relative_distortion, share, target);
+                    dense::multiply_add(&operators.relative_distortion, share, target);
                 }
             }
-            [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
-            [None, None] => self.distortion.fill(0.0),
+            [Some(only), None] | [None, Some(only)] => operators.distortion.copy_from_slice(only.distortion.as_slice()),
+            [None, None] => operators.distortion.fill(0.0),
         }
     }
 
@@ -199,7 +229,7 @@ impl HeatPartition {
             return;
         }
         for (target, &j) in self.factors.chunks_exact_mut(m).zip(&self.open) {
-            let column = &self.inverse[j * count..(j + 1) * count];
+            let column = &self.operators.inverse[j * count..(j + 1) * count];
             target.iter_mut().zip(&self.open).for_each(|(entry, &i)| *entry = column[i]);
         }
         dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
@@ -214,7 +244,7 @@ impl HeatPartition {
             let column = &mut self.held[k * count..(k + 1) * count];
             column.fill(0.0);
             for (value, &j) in solution.iter().zip(&self.open) {
-                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], column);
+                dense::multiply_add(&self.operators.inverse[j * count..(j + 1) * count], &[*value], column);
             }
         }
     }
@@ -231,7 +261,7 @@ impl HeatPartition {
         }
         self.open_temperature_jump[..m].fill(0.0);
         self.column.fill(0.0);
-        dense::multiply_add(&self.inverse, residual, &mut self.column);
+        dense::multiply_add(&self.operators.inverse, residual, &mut self.column);
         self.constrain_open_cells();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
@@ -253,7 +283,7 @@ impl HeatPartition {
             multipliers.iter().zip(&self.open).zip(&mut self.open_temperature_jump)
         {
             if !few {
-                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
+                dense::multiply_add(&self.operators.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
             }
             *open_temperature_jump += value;
         }
@@ -277,9 +307,13 @@ impl HeatPartition {
             self.reduced_by = self.per_pressure;
             left.fill(0.0);
             for (target, &j) in left.chunks_exact_mut(count).zip(&self.open) {
-                dense::multiply_add(&self.relative_distortion, &self.inverse[j * count..(j + 1) * count], target);
+                dense::multiply_add(
+                    &self.operators.relative_distortion,
+                    &self.operators.inverse[j * count..(j + 1) * count],
+                    target,
+                );
             }
-            let columns = right.chunks_exact_mut(m).zip(self.shares.chunks_exact(count)).zip(&self.ratio);
+            let columns = right.chunks_exact_mut(m).zip(self.operators.shares.chunks_exact(count)).zip(&self.ratio);
             for ((target, share), ratio) in columns {
                 let heat = self.per_pressure * ratio;
                 target.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = heat * share[i]);
@@ -322,7 +356,7 @@ impl HeatPartition {
     /// Leaves the punch's part of the friction heat (W/m2) in `column`, for all cells in contact.
     fn share_on_all(&mut self, heat: &[f64]) {
         self.column.fill(0.0);
-        dense::multiply_add(&self.shares, heat, &mut self.column);
+        dense::multiply_add(&self.operators.shares, heat, &mut self.column);
     }
 
     /// Adds to the punch's flux its part of additional friction heat (W/m2), which is 0 on open cells.
@@ -351,7 +385,7 @@ impl HeatPartition {
 
     /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) from the strip into the punch.
     pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
-        dense::multiply_add(&self.relative_distortion, flux, moved);
+        dense::multiply_add(&self.operators.relative_distortion, flux, moved);
     }
 
     /// Norms of the surface influence matrices of each body, K and m per W/m2: bounds in the root mean square over the contact.
@@ -368,7 +402,7 @@ impl HeatPartition {
     /// conduct.
     #[cfg(test)]
     pub fn shares(&self) -> &[f64] {
-        &self.shares
+        &self.operators.shares
     }
 
     /// Current thermal compliance, m/Pa.
@@ -383,7 +417,7 @@ impl HeatPartition {
             return false;
         }
         self.per_pressure = per_pressure;
-        self.thermal_compliance.copy_from(&self.distortion);
+        self.thermal_compliance.as_mut_slice().copy_from_slice(&self.operators.distortion);
         for (mut column, ratio) in self.thermal_compliance.column_iter_mut().zip(&self.ratio) {
             column *= per_pressure * ratio;
         }

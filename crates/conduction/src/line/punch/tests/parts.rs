@@ -4,19 +4,28 @@ use super::super::super::contact_parts::{ContactParts, PARTS};
 use super::super::super::{Stage, ThermalBody};
 use super::{Run, cells, largest, leaning, scene};
 
-/// Cells 2 and 6 of nine are partly in contact.
+/// Cells 2, 4 and 6 of nine are partly in contact, cell 4 with a fraction of a part.
 pub(super) fn in_part() -> ContactParts {
     let mut contact_parts = ContactParts::whole(9);
-    contact_parts.include_between(2, 1, 4);
-    contact_parts.include_beside(6, 1, 4);
+    contact_parts.set(2, [0.0, 1.0, 1.0, 1.0]);
+    contact_parts.set(4, [1.0, 1.0, 0.375, 0.0]);
+    contact_parts.set(6, [1.0, 0.0, 0.0, 0.0]);
+    contact_parts
+}
+
+/// The same at the end of a step in which the edges move.
+fn in_part_later() -> ContactParts {
+    let mut contact_parts = in_part();
+    contact_parts.set(2, [0.0, 0.5, 1.0, 1.0]);
+    contact_parts.set(6, [1.0, 0.25, 0.0, 0.0]);
     contact_parts
 }
 
 #[test]
 fn parts_of_cells_respond_like_cells_of_their_own() {
     let cells = cells(9);
-    let (contact_parts, parts) = (in_part(), cells.divided(PARTS));
-    let includes = |part: usize| contact_parts.includes(part / PARTS, part % PARTS);
+    let (contact_parts, parts) = ([in_part(), in_part_later()], cells.divided(PARTS));
+    let fraction = |stage: Stage, part: usize| contact_parts[stage as usize].of_part(part / PARTS, part % PARTS);
     for changes in [
         &[][..],
         &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
@@ -30,10 +39,10 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         let scene = scene(changes);
         let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
         let mut divided = Run::new(&scene, &parts, 1e-3, 100.0);
-        run.heat.set_contact_parts(&contact_parts);
-        let spread = |flux: &[f64]| -> Vec<f64> {
-            let density = |part: usize| flux[part / PARTS] / contact_parts.fraction(part / PARTS);
-            (0..9 * PARTS).map(|part| if includes(part) { density(part) } else { 0.0 }).collect()
+        run.heat.set_contact_parts(contact_parts.each_ref());
+        let spread = |stage: Stage, flux: &[f64]| -> Vec<f64> {
+            let density = |part: usize| flux[part / PARTS] / contact_parts[stage as usize].fraction(part / PARTS);
+            (0..9 * PARTS).map(|part| fraction(stage, part) * density(part)).collect()
         };
         let mut worst = [0.0f64; 2];
         for i in 0..60 {
@@ -41,12 +50,13 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
             let (first, end) = (flux(i), flux(i + 1));
             let step = [0.03, 0.7, 4.0][i as usize % 3];
             run.step(step, &first, &end);
-            divided.step(step, &spread(&first), &spread(&end));
+            divided.step(step, &spread(Stage::First, &first), &spread(Stage::End, &end));
             let scale = largest(&divided.temperature);
             for cell in 0..9 {
-                let own = (cell * PARTS..(cell + 1) * PARTS).filter(|&part| includes(part));
-                let (sum, number) = own.fold((0.0, 0.0), |(sum, n), part| (sum + divided.temperature[part], n + 1.0));
-                let error = (run.temperature[cell] - sum / number) / scale;
+                let own = cell * PARTS..(cell + 1) * PARTS;
+                let weighted: f64 = own.map(|part| fraction(Stage::End, part) * divided.temperature[part]).sum();
+                let mean = weighted / (PARTS as f64 * contact_parts[1].fraction(cell));
+                let error = (run.temperature[cell] - mean) / scale;
                 worst[usize::from(i > 2)] = worst[usize::from(i > 2)].max(error.abs());
             }
         }
@@ -72,7 +82,7 @@ fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits(
     let mut run = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
     run.heat.prepare(0.5, [0.0; 2]);
     let whole = run.heat.influence(Stage::End).clone();
-    run.heat.set_contact_parts(&in_part());
+    run.heat.set_contact_parts([&in_part(); 2]);
     run.heat.prepare(0.5, [0.0; 2]);
     let through_parts = run.heat.influence(Stage::End).clone();
     for i in 0..9 {
@@ -84,10 +94,10 @@ fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits(
     assert!(through_parts.temperature[(2, 2)] > 1.02 * whole.temperature[(2, 2)]);
     // The same parts on another copy, after other steps, and whole cells again.
     let mut other = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
-    other.heat.set_contact_parts(&in_part());
+    other.heat.set_contact_parts([&in_part(); 2]);
     [0.1, 0.5].into_iter().for_each(|step| other.heat.prepare(step, [0.0; 2]));
     assert_eq!(other.heat.influence(Stage::End), &through_parts);
-    run.heat.set_contact_parts(&ContactParts::whole(9));
+    run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
     run.heat.prepare(0.5, [0.0; 2]);
     assert_eq!(run.heat.influence(Stage::End), &whole);
 }
@@ -98,7 +108,7 @@ fn matrices_made_between_a_free_response_and_its_step_leave_the_step_as_it_is() 
     let flux: Vec<f64> = leaning(&cells).iter().map(|q| 1e4 * q).collect();
     let after = |between: bool| {
         let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
-        run.heat.set_contact_parts(&in_part());
+        run.heat.set_contact_parts([&in_part(); 2]);
         run.heat.prepare(0.5, [0.0; 2]);
         let (temperature, distortion) = (&mut run.temperature, &mut run.distortion);
         run.heat.free_response(&run.state, &run.surroundings, Stage::End, &flux, temperature, distortion);

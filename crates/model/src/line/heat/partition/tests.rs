@@ -135,8 +135,53 @@ fn distortion_is_that_of_the_shared_heat() {
             let direct: f64 = (0..count)
                 .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))
                 .sum();
-            let by_operator: f64 = (0..count).map(|j| partition.distortion[(i, j)] * heat[j]).sum();
+            let by_operator: f64 = (0..count).map(|j| partition.operators.distortion[j * count + i] * heat[j]).sum();
             assert!((direct - by_operator).abs() < 1e-12 * direct.abs(), "{conductance} {i}");
+        }
+    }
+}
+
+#[test]
+fn operators_through_parts_are_those_built_anew() {
+    for (count, in_part) in [(9, vec![3]), (33, vec![0, 7, 8, 32]), (33, vec![])] {
+        let [punch, strip] = bodies(count);
+        let mut parts = ContactParts::whole(count);
+        let mut through = punch.clone();
+        for &k in &in_part {
+            parts.set(k, [0.0, 0.375, 1.0, 1.0]);
+            for j in 0..count {
+                let more = 0.3 * (-0.5 * (k as f64 - j as f64).abs()).exp();
+                through.temperature[(j, k)] += more;
+                through.distortion[(j, k)] += 0.7 * more;
+                if j != k {
+                    through.temperature[(k, j)] += 1.1 * more;
+                }
+            }
+        }
+        let key = (0.2, 1.0);
+        let new = || HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 0.7);
+        let mut updated = new().with_parts();
+        assert!(updated.updates_for(&parts) && !new().updates_for(&parts));
+        updated.build_whole(key, [Some(&punch), Some(&strip)]);
+        // From other parts before.
+        let mut others = ContactParts::whole(count);
+        others.set(5, [0.0, 0.0, 1.0, 0.5]);
+        updated.set_parts(&others, [&punch, &through]);
+        updated.set_parts(&parts, [&punch, &through]);
+        let mut anew = new();
+        anew.build(key, &parts, [Some(&through), Some(&strip)]);
+        assert!(updated.is_for(key, &parts));
+        assert_eq!(updated.norms(), anew.norms());
+        let pairs = [
+            (&updated.operators.inverse, &anew.operators.inverse),
+            (&updated.operators.shares, &anew.operators.shares),
+            (&updated.operators.relative_distortion, &anew.operators.relative_distortion),
+            (&updated.operators.distortion, &anew.operators.distortion),
+        ];
+        for (own, exact) in pairs {
+            let scale = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let error = own.iter().zip(exact).fold(0.0_f64, |most, (own, exact)| most.max((own - exact).abs()));
+            assert!(error < 1e-12 * scale, "{in_part:?} of {count}: {error:e} of {scale:e}");
         }
     }
 }
