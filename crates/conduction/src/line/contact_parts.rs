@@ -17,7 +17,7 @@
 /// Number of parts of a cell.
 pub const PARTS: usize = 4;
 
-/// Multiples of 1/`LEVELS` are the fractions of a part: operators are made anew where one changes. With whole parts an edge jumped by a
+/// Multiples of 1/`LEVELS` are the fractions of a part: operators change where one does. With whole parts an edge jumped by a
 /// quarter of a cell, and which way it went could change a run by up to a hundredth, whatever the step.
 const LEVELS: u8 = 16;
 

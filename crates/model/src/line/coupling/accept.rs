@@ -25,8 +25,8 @@ const SMALL: f64 = 0.15;
 /// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
 const PART_OF_TOLERANCE: f64 = 0.5;
 
-/// Least temperature rise to which the error of the temperature is relative, K: a run begins with none. Pins on lubricated or wet discs
-/// rise by some tenths of a kelvin.
+/// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
+/// a tenth of a kelvin.
 const LEAST_RISE: f64 = 0.1;
 
 /// Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
