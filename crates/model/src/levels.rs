@@ -273,6 +273,14 @@ impl Model {
         }
     }
 
+    /// Whether the whole contact zone was in contact at the end of the last step; always at the lumped level.
+    pub fn touches_everywhere(&self) -> bool {
+        match self {
+            Model::Lumped(_) => true,
+            Model::Line(model) => model.state().pressure.iter().all(|pressure| *pressure > 0.0),
+        }
+    }
+
     /// Accepted and rejected internal steps.
     pub fn work(&self) -> (u64, u64) {
         match self {

@@ -7,6 +7,7 @@ use model::lumped::conditions::Tunables;
 use model::plan::course::Course;
 use model::plan::growth::PerturbationGrowth;
 use model::plan::prepared::Prepared;
+use model::plan::trajectory::NominalTrajectory;
 use model::plan::{self, model_level::ModelLevel};
 use scene::variables::{STARTS, reference};
 use scene::{Fidelity, Geometry, HeatResolution, Scene, ThermalBoundary};
@@ -116,6 +117,25 @@ fn a_stop_of_a_disc_brake_needs_no_more_than_the_lumped_level() {
     assert_eq!(plan.duration, 20.0);
     assert_eq!(plan.model_level, ModelLevel::Lumped, "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error > 1e-4), "{plan:#?}");
+}
+
+/// The first segment at whose end a part of the zone is not in contact, on 9 cells over the nominal course; `None` where there is none under
+/// load.
+fn parted_under_load(scene: &Scene) -> Option<usize> {
+    let course = NominalTrajectory::new(scene).unwrap();
+    let line = ModelLevel::Line { cells: 9, heat: HeatResolution::Resolved }.apply(scene);
+    let run = course.run(&ModelOperators::new(&line, steady::run_in).unwrap(), 10_000).unwrap();
+    run.parted.filter(|&segment| segment < course.loaded)
+}
+
+/// The pad of the disc brake lifts off at its ends once it is hot, and not at all under load where nothing expands.
+#[test]
+fn a_contact_parts_where_it_opens_and_not_before() {
+    let brake = scene("disc_brake");
+    let at = parted_under_load(&changed_scene(&brake, &[]));
+    assert!(at.is_some_and(|segment| segment > 0), "{at:?}");
+    let without_expansion = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+    assert_eq!(parted_under_load(&changed_scene(&brake, &without_expansion)), None);
 }
 
 /// Held at full slip for its whole duration, the clutch gets bands, which its mean knows nothing of.

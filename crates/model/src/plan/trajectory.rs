@@ -172,7 +172,7 @@ impl NominalTrajectory {
                 run.step_bounds[0] = step_error;
             }
             run.step_bounds[1] = step_error;
-            if run.parted.is_none() && of(const { reference("contact_fraction") } as usize) < 1.0 {
+            if run.parted.is_none() && !model.touches_everywhere() {
                 run.parted = Some(run.history.len());
             }
             run.history.push([
