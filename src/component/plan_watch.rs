@@ -25,6 +25,10 @@ impl Component {
         let (speed, load) = (speeds[0].max(speeds[1]), began[1].max(inputs[1]));
         ends.into_iter().for_each(|inputs| course.follow_load(inputs[1]));
         course.severity = before.severity.max(prepared.severity(speed, load, work));
+        let end = inputs[1];
+        if end > 0.0 && !course.releases(end) {
+            course.relative_bow = before.relative_bow.max(prepared.relative_bow(model.end_rise(), end));
+        }
         if load > 0.0 {
             course.growth += self.last_step * prepared.growth_rate(model.friction_at(speed), speed);
         }

@@ -171,6 +171,7 @@ impl Snapshot {
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
         put(self.course.severity);
+        put(self.course.relative_bow);
         put(self.course.growth);
         put(f64::from(u8::from(self.course.is_released)));
         put(self.course.largest_load);
@@ -208,7 +209,7 @@ impl Snapshot {
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
         let parallel = self.parallel.as_ref().map_or(0, |parallel| parallel.numbers().len());
-        8 * (21 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (22 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -229,6 +230,7 @@ impl Snapshot {
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
         let mut course = Course {
             severity: next()?,
+            relative_bow: next()?,
             growth: next()?,
             is_released: next()? != 0.0,
             largest_load: next()?,
@@ -249,6 +251,7 @@ impl Snapshot {
             || !(0.0..256.0).contains(&reported)
             || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
             || !(0.0..=f64::INFINITY).contains(&course.severity)
+            || !(0.0..=1.0).contains(&course.relative_bow)
             // Infinite where a mode grew that no level contains.
             || !(0.0..=f64::INFINITY).contains(&course.growth)
         {

@@ -220,6 +220,14 @@ impl Model {
         }
     }
 
+    /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
+    pub fn end_rise(&self) -> f64 {
+        match self {
+            Model::Lumped(model) => model.end_rise(),
+            Model::Line(model) => model.end_rise(),
+        }
+    }
+
     /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
     pub fn friction_at(&self, speed: f64) -> f64 {
         each!(self, model => model.end_friction(speed))

@@ -224,6 +224,21 @@ fn the_error_of_the_level_is_extrapolated_beyond_the_nominal_conditions() {
     }
 }
 
+/// Within them that of the lumped level is in proportion to the temperature rise over the load.
+#[test]
+fn the_error_of_the_lumped_level_follows_temperature_over_load() {
+    let brake = changed_scene(&scene("disc_brake"), &[("solver.fidelity", 1.0), ("solver.tolerance", 1e-1)]);
+    let prepared = Prepared::new(&brake.clone().for_run_of(Some(20.0)), steady::run_in).unwrap();
+    let plan = prepared.plan.as_ref().unwrap();
+    assert_eq!(plan.model_level, ModelLevel::Lumped);
+    let (rise, load) = (plan.rise, brake.nominal_load);
+    let bows = [0.0, 0.5 * rise, rise, 3.0 * rise].map(|rise| prepared.relative_bow(rise, load));
+    assert_eq!([bows, [prepared.relative_bow(rise, 2.0 * load); 4]], [[0.0, 0.5, 1.0, 1.0], [0.5; 4]]);
+    let at = |relative_bow: f64| prepared.estimated_error(0.0, &Course { relative_bow, ..Course::default() });
+    assert!(at(1.0) == plan.estimated_error.unwrap() && at(1.0) < plan::UNKNOWN, "{plan:#?}");
+    assert_eq!([at(0.5), at(0.0)], [0.5 * at(1.0), 0.25 * at(1.0)]);
+}
+
 /// The bound of the growth rate vanishes below the critical speed and rises above it; a mode of a strip between two faces, which no
 /// level contains, has none.
 #[test]

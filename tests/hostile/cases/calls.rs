@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 8"],
+        &["layout 1", "layout 9"],
     ),
     stepping(
         "noise as a state",

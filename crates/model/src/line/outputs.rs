@@ -128,13 +128,18 @@ impl Line {
         value!(values, "wear_depth_strip") = strip;
     }
 
+    /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
+    pub fn end_rise(&self) -> f64 {
+        match &self.state.heat {
+            Some(heat) => heat.mean(&self.operators.weights),
+            None => self.mean.end_rise(),
+        }
+    }
+
     /// Writes the main outputs at the end of the last step, valid for its final inputs only.
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         self.mean.write_end(values);
-        if let Some(heat) = &self.state.heat {
-            let state = self.mean.state();
-            value!(values, "contact_temperature") = heat.mean(&self.operators.weights) + state.reference;
-        }
+        value!(values, "contact_temperature") = self.end_rise() + self.mean.state().reference;
         let [punch, strip] = self.depths();
         value!(values, "wear_depth") = punch + strip;
     }

@@ -46,6 +46,11 @@ impl Lumped {
         value!(values, "wear_depth_strip") = strip;
     }
 
+    /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
+    pub fn end_rise(&self) -> f64 {
+        self.state.end_temperature
+    }
+
     /// Writes the main outputs at the end of the last step, valid for its final inputs only.
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         value!(values, "wear_depth") = self.state.punch.depth + self.strip_depth();

@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
+use super::UNKNOWN;
 use super::distance::LevelDistance;
 use numerics::maximum::maximum;
 
@@ -13,6 +14,10 @@ const PLANNED: f64 = 2.0;
 /// the levels differ by the uneven pressure that the heat causes, which to first order is proportional to the heat.
 const KNOWN: f64 = 10.0;
 
+/// Least part of the planned error that a run gentler than nominal has at the lumped level: a part of the difference of the levels is that of the
+/// flash temperatures, which does not depend on how far the bodies bow.
+const LEAST_PART: f64 = 0.25;
+
 /// Fraction of the largest load so far below which the load counts as released.
 const RELEASED: f64 = 0.5;
 
@@ -21,6 +26,8 @@ const RELEASED: f64 = 0.5;
 pub struct Course {
     /// Largest ratio of speed, load and friction work so far to the nominal ones.
     pub severity: f64,
+    /// Largest ratio of temperature rise to load so far, under load, over that of the nominal trajectory; 1 at most.
+    pub relative_bow: f64,
     /// Exponent by which perturbations may have grown above the critical speed; see [`super::growth`].
     pub growth: f64,
     /// Largest load so far, N.
@@ -62,14 +69,19 @@ impl Course {
     /// of the lumped level.
     ///
     /// Where the lumped level is advanced in parallel, the error is in proportion to the distance from it, under load and with the load
-    /// released apart. Otherwise, beyond the conditions of the plan, it is in proportion to them.
+    /// released apart. Otherwise it is in proportion to the conditions beyond those of the plan, and within them to how uneven the heat
+    /// makes the pressure: the bodies bow in proportion to their temperature, and are flattened in proportion to the load.
     pub fn level_error(&self, planned_growth: f64, planned: [f64; 2], uniform: [f64; 2]) -> f64 {
-        let by_conditions = (self.severity / PLANNED).max(1.0);
+        let by_conditions = |planned: f64| match self.severity / PLANNED {
+            beyond if beyond > 1.0 => beyond,
+            _ if planned >= UNKNOWN => 1.0,
+            _ => self.relative_bow.clamp(LEAST_PART, 1.0),
+        };
         let in_phase = |is_released: bool| {
             let phase = usize::from(is_released);
             match self.distance {
                 Some(distance) if uniform[phase] > 0.0 => planned[phase] * distance.most(is_released) / uniform[phase],
-                _ => planned[phase] * by_conditions,
+                _ => planned[phase] * by_conditions(planned[phase]),
             }
         };
         let error = match (self.is_released, self.distance) {
@@ -85,7 +97,24 @@ mod tests {
     use super::*;
 
     fn after(severity: f64, growth: f64) -> Course {
-        Course { severity, growth, ..Course::default() }
+        Course { severity, growth, relative_bow: 1.0, ..Course::default() }
+    }
+
+    #[test]
+    fn within_the_plan_the_error_of_the_lumped_level_is_in_proportion_to_temperature_over_load() {
+        let error = |severity: f64, relative_bow: f64| {
+            Course { relative_bow, ..after(severity, 0.0) }.level_error(0.0, [0.5, 0.9], [0.1; 2])
+        };
+        assert_eq!([0.0, 0.1, 0.5, 1.0].map(|bow| error(1.0, bow)), [0.125, 0.125, 0.25, 0.5]);
+        assert_eq!(error(5.0, 0.1), 1.25);
+        // One that is not known stays so.
+        let unknown = Course { relative_bow: 0.1, ..after(1.0, 0.0) };
+        assert_eq!(unknown.level_error(0.0, [UNKNOWN; 2], [0.0; 2]), UNKNOWN);
+        // Beside a contact line it is measured instead.
+        let mut distance = LevelDistance::default();
+        distance.follow([1.0, 100.0, 1.0], [1.0, 95.0, 1.0], false);
+        let beside = Course { relative_bow: 0.1, distance: Some(distance), ..after(1.0, 0.0) };
+        assert_eq!(beside.level_error(f64::INFINITY, [1.0, 8.0], [0.1, 0.4]), 0.5);
     }
 
     #[test]

@@ -19,7 +19,7 @@
 //! # Limits
 //!
 //! - The trajectory is that of `nominal.*`. In a run the error of a contact line follows its distance from the lumped level in parallel
-//!   ([`parallel`]); that of the lumped level is extrapolated: [`prepared::Prepared::severity`].
+//!   ([`parallel`]); that of the lumped level is extrapolated: [`prepared::Prepared::severity`], [`prepared::Prepared::relative_bow`].
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
 //!   and where the cells do not converge, as mostly well above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.

@@ -4,6 +4,7 @@
 
 use super::course::Course;
 use super::growth::PerturbationGrowth;
+use super::model_level::ModelLevel;
 use super::parallel::ParallelLumped;
 use super::{Plan, UNKNOWN};
 use crate::INPUTS;
@@ -75,6 +76,12 @@ impl Prepared {
             .fold(ratio(speed.abs(), scene.nominal_velocity), maximum)
     }
 
+    /// Ratio of a temperature rise (K) to a load (N, > 0) over that of the nominal trajectory, 1 at most; 1 where levels were not compared.
+    pub fn relative_bow(&self, rise: f64, load: f64) -> f64 {
+        let nominal = self.plan.as_ref().map_or(0.0, |plan| plan.rise);
+        if nominal > 0.0 { (rise / nominal * (self.requested.nominal_load / load)).clamp(0.0, 1.0) } else { 1.0 }
+    }
+
     /// Exponent of growth that the plan contains.
     pub fn planned_growth(&self) -> f64 {
         self.plan.as_ref().map_or(0.0, |plan| plan.growth[0])
@@ -93,6 +100,9 @@ impl Prepared {
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if course.is_known(plan.growth[0]) => {
                 let planned = [plan.estimated_error, plan.released_error].map(|error| error.unwrap_or(0.0));
+                // Errors by cells do not all come from bowed bodies.
+                let is_lumped = plan.model_level == ModelLevel::Lumped;
+                let course = Course { relative_bow: if is_lumped { course.relative_bow } else { 1.0 }, ..*course };
                 let level = course.level_error(plan.growth[0], planned, plan.lumped_errors.unwrap_or([0.0; 2]));
                 level.hypot(plan.step_ratios[usize::from(course.is_released)] * step_error).min(UNKNOWN)
             }
