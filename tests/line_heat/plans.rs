@@ -145,6 +145,37 @@ fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_its_error_grows_with_i
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
+/// Estimated error of the disc brake at `speed` m/s and its nominal load for 20 s at the lumped level.
+fn estimate(speed: f64, changes: &[(&str, f64)]) -> f64 {
+    let mut starts = scene("disc_brake");
+    for (name, value) in [("solver.fidelity", 1.0), ("solver.tolerance", 4e-2)].iter().chain(changes) {
+        starts[reference(name) as usize] = *value;
+    }
+    let mut component = Component::new(Arc::new(starts));
+    component.set_run_duration(Some(20.0));
+    component.enter_initialization();
+    component.initialise(None).unwrap();
+    let plan: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
+    assert!(plan[0].contains("auto takes lumped"), "{plan:?}");
+    component.set_input(reference("sliding_velocity"), speed);
+    component.set_input(reference("normal_load"), 2600.0);
+    (0..20).for_each(|_| component.step(1.0).unwrap());
+    component.get(reference("estimated_error"))
+}
+
+/// At the lumped level the heat of a run at half the speed bows the bodies half as much; without expansion it bows none.
+#[test]
+fn the_error_of_a_gentle_run_is_a_part_of_that_of_its_plan() {
+    let errors = |changes: &[(&str, f64)]| [3.8, 1.9].map(|speed| estimate(speed, changes));
+    let [nominal, gentle] = errors(&[]);
+    assert!(gentle > 0.4 * nominal && gentle < 0.65 * nominal, "{nominal} {gentle}");
+    let unbowed =
+        [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0), ("punch.wear_pressure_exponent", 1.3)];
+    let [nominal, gentle] = errors(&unbowed);
+    println!("{nominal} {gentle}");
+    assert!(gentle > 0.8 * nominal, "{nominal} {gentle}");
+}
+
 #[test]
 fn a_run_that_outlasts_its_plan_says_so_and_its_error_grows() {
     let mut component = component(&[LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat());

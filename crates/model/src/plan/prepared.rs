@@ -9,6 +9,7 @@ use super::parallel::ParallelLumped;
 use super::{Plan, UNKNOWN};
 use crate::INPUTS;
 use crate::levels::ModelOperators;
+use crate::line::heat::bodies::expands;
 use crate::line::operators::RunIn;
 use crate::lumped::conditions::Tunables;
 use numerics::maximum::maximum;
@@ -100,9 +101,9 @@ impl Prepared {
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if course.is_known(plan.growth[0]) => {
                 let planned = [plan.estimated_error, plan.released_error].map(|error| error.unwrap_or(0.0));
-                // Errors by cells do not all come from bowed bodies.
-                let is_lumped = plan.model_level == ModelLevel::Lumped;
-                let course = Course { relative_bow: if is_lumped { course.relative_bow } else { 1.0 }, ..*course };
+                // Errors by cells, and by wear alone, do not come from bowed bodies.
+                let by_bow = plan.model_level == ModelLevel::Lumped && expands(&self.requested);
+                let course = Course { relative_bow: if by_bow { course.relative_bow } else { 1.0 }, ..*course };
                 let level = course.level_error(plan.growth[0], planned, plan.lumped_errors.unwrap_or([0.0; 2]));
                 level.hypot(plan.step_ratios[usize::from(course.is_released)] * step_error).min(UNKNOWN)
             }

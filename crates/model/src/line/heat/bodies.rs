@@ -36,15 +36,19 @@ const EXPECTED: f64 = 1.5;
 /// [`HeatResolution`] overrides the first of these criteria: lumped also where heat feeds back, or resolved also where only the
 /// contact temperature is affected.
 pub fn is_resolved(scene: &Scene) -> bool {
-    let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
     let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
     let wanted = match scene.heat_resolution {
-        HeatResolution::ResolvedWhereCoupled => expands || follows || scene.fidelity == Fidelity::Field,
+        HeatResolution::ResolvedWhereCoupled => expands(scene) || follows || scene.fidelity == Fidelity::Field,
         HeatResolution::Lumped => false,
         HeatResolution::Resolved => true,
     };
     wanted && can_be_resolved(scene)
+}
+
+/// Whether heat distorts a body.
+pub fn expands(scene: &Scene) -> bool {
+    [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0)
 }
 
 /// Whether this scene permits resolved heat.
