@@ -6,7 +6,6 @@
 mod inputs;
 mod messages;
 mod outputs;
-mod plan_watch;
 mod rates;
 mod reports;
 mod snapshot;
@@ -20,10 +19,8 @@ use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use model::plan::course::Course;
-use model::plan::distance::LevelDistance;
-use model::plan::parallel::ParallelLumped;
-use model::plan::prepared::Prepared;
+use model::plan::Prepared;
+use model::run_error::RunError;
 use outputs::group;
 use reports::BOTH_VELOCITIES;
 use scene::message::Number;
@@ -83,18 +80,12 @@ pub struct Component {
     stale: bool,
     /// Tolerance given by the importer.
     tolerance: Option<f64>,
-    /// Duration of the run, s, where the importer gives a stop time.
-    run_duration: Option<f64>,
     /// Tolerance of the scene's default experiment: used where neither the importer nor `solver.tolerance` gives one.
     declared_tolerance: Option<f64>,
     /// Scene prepared last: reused for the same scene.
     prepared: Option<Arc<Prepared>>,
-    /// The plan compared levels, so its validity is checked after every step.
-    planned: bool,
-    /// History of the run on which the error of the plan depends.
-    course: Course,
-    /// The lumped level in parallel with a contact line; see [`model::plan::parallel`].
-    parallel: Option<Box<ParallelLumped>>,
+    /// Error of the run, once there is a model.
+    run_error: Option<RunError>,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
@@ -119,12 +110,9 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
-            run_duration: None,
             declared_tolerance: None,
             prepared: None,
-            planned: false,
-            course: Course::default(),
-            parallel: None,
+            run_error: None,
             at_end: false,
             last_step: 0.0,
             reported: 0,
@@ -137,16 +125,9 @@ impl Component {
         Component { declared_tolerance: Some(tolerance), ..self }
     }
 
-    /// The scene of these values for this experiment: the tolerance where `solver.tolerance` is 0, and the duration (s) of the run.
-    fn scene_of(&self, values: &Values, tolerance: Option<f64>, run_duration: Option<f64>) -> Result<Scene, String> {
-        let scene = Scene::new(values, tolerance.or(self.declared_tolerance)).map_err(|broken| broken.to_string())?;
-        Ok(scene.for_run_of(run_duration))
-    }
-
-    /// Sets the duration of the run (s), where the importer knows it: a level is chosen automatically for this time, if it is shorter than
-    /// the nominal one.
-    pub fn set_run_duration(&mut self, duration: Option<f64>) {
-        self.run_duration = duration;
+    /// The scene of these values; `tolerance` of the importer, where `solver.tolerance` is 0.
+    fn scene_of(&self, values: &Values, tolerance: Option<f64>) -> Result<Scene, String> {
+        Scene::new(values, tolerance.or(self.declared_tolerance)).map_err(|broken| broken.to_string())
     }
 
     /// Resets to the state of [`Component::new`]; the prepared scene is kept for reuse.
@@ -167,9 +148,7 @@ impl Component {
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
         self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
-        self.parallel = prepared.parallel(tunables, &inputs).map(Box::new);
-        self.course = Course { distance: self.parallel.is_some().then(LevelDistance::default), ..Course::default() };
-        self.planned = prepared.was_compared();
+        self.run_error = Some(RunError::new(&prepared, tunables, &inputs));
         self.prepared = Some(prepared);
         self.current = 0;
         self.at_end = false;
@@ -189,8 +168,8 @@ impl Component {
             if let Some(model) = &mut self.model {
                 model.set_tunables(tunables);
             }
-            if let Some(parallel) = &mut self.parallel {
-                parallel.set_tunables(tunables);
+            if let Some(run_error) = &mut self.run_error {
+                run_error.set_tunables(tunables);
             }
         }
     }
@@ -237,7 +216,7 @@ impl Component {
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
         self.tolerance = tolerance;
         self.check_inputs(0.0)?;
-        let scene = self.scene_of(&self.values, self.tolerance, self.run_duration)?;
+        let scene = self.scene_of(&self.values, self.tolerance)?;
         self.build(&scene)?;
         self.check_outputs()?;
         self.phase = Phase::Running;
@@ -280,11 +259,10 @@ impl Component {
         let slopes = self.sloped.then_some(&self.slopes);
         let began = *inputs;
         model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
-        if let (Some(parallel), Some(distance)) = (&mut self.parallel, self.course.distance) {
-            let end = inputs[1] + self.slopes[1] * step;
-            [inputs[1], end].into_iter().for_each(|load| self.course.follow_load(load));
-            let is_released = self.course.releases(end);
-            self.course.distance = parallel.follow(model, inputs, slopes, step, is_released, &distance);
+        if let (Some(run_error), Some(prepared)) = (&mut self.run_error, &self.prepared)
+            && let Some(notice) = run_error.follow(prepared, model, inputs, slopes, step)
+        {
+            self.messages.add(Subject::Warning, format_args!("{notice}"));
         }
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;
@@ -306,9 +284,6 @@ impl Component {
         }
         if limits & !self.reported != 0 {
             self.report(limits, &began);
-        }
-        if self.planned {
-            self.watch_plan(&began);
         }
         Ok(())
     }
@@ -355,6 +330,17 @@ impl Component {
             *slot = derivatives[unknown as usize];
         }
         Ok(())
+    }
+
+    /// Ends the run: logs advice where its error is above the tolerance.
+    pub fn conclude(&mut self) {
+        if self.last_step == 0.0 {
+            return;
+        }
+        let error = self.get(reference("estimated_error"));
+        if let (Some(run_error), Some(prepared)) = (&self.run_error, &self.prepared) {
+            self.messages.compose(Subject::Warning, |text| run_error.write_advice(prepared, error, text));
+        }
     }
 
     /// Messages since the last call.

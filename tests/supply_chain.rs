@@ -16,7 +16,7 @@ const UNSAFE: [(&str, &str); 18] = [
     ("crates/scene/src/slot.rs", "volatile read of the scene that packaging writes into the library"),
     ("crates/numerics/src/cache.rs", "allocator that counts, of a unit test"),
     ("crates/test-support/src/importer.rs", "calls of the C interface, of tests"),
-    ("crates/verification/src/planning/runs.rs", "processor time of a thread, from the system"),
+    ("crates/verification/src/clock.rs", "processor time of a thread, from the system"),
     ("src/fmi2/exports.rs", "functions of the C interface"),
     ("src/fmi2/arguments.rs", "arrays of the importer"),
     ("src/fmi2/registry.rs", "instances behind their handles"),

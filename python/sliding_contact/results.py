@@ -264,14 +264,14 @@ class Cycles:
 
 
 class Plan:
-    """What `solver.fidelity = auto` takes for a scene, and why: `record` holds effects and candidates."""
+    """What `solver.fidelity = auto` takes for a scene, and why: `record` holds the comparison, effects and groups."""
 
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
         self.level: str = record["level"]
         self.cells: int = record["cells"]
-        self.estimated_error: float = record["estimated_error"]
-        self.meets_tolerance: bool = record["meets_tolerance"]
+        #: Error of the lumped level; `None` on a contact line, whose error is measured during the run.
+        self.estimated_error: Optional[float] = record["estimated_error"]
         self.reason: str = record["reason"]
 
     @property
@@ -280,7 +280,7 @@ class Plan:
         return _settings(self.level, self.cells)
 
     def __repr__(self) -> str:
-        return f"Plan(level {self.record['model_level']}, estimated error {self.estimated_error:.1e})"
+        return f"Plan({self.record['description']}: {self.reason})"
 
 
 class LevelComparison:

@@ -102,7 +102,7 @@ impl Component {
         if self.phase == Phase::Initializing && self.stale {
             self.stale = false;
             // Rules between several parameters are checked at the end of initialisation.
-            if let Ok(scene) = self.scene_of(&self.values, self.tolerance, self.run_duration) {
+            if let Ok(scene) = self.scene_of(&self.values, self.tolerance) {
                 let _ = self.build(&scene);
             }
         }
@@ -131,7 +131,10 @@ impl Component {
                 }
                 group::ACCOUNT => {
                     model.write_account(&mut self.values);
-                    self.add_estimated_error();
+                    if let (Some(run_error), Some(prepared)) = (&self.run_error, &self.prepared) {
+                        let steps = value!(self.values, "estimated_step_error");
+                        value!(self.values, "estimated_error") = run_error.of(prepared, steps);
+                    }
                 }
                 _ => model.write_rest(&inputs, &mut self.values),
             }

@@ -4,8 +4,8 @@ use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
-use model::plan::course::Course;
-use model::plan::distance::LevelDistance;
+use model::plan::distance::Distance;
+use model::run_error::{RunError, SavedRunError};
 use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 
@@ -17,18 +17,13 @@ pub struct Snapshot {
     slopes: [f64; INPUTS],
     phase: u8,
     tolerance: Option<f64>,
-    /// Duration of the run, s.
-    run_duration: Option<f64>,
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// See [`Course`].
-    course: Course,
     /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
-    /// State of the lumped level in parallel with a contact line.
-    parallel: Option<LumpedState>,
+    run_error: SavedRunError,
 }
 
 impl Component {
@@ -47,20 +42,19 @@ impl Component {
             Phase::Initializing => 1,
             Phase::Running => 2,
         };
-        (into.tolerance, into.run_duration) = (self.tolerance, self.run_duration);
+        into.tolerance = self.tolerance;
         into.reported = self.reported;
         into.at_end = self.at_end;
         into.last_step = self.last_step;
-        into.course = self.course;
         into.state = None;
-        into.parallel = None;
+        into.run_error = SavedRunError::default();
         if let Some(model) = &self.model
             && self.phase == Phase::Running
         {
             let scene = model.scene();
             into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
             into.state = Some(model.save());
-            into.parallel = self.parallel.as_ref().and_then(|parallel| parallel.save());
+            into.run_error = self.run_error.as_ref().map(RunError::save).unwrap_or_default();
         }
     }
 
@@ -82,9 +76,6 @@ impl Component {
         if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
-        if let Some(duration) = from.run_duration.filter(|duration| *duration < 0.0) {
-            return Err(format!("the saved state is damaged: the duration {duration} s of its run must be >= 0"));
-        }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {
             // The scene at the end of initialisation: tunable parameters may have changed since.
@@ -93,7 +84,7 @@ impl Component {
             value!(at_start, "ambient_temperature") = from.built[1];
             value!(at_start, "wear_acceleration") = from.built[2];
             let same = self.phase == Phase::Running
-                && (self.tolerance, self.run_duration) == (from.tolerance, from.run_duration)
+                && self.tolerance == from.tolerance
                 && self.model.as_ref().is_some_and(|model| {
                     let scene = model.scene();
                     [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration] == from.built
@@ -105,38 +96,32 @@ impl Component {
             let prepared = match &self.prepared {
                 Some(prepared) if same => prepared.clone(),
                 known => {
-                    let scene = self.scene_of(&at_start, from.tolerance, from.run_duration)?;
+                    let scene = self.scene_of(&at_start, from.tolerance)?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
                         None => super::prepare(&scene)?,
                     }
                 }
             };
-            let fits = match (&from.parallel, &prepared.lumped) {
-                (None, None) => from.course.distance.is_none(),
-                (Some(own), Some(operators)) => own.fits(operators.mean()),
-                _ => false,
-            };
-            if !(fits && state.fits(&prepared.operators)) {
+            if !(RunError::fits(&from.run_error, &prepared) && state.fits(&prepared.operators)) {
                 return Err("the saved states do not fit the scene".into());
             }
             // Nothing has been changed up to here, and no later operation can fail.
             if !same {
                 let tunables = super::tunables_of(&values);
                 self.model = Some(Model::new(&prepared.operators, tunables, &from.inputs));
-                self.parallel = prepared.parallel(tunables, &from.inputs).map(Box::new);
-                self.planned = prepared.was_compared();
+                self.run_error = Some(RunError::new(&prepared, tunables, &from.inputs));
                 self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
             model.set_tunables(super::tunables_of(&values));
             model.set_state(state);
-            if let (Some(parallel), Some(own)) = (&mut self.parallel, &from.parallel) {
-                parallel.set_tunables(super::tunables_of(&values));
-                parallel.set_state(own.clone());
+            if let Some(run_error) = &mut self.run_error {
+                run_error.set_tunables(super::tunables_of(&values));
+                run_error.set(&from.run_error);
             }
         } else {
-            (self.model, self.parallel) = (None, None);
+            (self.model, self.run_error) = (None, None);
         }
         // Outputs are evaluated when they are read; without a model they have their start values.
         *self.values = values;
@@ -148,11 +133,10 @@ impl Component {
             1 => Phase::Initializing,
             _ => Phase::Running,
         };
-        (self.tolerance, self.run_duration) = (from.tolerance, from.run_duration);
+        self.tolerance = from.tolerance;
         self.reported = from.reported;
         self.at_end = from.at_end;
         self.last_step = from.last_step;
-        self.course = from.course;
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -170,46 +154,44 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
-        put(self.course.severity);
-        put(self.course.relative_bow);
-        put(self.course.growth);
-        put(f64::from(u8::from(self.course.is_released)));
-        put(self.course.largest_load);
-        put(f64::from(u8::from(self.course.distance.is_some())));
-        let distance = self.course.distance.unwrap_or_default();
-        distance.apart.into_iter().flatten().chain(distance.largest).for_each(&mut put);
         put(self.tolerance.unwrap_or(f64::NAN));
-        put(self.run_duration.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
             put(f64::from(index));
             put(value);
         }
         self.inputs.iter().chain(&self.slopes).chain(&self.built).for_each(|&number| put(number));
-        match &self.state {
-            None => put(0.0),
-            Some(ModelState::Lumped(mean)) => {
-                put(1.0);
-                mean.numbers().into_iter().for_each(put);
-            }
-            Some(ModelState::Line(mean, line)) => {
-                put(if self.parallel.is_some() { 3.0 } else { 2.0 });
-                self.parallel.iter().flat_map(LumpedState::numbers).for_each(&mut put);
-                mean.numbers().into_iter().for_each(&mut put);
-                line.iter().copied().for_each(put);
+        let SavedRunError { is_beyond, distance, companion } = &self.run_error;
+        put(f64::from(u8::from(*is_beyond)));
+        put(f64::from(u8::from(distance.is_some())));
+        let distance = distance.unwrap_or_default();
+        distance.apart.into_iter().chain(distance.largest).for_each(&mut put);
+        for state in [&self.state, companion] {
+            match state {
+                None => put(0.0),
+                Some(ModelState::Lumped(mean)) => {
+                    put(1.0);
+                    mean.numbers().into_iter().for_each(&mut put);
+                }
+                Some(ModelState::Line(mean, line)) => {
+                    put(2.0);
+                    mean.numbers().into_iter().for_each(&mut put);
+                    put(line.len() as f64);
+                    line.iter().copied().for_each(&mut put);
+                }
             }
         }
     }
 
     /// Number of bytes that [`Snapshot::encode`] appends.
     pub fn encoded_size(&self) -> usize {
-        let state = match &self.state {
+        let numbers = |state: &Option<ModelState>| match state {
             None => 0,
             Some(ModelState::Lumped(mean)) => mean.numbers().len(),
-            Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
+            Some(ModelState::Line(mean, line)) => mean.numbers().len() + 1 + line.len(),
         };
-        let parallel = self.parallel.as_ref().map_or(0, |parallel| parallel.numbers().len());
-        8 * (22 + parallel + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        let states = numbers(&self.state) + numbers(&self.run_error.companion);
+        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + 3 + 8 + 2 + states)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -228,32 +210,10 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let mut course = Course {
-            severity: next()?,
-            relative_bow: next()?,
-            growth: next()?,
-            is_released: next()? != 0.0,
-            largest_load: next()?,
-            ..Course::default()
-        };
-        let is_followed = next()? != 0.0;
-        let mut distance = LevelDistance::default();
-        for slot in distance.apart.iter_mut().flatten().chain(&mut distance.largest) {
-            *slot = next()?;
-            if !(0.0..=LARGEST_STATE).contains(slot) {
-                return None;
-            }
-        }
-        course.distance = is_followed.then_some(distance);
-        let (tolerance, run_duration, count) = (next()?, next()?, next()?);
+        let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count)
             || !(0.0..=2.0).contains(&phase)
             || !(0.0..256.0).contains(&reported)
-            || !(0.0..=LARGEST_STATE).contains(&course.largest_load)
-            || !(0.0..=f64::INFINITY).contains(&course.severity)
-            || !(0.0..=1.0).contains(&course.relative_bow)
-            // Infinite where a mode grew that no level contains.
-            || !(0.0..=f64::INFINITY).contains(&course.growth)
         {
             return None;
         }
@@ -262,9 +222,7 @@ impl Snapshot {
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
-            course,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
-            run_duration: (!run_duration.is_nan()).then_some(run_duration),
             ..Snapshot::default()
         };
         for _ in 0..count as usize {
@@ -277,23 +235,36 @@ impl Snapshot {
         for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.slopes).chain(&mut snapshot.built) {
             *slot = next()?;
         }
-        let kind = next()?;
+        snapshot.run_error.is_beyond = next()? != 0.0;
+        let is_measured = next()? != 0.0;
+        let mut distance = Distance::default();
+        for slot in distance.apart.iter_mut().chain(&mut distance.largest) {
+            *slot = next().filter(|number| (0.0..=LARGEST_STATE).contains(number))?;
+        }
+        snapshot.run_error.distance = is_measured.then_some(distance);
         // NaN stands for a number that is not known yet; where none may stand, the model refuses it.
         if numbers.as_slice().iter().any(|number| number.abs() > LARGEST_STATE) {
             return None;
         }
-        match kind {
-            0.0 => {}
-            1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
-            2.0 | 3.0 => {
-                if kind == 3.0 {
-                    snapshot.parallel = Some(LumpedState::from_numbers(numbers)?);
-                }
-                let mean = LumpedState::from_numbers(numbers)?;
-                snapshot.state = Some(ModelState::Line(mean, numbers.by_ref().copied().collect()));
-            }
-            _ => return None,
-        }
+        snapshot.state = model_state(numbers)?;
+        snapshot.run_error.companion = model_state(numbers)?;
         numbers.next().is_none().then_some(snapshot)
+    }
+}
+
+/// Reads the state of a model, which may be none; the outer `None`: the numbers are not one.
+fn model_state(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Option<ModelState>> {
+    match *numbers.next()? {
+        0.0 => Some(None),
+        1.0 => Some(Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?))),
+        2.0 => {
+            let mean = LumpedState::from_numbers(numbers)?;
+            let count = *numbers.next()?;
+            if !(0.0..=numbers.len() as f64).contains(&count) {
+                return None;
+            }
+            Some(Some(ModelState::Line(mean, numbers.by_ref().take(count as usize).copied().collect())))
+        }
+        _ => None,
     }
 }

@@ -212,7 +212,6 @@ impl Instance {
     /// `fmi2EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Outcome {
         self.component.set_importer_tolerance(self.clock.tolerance);
-        self.component.set_run_duration(self.clock.stop.map(|stop| stop - self.clock.time));
         self.component.enter_initialization();
         self.phase = Phase::Initialization;
         Ok(())
@@ -231,6 +230,9 @@ impl Instance {
 
     /// `fmi2Terminate`
     pub fn terminate(&mut self) -> Outcome {
+        if self.phase == Phase::StepComplete {
+            self.component.conclude();
+        }
         self.phase = Phase::Terminated;
         Ok(())
     }

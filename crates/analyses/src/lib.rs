@@ -9,6 +9,11 @@ pub mod plan;
 pub mod simulation;
 pub mod steady;
 
+/// Largest magnitude; NaN counts as infinite.
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most: f64, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
+}
+
 #[cfg(test)]
 mod tests {
     use scene_file::SceneFile;

@@ -88,16 +88,8 @@ impl ModelOperators {
         }
     }
 
-    /// The same contact line with lumped heat, without new elastic bodies. The lumped level is unchanged.
-    pub fn with_lumped_heat(&self) -> ModelOperators {
-        match self {
-            ModelOperators::Lumped(_) => self.clone(),
-            ModelOperators::Line(operators) => ModelOperators::Line(Arc::new(operators.with_lumped_heat())),
-        }
-    }
-
-    /// Description of the choices made, for the log.
-    pub fn plan(&self) -> String {
+    /// Level, cells and states, for the log.
+    pub fn description(&self) -> String {
         let mean = match self {
             ModelOperators::Lumped(operators) => operators,
             ModelOperators::Line(operators) => &operators.mean,
@@ -110,8 +102,8 @@ impl ModelOperators {
             mean.flash.as_ref().map_or(0, |flash| flash.decays.rate.len())
         );
         match self {
-            ModelOperators::Lumped(_) => format!("level lumped; {heat}"),
-            ModelOperators::Line(operators) => format!("level line; {}; {heat}", operators.plan()),
+            ModelOperators::Lumped(_) => format!("lumped; {heat}"),
+            ModelOperators::Line(operators) => format!("line, {}", operators.description()),
         }
     }
 
@@ -220,14 +212,6 @@ impl Model {
         }
     }
 
-    /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
-    pub fn end_rise(&self) -> f64 {
-        match self {
-            Model::Lumped(model) => model.end_rise(),
-            Model::Line(model) => model.end_rise(),
-        }
-    }
-
     /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
     pub fn friction_at(&self, speed: f64) -> f64 {
         each!(self, model => model.end_friction(speed))
@@ -243,11 +227,6 @@ impl Model {
         if let Model::Line(line) = self {
             line.limit_attempts(most);
         }
-    }
-
-    /// Whether all permitted internal steps are used up.
-    pub fn out_of_attempts(&self) -> bool {
-        matches!(self, Model::Line(line) if line.attempts_left() == Some(0))
     }
 
     /// Whether a bristle models the friction force at standstill.
@@ -278,14 +257,6 @@ impl Model {
         match self {
             Model::Lumped(_) => WorkCounter::default(),
             Model::Line(model) => model.contact_work(),
-        }
-    }
-
-    /// Whether the whole contact zone was in contact at the end of the last step; always at the lumped level.
-    pub fn touches_everywhere(&self) -> bool {
-        match self {
-            Model::Lumped(_) => true,
-            Model::Line(model) => model.state().pressure.iter().all(|pressure| *pressure > 0.0),
         }
     }
 

@@ -12,6 +12,7 @@ pub mod levels;
 pub mod line;
 pub mod lumped;
 pub mod plan;
+pub mod run_error;
 pub mod step_control;
 
 /// Inputs of the component in the order of the variable table.

@@ -135,16 +135,24 @@ pub enum Fidelity {
     Field,
 }
 
-/// Lumped or resolved heat of a contact line. Not a parameter: set by the plan, or by the line itself.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+/// Heat of a contact line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HeatResolution {
-    /// Resolved heat where its distribution feeds back on pressure, friction or wear; lumped heat elsewhere.
-    #[default]
-    ResolvedWhereCoupled,
-    /// Lumped heat: one mean flux and temperature.
-    Lumped,
-    /// Resolved heat wherever the scene allows it: the mean temperature then depends on the pressure distribution.
+    /// Flux and temperature of each cell, wherever a body conducts.
     Resolved,
+    /// One mean flux and temperature, as at the lumped level: for pressure and wear alone.
+    Mean,
+}
+
+/// Measure of the error of a run beyond that of its steps.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ErrorEstimate {
+    /// A companion where the level is chosen automatically, none where it is named.
+    Automatic,
+    /// None.
+    Off,
+    /// A coarser contact line on the same inputs.
+    Companion,
 }
 
 /// Time stepping.
@@ -276,21 +284,18 @@ pub struct Scene {
     pub nominal_load: f64,
     pub nominal_velocity: f64,
     pub nominal_duration: f64,
-    /// Duration for which a level is chosen automatically, s: the nominal one, or that of the run where it is shorter.
-    pub planned_duration: f64,
     pub nominal_stroke: f64,
     pub fidelity: Fidelity,
-    /// Number of cells of the contact line; 0: automatic.
+    /// Number of cells of the contact line; 0: by the tolerance.
     pub cells: usize,
     /// Heat of a contact line.
     pub heat_resolution: HeatResolution,
+    /// Measure of the error of the run.
+    pub error_estimate: ErrorEstimate,
     pub scheme: Scheme,
     pub tolerance: f64,
     pub wear_acceleration: f64,
 }
-
-/// Least duration for which a level is chosen, s: that of `nominal.duration`.
-const SHORTEST_PLANNED: f64 = 1e-6;
 
 /// The friction table of the values of the variable table, if it has points.
 fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
@@ -417,7 +422,6 @@ impl Scene {
             nominal_load: value!(v, "nominal.load"),
             nominal_velocity: value!(v, "nominal.velocity"),
             nominal_duration: value!(v, "nominal.duration"),
-            planned_duration: value!(v, "nominal.duration"),
             nominal_stroke: value!(v, "nominal.stroke"),
             fidelity: match value!(v, "solver.fidelity") as i32 {
                 1 => Fidelity::Auto,
@@ -426,7 +430,15 @@ impl Scene {
                 _ => Fidelity::Field,
             },
             cells: value!(v, "solver.cells") as usize,
-            heat_resolution: HeatResolution::ResolvedWhereCoupled,
+            heat_resolution: match value!(v, "solver.heat") as i32 {
+                1 => HeatResolution::Resolved,
+                _ => HeatResolution::Mean,
+            },
+            error_estimate: match value!(v, "solver.error_estimate") as i32 {
+                1 => ErrorEstimate::Automatic,
+                2 => ErrorEstimate::Off,
+                _ => ErrorEstimate::Companion,
+            },
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,
@@ -437,15 +449,6 @@ impl Scene {
         };
         rules::check(&scene, v)?;
         Ok(scene)
-    }
-
-    /// The scene for a run that ends after `duration` s, where that is known: a level is chosen automatically for this time, if it is
-    /// shorter than the nominal one.
-    pub fn for_run_of(mut self, duration: Option<f64>) -> Scene {
-        if let (Fidelity::Auto, Some(duration)) = (self.fidelity, duration.filter(|duration| *duration > 0.0)) {
-            self.planned_duration = self.nominal_duration.min(duration.max(SHORTEST_PLANNED));
-        }
-        self
     }
 
     /// Whether both bodies are rigid: the pressure is uniform then.

@@ -7,8 +7,8 @@
 //! Theory: docs/theory.md, section 10.
 
 mod annulus;
-pub mod applications;
 mod bodies;
+pub mod clock;
 mod component;
 mod contact_line;
 mod driver;
@@ -21,7 +21,6 @@ pub mod integrator;
 mod moving_source;
 mod operator_split;
 pub mod path_modes;
-pub mod planning;
 mod punch_heat;
 pub mod stability;
 mod steady_states;

@@ -1,6 +1,5 @@
-//! `cargo fmu plan`: the choice of `solver.fidelity = auto` for a scene, and the quality of its choices.
+//! `cargo fmu plan`: the choice of `solver.fidelity = auto` for a scene, or every level on given inputs.
 
-mod campaign;
 mod field;
 mod inputs;
 
@@ -10,10 +9,9 @@ use anyhow::{Result, bail};
 use scene::Fidelity;
 
 use crate::output::{self, print_line};
-use crate::{arguments, scenes};
+use crate::scenes;
 
-/// Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and
-/// the error of each.
+/// Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Scene file, or name of a folder in `examples`; by default the stock scene.
@@ -21,7 +19,7 @@ pub struct Arguments {
     /// Give a variable another value, as KEY=VALUE.
     #[arg(short, long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Tolerance of the importer, where `solver.tolerance` is 0; with --inputs that of the levels, before the scene's own.
+    /// Tolerance of the importer, where `solver.tolerance` is 0; with --inputs it is before the scene's own.
     #[arg(long, value_parser = scenes::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Print JSON instead of a table.
@@ -30,39 +28,16 @@ pub struct Arguments {
     /// Run every level on these inputs, print its error and cost, and name the cheapest that meets the tolerance.
     ///
     /// CSV with the columns time [s] and inputs with their units, as sliding_velocity [m/s] and normal_load [N]; linear between rows,
-    /// each of which is a communication point.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["campaign", "against_field"])]
+    /// divided into communication steps as by `simulate`.
+    #[arg(long, value_name = "FILE", conflicts_with = "against_field")]
     inputs: Option<PathBuf>,
     /// Write the named level with its tolerance into the scene's file.
     #[arg(long, requires = "inputs", conflicts_with = "set")]
     write: bool,
-    /// Compare auto on scenes as users build them with every fixed setting and a far finer reference run.
-    ///
-    /// Every third scene is held out. Reference runs and runs at fixed settings are cached in cargo's target folder.
-    #[arg(long, conflicts_with_all = ["scene", "set", "tolerance"])]
-    campaign: bool,
-    /// Variants of the shipped scenes, driven by random ramps, instead of the scenes that the choice of the level was adjusted to.
-    #[arg(long, requires = "campaign")]
-    variants: bool,
-    /// Scenes of the campaign, held-out ones counted.
-    #[arg(long, default_value_t = 1000, requires = "campaign", value_parser = arguments::whole::<usize>(1..=1_000_000), allow_negative_numbers = true)]
-    scenes: usize,
-    /// Number of the first of them.
-    #[arg(long, default_value_t = 0, requires = "campaign", value_parser = arguments::whole::<usize>(0..=1_000_000), allow_negative_numbers = true)]
-    first: usize,
-    /// Only scenes whose name contains this.
-    #[arg(long, value_name = "TEXT", requires = "campaign")]
-    only: Option<String>,
-    /// The scenes that are held out, instead of the others.
-    #[arg(long, requires = "campaign")]
-    hold_out: bool,
-    /// Run the fixed settings again.
-    #[arg(long, requires = "campaign")]
-    fresh: bool,
     /// Measure the cost of a step at the planned model level and at the level `field`, for an error of 1 %.
-    #[arg(long, conflicts_with_all = ["campaign", "set", "tolerance", "json"])]
+    #[arg(long, conflicts_with_all = ["set", "tolerance", "json"])]
     against_field: bool,
-    /// File to write the table of the campaign, or of the costs, to.
+    /// File to write the table of the costs to.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -73,20 +48,8 @@ pub struct Arguments {
 /// Where the scene is refused, or a level cannot be built.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(arguments.output.as_deref(), &["csv"])?;
-    if arguments.output.is_some() && !(arguments.campaign || arguments.against_field) {
-        bail!("--output holds the table of --campaign or --against-field, and neither is given");
-    }
-    if arguments.campaign {
-        return campaign::execute(&campaign::Request {
-            variants: arguments.variants,
-            first: arguments.first,
-            scenes: arguments.scenes,
-            only: arguments.only.clone(),
-            hold_out: arguments.hold_out,
-            fresh: arguments.fresh,
-            json: arguments.json,
-            output: arguments.output.clone(),
-        });
+    if arguments.output.is_some() && !arguments.against_field {
+        bail!("--output holds the table of --against-field, which is not given");
     }
     if arguments.against_field {
         return field::measure(arguments.scene.as_deref(), arguments.output.as_deref());
@@ -112,19 +75,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             json: arguments.json,
         });
     }
-    let (scene, planned) = analyses::plan::choose(&file, arguments.tolerance)?;
+    let plan = analyses::plan::choose(&file, arguments.tolerance)?;
     if arguments.json {
-        print_line!("{:#}", analyses::plan::record(&planned.plan));
+        print_line!("{:#}", plan.record());
         return Ok(());
     }
+    let scene = &plan.scene;
     print_line!(
-        "{}: load {} N, speed {} m/s, {} s",
+        "{}: load {} N, speed {} m/s, {} s, tolerance {:e}",
         file.packaged.name,
         scene.nominal_load,
         scene.nominal_velocity,
-        planned.plan.duration
+        scene.nominal_duration,
+        scene.tolerance
     );
-    for line in planned.plan.lines() {
+    for line in plan.lines() {
         print_line!("{line}");
     }
     if scene.fidelity != Fidelity::Auto {

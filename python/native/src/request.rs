@@ -221,17 +221,15 @@ impl Request {
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;
                 let record = match inputs {
-                    None => plan::record(&plan::choose(&file, tolerance)?.1.plan),
+                    None => plan::choose(&file, tolerance)?.record(),
                     Some(inputs) => {
-                        let packaged = &file.packaged;
                         let tolerance = plan::inputs::tolerance(&file, tolerance)?;
-                        let drive = plan::inputs::drive(&packaged.name, &packaged.starts, &inputs.inputs()?)?;
-                        let count = plan::inputs::LEVELS.len() as f64;
-                        let mut started = |number: usize, _| {
-                            reports.part(number as f64 / count);
-                        };
-                        let levels = plan::inputs::compare(&drive, tolerance, &mut started)?;
-                        levels.chosen(&drive, &mut started)?;
+                        let trajectory = Trajectory::new(&file, Some(inputs.inputs()?), None)?;
+                        let count = plan::inputs::LEVELS.len() as f64 + 1.0;
+                        let levels = plan::inputs::compare(&file, &trajectory, tolerance, &mut |number, part| {
+                            reports.part((number as f64 + part) / count)
+                        })?;
+                        levels.cheapest()?;
                         plan::inputs::record(&levels)
                     }
                 };

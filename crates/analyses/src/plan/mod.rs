@@ -1,73 +1,120 @@
 //! Choice of the level: by `solver.fidelity = auto` before a run, or by running every level on given inputs.
 
+mod effects;
+mod groups;
 pub mod inputs;
 
 use ::steady::run_in;
 use anyhow::{Result, anyhow};
-use model::plan::{self, Plan, Planned};
+use effects::{Effect, effects};
+use groups::Groups;
+use model::levels::ModelOperators;
+use model::plan::{Choice, ModelLevel, Prepared};
 use scene::{Fidelity, Scene};
 use scene_file::SceneFile;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-/// The plan of a scene, also where it fixes its level, and the scene as it is; `tolerance`: of the importer, where
-/// `solver.tolerance` is 0. It is the plan for the scene's default experiment.
+/// What `solver.fidelity = auto` takes for a scene, and why.
+pub struct Plan {
+    /// The scene as it is.
+    pub scene: Scene,
+    choice: Choice,
+    prepared: Prepared,
+    effects: Vec<Effect>,
+    groups: Groups,
+}
+
+/// The plan of a scene, also where it fixes its level; `tolerance`: of the importer, where `solver.tolerance` is 0.
 ///
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
-pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<(Scene, Planned)> {
-    let experiment = file.packaged.experiment;
-    let importer = tolerance.or(Some(experiment.tolerance));
+pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
+    let importer = tolerance.or(Some(file.packaged.experiment.tolerance));
     let scene = Scene::new(&file.packaged.starts, importer).map_err(|broken| anyhow!("{broken}"))?;
     let mut free = scene.clone();
     free.fidelity = Fidelity::Auto;
-    let free = free.for_run_of(Some(experiment.stop - experiment.start));
-    let planned = plan::make(&free, run_in).map_err(|text| anyhow!(text))?;
-    Ok((scene, planned))
+    let prepared = Prepared::new(&free, run_in).map_err(|text| anyhow!(text))?;
+    let choice = prepared.choice.clone().ok_or_else(|| anyhow!("no level was chosen"))?;
+    let rise = choice.comparison.as_ref().map_or(0.0, |comparison| comparison.rise);
+    let groups = Groups::new(&scene, &prepared.operators.mean().critical_speed, rise);
+    let effects = match &prepared.operators {
+        ModelOperators::Line(line) => effects(&scene, &groups, line, true),
+        _ if scene.has_rigid_bodies() => Vec::new(),
+        lumped => match lumped.line_beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
+            Ok(ModelOperators::Line(line)) => effects(&scene, &groups, &line, false),
+            _ => Vec::new(),
+        },
+    };
+    Ok(Plan { scene, choice, prepared, effects, groups })
 }
 
-/// A plan as JSON.
-pub fn record(plan: &Plan) -> Value {
-    let effects = plan.effects.iter().map(|effect| {
+impl Plan {
+    fn level(&self) -> &'static str {
+        match self.choice.level {
+            ModelLevel::Lumped => "lumped",
+            ModelLevel::Line(_) => "line",
+        }
+    }
+
+    /// Error of the level where it is known before the run: at the lumped level.
+    fn estimated_error(&self) -> Option<f64> {
+        let comparison = self.choice.comparison.as_ref().filter(|_| self.choice.level == ModelLevel::Lumped);
+        comparison.map(|comparison| comparison.error)
+    }
+
+    /// The plan line by line.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = self.prepared.lines();
+        lines.extend(self.effects.iter().map(|effect| {
+            let included = if effect.included { "included" } else { "left out" };
+            format!("{:28} {:42} {:>9}  {included}", effect.name, effect.measure, short(effect.number))
+        }));
+        lines.extend(self.groups.named().into_iter().map(|(name, value)| format!("{name:71} {:>9}", short(value))));
+        lines
+    }
+
+    /// The plan as JSON.
+    pub fn record(&self) -> Value {
+        let effects = self.effects.iter().map(|effect| {
+            json!({
+                "effect": effect.name,
+                "measure": effect.measure,
+                "number": effect.number,
+                "included": effect.included,
+            })
+        });
+        let groups: Map<String, Value> =
+            self.groups.named().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
+        let comparison = self.choice.comparison.as_ref().map(|comparison| {
+            json!({
+                "error_of_lumped": comparison.error,
+                "friction_work": comparison.work,
+                "temperature_rise": comparison.rise,
+                "steps": comparison.steps,
+            })
+        });
+        let operators = &self.prepared.operators;
         json!({
-            "effect": effect.name,
-            "measure": effect.measure,
-            "number": effect.number,
-            "kept": effect.kept,
-            "error": effect.error,
+            "tolerance": self.scene.tolerance,
+            "level": self.level(),
+            "cells": operators.cells(),
+            "companion_cells": self.prepared.companion.as_ref().map(ModelOperators::cells),
+            "description": operators.description(),
+            "reason": self.choice.reason,
+            "estimated_error": self.estimated_error(),
+            "comparison": comparison,
+            "effects": effects.collect::<Vec<_>>(),
+            "groups": groups,
         })
-    });
-    let candidates = plan.candidates.iter().map(|candidate| {
-        let [wear, temperature, force] = candidate.errors;
-        json!({
-            "level": candidate.model_level.level(),
-            "cells": candidate.model_level.cells(),
-            "name": candidate.model_level.to_string(),
-            "error_wear_depth": wear,
-            "error_contact_temperature": temperature,
-            "error_friction_force": force,
-            "cost_per_step_microseconds": candidate.cost,
-        })
-    });
-    let groups: serde_json::Map<String, Value> =
-        plan.groups().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
-    json!({
-        "tolerance": plan.tolerance,
-        "level": plan.model_level.level(),
-        "cells": plan.model_level.cells(),
-        "model_level": plan.model_level.to_string(),
-        "meets_tolerance": plan.meets,
-        "reason": plan.reason,
-        "order": plan.order,
-        "thermal_states": { "punch": plan.states[0], "strip": plan.states[1], "moving_source": plan.states[2] },
-        "estimated_error": plan.estimated_error,
-        "reduction_error": plan.reduction_error,
-        "cost_per_step_microseconds": plan.cost_per_step,
-        "expected_run_seconds": 1e-6 * plan.run_cost,
-        "compared_steps": plan.compared_steps,
-        "compared_part": plan.covered,
-        "planning_seconds": 1e-6 * plan.planning_cost,
-        "effects": effects.collect::<Vec<_>>(),
-        "groups": groups,
-        "candidates": candidates.collect::<Vec<_>>(),
-    })
+    }
+}
+
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        "0".into()
+    } else if (0.01..1e4).contains(&value.abs()) {
+        format!("{value:.3}")
+    } else {
+        format!("{value:.1e}")
+    }
 }

@@ -6,7 +6,7 @@ use scene::variables::{Causality, TABLE};
 use scene_file::columns::{self, Column};
 use serde::Serialize;
 use std::path::Path;
-use verification::applications::trial::largest;
+use crate::largest;
 
 /// A measured quantity and its deviation from the simulated one of the same name, in SI units.
 #[derive(Clone, PartialEq, Debug, Serialize)]

@@ -10,7 +10,7 @@ use scene_file::SceneFile;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
 use std::time::Instant;
-use verification::applications::trial::largest;
+use crate::largest;
 
 /// A recorded variable.
 #[derive(Clone, PartialEq, Debug)]
@@ -169,7 +169,6 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     for (input, values) in &trajectory.inputs {
         component.set_input(*input, values[0]);
     }
-    component.set_run_duration(points.last().map(|last| last - points[0]));
     component.enter_initialization();
     component.initialise(None).map_err(|text| anyhow!("the scene {}{}: {text}", packaged.name, trajectory.place(1)))?;
     let operators = component.operators();
@@ -219,6 +218,10 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
             break;
         }
     }
+    component.conclude();
+    if let Some(&last) = recording.times.last() {
+        recording.take_warnings(last, &mut component);
+    }
     recording.internal_steps = component.work();
     recording.seconds[1] = begin.elapsed().as_secs_f64();
     Ok(recording)
@@ -245,7 +248,7 @@ fn level(operators: &ModelOperators) -> (String, bool) {
     match operators {
         ModelOperators::Lumped(_) => ("lumped".into(), false),
         ModelOperators::Line(line) => {
-            let heat = if line.heat.is_some() { "resolved heat" } else { "lumped heat" };
+            let heat = if line.heat.is_some() { "resolved heat" } else { "mean heat" };
             (format!("line, {} cells, {heat}", line.count()), true)
         }
     }

@@ -4,7 +4,7 @@ use super::measured::Measured;
 use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use serde_json::{Map, Value, json};
-use verification::applications::trial::largest;
+use crate::largest;
 
 /// Heat relative to the largest of the balance below which it is rounding.
 const ROUNDING: f64 = 1e-12;

@@ -14,11 +14,18 @@ use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
-use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatResolution, InitialShape, Path, Scene, Scheme};
+use scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
 use std::sync::Arc;
 
-/// Default number of cells: relative error of the pressure of about 1e-3 away from the edges.
-const CHOSEN_CELLS: usize = 33;
+/// Number of cells for a tolerance: its error is mostly below it, and stated where it is not.
+pub fn cells_of(tolerance: f64) -> usize {
+    match tolerance {
+        5e-3.. => 17,
+        5e-4.. => 33,
+        5e-5.. => 65,
+        _ => 129,
+    }
+}
 
 /// Default number of cells at the reference level.
 const FINEST_CELLS: usize = 257;
@@ -141,7 +148,7 @@ impl LineOperators {
     ) -> Result<LineOperators, String> {
         let count = match (scene.cells, scene.fidelity) {
             (0, Fidelity::Field) => FINEST_CELLS,
-            (0, _) => CHOSEN_CELLS,
+            (0, _) => cells_of(scene.tolerance),
             (cells, _) => cells,
         };
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
@@ -259,36 +266,6 @@ impl LineOperators {
         carried * self.shared_depth
     }
 
-    /// The same contact with lumped heat; no matrix is built anew.
-    pub fn with_lumped_heat(&self) -> LineOperators {
-        let mut scene = self.scene.clone();
-        scene.heat_resolution = HeatResolution::Lumped;
-        LineOperators {
-            mean: Arc::new(lumped::operators::LumpedOperators::with_heat_of(
-                &mean_scene(&scene, false),
-                Some(&self.mean),
-            )),
-            heat: None,
-            cells: self.cells.clone(),
-            weights: self.weights.clone(),
-            torque_weights: self.torque_weights.clone(),
-            radius_ratio: self.radius_ratio.clone(),
-            radial: self.radial.clone(),
-            initial_gap: self.initial_gap.clone(),
-            normal: self.normal.clone(),
-            shear: self.shear.clone(),
-            displacement_scale: self.displacement_scale,
-            wear: self.wear.clone(),
-            strip_wear: self.strip_wear,
-            profile: self.profile.clone(),
-            hottest: self.hottest.clone(),
-            shared_depth: self.shared_depth,
-            pivot: self.pivot,
-            rotates: self.rotates,
-            scene,
-        }
-    }
-
     /// Nonuniformity of the pressure of the unworn, cold contact at nominal load.
     pub fn unevenness(&self) -> Nonuniformity {
         let scene = &self.scene;
@@ -324,23 +301,23 @@ impl LineOperators {
     }
 
     /// Description of the choices made, for the log.
-    pub fn plan(&self) -> String {
+    pub fn description(&self) -> String {
         let strip = match self.strip_wear {
             StripWear::None => "does not wear",
             StripWear::Even => "wears evenly along its path",
             StripWear::ByRadius => "wears by radius",
             StripWear::Track => "keeps its worn track",
         };
-        let chosen = if self.scene.cells == 0 { " (chosen)" } else { "" };
+        let chosen = if self.scene.cells == 0 { " (by the tolerance)" } else { "" };
         let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
         let heat = match &self.heat {
             Some(bodies) => format!(
-                "resolved heat, thermal states: punch {}{}, strip {}, with thermal distortion",
+                "resolved heat, thermal states: punch {}{}, strip {}",
                 bodies.states[0],
                 if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
                 bodies.states[1]
             ),
-            None => "lumped heat, without thermal distortion".into(),
+            None => "mean heat, without thermal distortion".into(),
         };
         format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
     }

@@ -6,7 +6,7 @@ use super::air::FAR;
 use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;
 use numerics::scalar::Scalar;
-use scene::ThermalBoundary;
+use scene::{Scene, ThermalBoundary};
 
 /// Parameters that may change between steps.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -17,6 +17,17 @@ pub struct Tunables {
     pub ambient_temperature: f64,
     /// Multiplies wear.
     pub wear_acceleration: f64,
+}
+
+impl Tunables {
+    /// Those of a scene before any is tuned.
+    pub fn of(scene: &Scene) -> Tunables {
+        Tunables {
+            friction_coefficient: scene.friction_coefficient,
+            ambient_temperature: scene.ambient_temperature,
+            wear_acceleration: scene.wear_acceleration,
+        }
+    }
 }
 
 /// Conditions of the contact at one instant.

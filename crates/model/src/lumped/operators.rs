@@ -248,7 +248,14 @@ fn reduction_tolerance(scene: &Scene) -> f64 {
 /// Path of the heat source, and the length of the strip that it heats.
 pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
-        Path::Closed => (moving_source::Path::Closed(scene.length / scene.count), scene.length),
+        Path::Closed => {
+            let period = scene.length / scene.count;
+            let path = match scene.nominal_stroke {
+                0.0 => moving_source::Path::Closed(period),
+                stroke => moving_source::Path::Stroke { stroke, cell: period },
+            };
+            (path, scene.length)
+        }
         Path::Straight if scene.nominal_stroke > 0.0 => {
             let cell = stroke_cell(scene).max(scene.length);
             (moving_source::Path::Stroke { stroke: scene.nominal_stroke, cell }, cell)

@@ -2,7 +2,7 @@
 
 use super::Chart;
 use verification::drives::{DriveProblem, Ending, Errors, Family, Quantity, Record, Sample, Setting};
-use verification::planning::runs::process_seconds;
+use verification::clock::process_seconds;
 
 /// Time budgets of runs.
 pub struct Budget {

@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use verification::drives;
-use verification::planning::runs::process_seconds;
+use verification::clock::process_seconds;
 
 /// Steps timed together; the fastest of [`CHUNKS`] counts.
 const STEPS: usize = 20;

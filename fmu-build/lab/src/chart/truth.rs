@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 use verification::drives::{DriveProblem, Sample, Truth};
-use verification::planning::runs::process_seconds;
+use verification::clock::process_seconds;
 
 fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))

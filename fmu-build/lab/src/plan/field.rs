@@ -10,10 +10,10 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow};
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use model::plan;
+use model::plan::Prepared;
 use scene::variables::find;
 use scene::{Fidelity, Scene};
-use verification::planning::runs::processor_seconds;
+use verification::clock::processor_seconds;
 
 use crate::chart::machine;
 use crate::output::print_line;
@@ -36,7 +36,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
     let mut table = format!(
         "# Processor time of a communication step of the model level planned for an error of {TOLERANCE:e}, and of \
          solver.fidelity = field; nominal load and speed from a cold start.\n# {}; commit {}.\n\
-         scene,model_level,planned_error,step_s,model_level_seconds,field_seconds,ratio\n",
+         scene,cells,step_s,model_level_seconds,field_seconds,ratio\n",
         machine::name(),
         machine::commit()
     );
@@ -48,23 +48,17 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         starts[tolerance as usize] = TOLERANCE;
         let mut scene = Scene::new(&starts, None).map_err(|broken| anyhow!("{broken}"))?;
         scene.fidelity = Fidelity::Auto;
-        let planned = plan::make(&scene, steady::run_in).map_err(|text| anyhow!(text))?;
-        if !planned.plan.meets {
-            writeln!(table, "# left out: {name}: {}", planned.plan.reason)?;
-            print_line!("{name}: {}", planned.plan.reason);
-            continue;
-        }
+        let prepared = Prepared::new(&scene, steady::run_in).map_err(|text| anyhow!(text))?;
         let mut finest = scene.clone();
         finest.fidelity = Fidelity::Field;
         let field = ModelOperators::new(&finest, steady::run_in).map_err(|text| anyhow!(text))?;
         let step = file.packaged.experiment.step;
-        let own = seconds_per_step(&scene, &planned.operators, step, STEPS[0])?;
+        let own = seconds_per_step(&scene, &prepared.operators, step, STEPS[0])?;
         let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;
-        let (model_level, error, ratio) =
-            (planned.plan.model_level, planned.plan.estimated_error.unwrap_or_default(), reference / own);
-        writeln!(table, "{name},\"{model_level}\",{error:.2e},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
+        let (cells, ratio) = (prepared.operators.cells(), reference / own);
+        writeln!(table, "{name},{cells},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
         print_line!(
-            "{name}: {model_level}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much"
+            "{name}: {cells} cells: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much"
         );
     }
     if let Some(path) = output {
@@ -75,11 +69,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
 
 fn seconds_per_step(scene: &Scene, operators: &ModelOperators, step: f64, steps: usize) -> Result<f64> {
     let ambient = scene.ambient_temperature;
-    let tunables = Tunables {
-        friction_coefficient: scene.friction_coefficient,
-        ambient_temperature: ambient,
-        wear_acceleration: scene.wear_acceleration,
-    };
+    let tunables = Tunables::of(scene);
     let mut inputs = [scene.nominal_velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
     let mut model = Model::new(operators, tunables, &inputs);
     let begin = processor_seconds();

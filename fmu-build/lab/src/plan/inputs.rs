@@ -4,12 +4,14 @@ mod write;
 
 use crate::columns::{self, Column};
 use crate::output::print_line;
-use analyses::plan::inputs::{self, Candidate, LEVELS, Levels, Setting, largest};
+use analyses::plan::inputs::{self, Candidate, LEVELS, Levels};
+use analyses::simulation::Trajectory;
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
+use model::plan::ModelLevel;
+use model::plan::distance::largest;
 use scene_file::SceneFile;
 use std::path::{Path, PathBuf};
-use verification::applications::Application;
 
 /// A comparison request.
 pub struct Request<'a> {
@@ -30,65 +32,59 @@ pub struct Request<'a> {
 /// Where the file of the inputs or the scene is wrong; where no run converges or none meets the tolerance; where the scene
 /// cannot be written.
 pub fn execute(request: &Request) -> Result<()> {
-    let packaged = &request.scene.packaged;
+    let name = &request.scene.packaged.name;
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;
     let table = columns::read(request.inputs, &Column::inputs())?;
-    let drive = inputs::drive(&packaged.name, &packaged.starts, &table)?;
-    let bar = ProgressBar::new(LEVELS.len() as u64)
-        .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}")?);
-    let mut started = |number: usize, setting: Setting| {
-        bar.set_position(number as u64);
-        bar.set_message(setting.to_string());
-    };
-    let levels = inputs::compare(&drive, tolerance, &mut started);
+    let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
+    let parts = 100;
+    let bar = ProgressBar::new(parts * (LEVELS.len() as u64 + 1))
+        .with_style(ProgressStyle::with_template("{bar:30} {percent}% {elapsed} {msg}")?);
+    let levels = inputs::compare(&request.scene, &trajectory, tolerance, &mut |number, part| {
+        bar.set_position(parts * number as u64 + (parts as f64 * part) as u64);
+        bar.set_message(LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string));
+        true
+    });
     bar.finish_and_clear();
     let levels = levels?;
     if request.json {
         print_line!("{:#}", inputs::record(&levels));
     } else {
-        lines(&packaged.name, &drive, &levels).iter().for_each(|line| print_line!("{line}"));
+        lines(name, &trajectory, &levels).iter().for_each(|line| print_line!("{line}"));
     }
-    bar.reset();
-    let cheapest = levels.chosen(&drive, &mut started);
-    bar.finish_and_clear();
-    let cheapest = cheapest?;
+    let cheapest = levels.cheapest()?;
     if request.write {
         let file =
             request.file.as_deref().ok_or_else(|| anyhow!("--write needs a scene file; the stock scene has none"))?;
-        write::settings(file, cheapest.setting, tolerance)?;
-        eprintln!("{}: {}, solver.tolerance = {tolerance:e} are written", file.display(), settings(cheapest.setting));
+        write::settings(file, cheapest.level, tolerance)?;
+        eprintln!("{}: {}, solver.tolerance = {tolerance:e} are written", file.display(), settings(cheapest.level));
     }
     Ok(())
 }
 
 /// A level as settings of a scene.
-fn settings(setting: Setting) -> String {
-    let (fidelity, cells) = inputs::level(setting);
-    let cells = cells.map_or(String::new(), |cells| format!(", solver.cells = {cells}"));
+fn settings(level: ModelLevel) -> String {
+    let (fidelity, cells) = inputs::settings(level);
+    let cells = if cells > 0 { format!(", solver.cells = {cells}") } else { String::new() };
     format!("solver.fidelity = {fidelity:?}{cells}")
 }
 
-fn lines(name: &str, drive: &Application, levels: &Levels) -> Vec<String> {
-    let course = &drive.course;
-    let time = course.last().map_or(0.0, |last| last[0] - course[0][0]);
+fn lines(name: &str, trajectory: &Trajectory, levels: &Levels) -> Vec<String> {
+    let (first, last) = trajectory.span();
     let mut lines = vec![
-        format!("{name}: {time} s in {} communication steps, tolerance {:e}", course.len() - 1, levels.tolerance),
-        format!(
-            "{:10} {:>10} {:>12} {:>10} {:>10} {:>10}",
-            "level", "wear", "temperature", "friction", "steps", "seconds"
-        ),
+        format!("{name}: {} s, tolerance {:e}; errors of wear depth, temperature rise and friction force", last - first, levels.tolerance),
+        format!("{:16} {:>10} {:>12} {:>10} {:>10} {:>10}", "level", "wear", "temperature", "friction", "steps", "seconds"),
     ];
-    for Candidate { setting, errors, steps, seconds, .. } in &levels.candidates {
-        let setting = setting.to_string();
-        let [wear, temperature, force] =
-            errors.map(|error| if levels.are_known() { format!("{error:.2e}") } else { "unknown".into() });
-        lines.push(format!("{setting:10} {wear:>10} {temperature:>12} {force:>10} {steps:10} {seconds:10.4}"));
+    for Candidate { level, errors, steps, seconds } in &levels.candidates {
+        let level = level.to_string();
+        let [wear, temperature, force] = errors.map(|error| format!("{error:.1e}"));
+        lines.push(format!("{level:16} {wear:>10} {temperature:>12} {force:>10} {steps:10} {seconds:10.4}"));
     }
+    lines.push(format!("The two finest lines differ by {:.1e}, which is part of every error.", levels.resolution));
     lines.extend(levels.failed.iter().map(|reason| format!("not run: {reason}")));
-    if let Some(cheapest) = levels.cheapest() {
+    if let Ok(cheapest) = levels.cheapest() {
         lines.push(format!(
-            "The cheapest that meets it: {}, solver.tolerance = {:e}; estimated error {:.2e}, {:.4} s",
-            settings(cheapest.setting),
+            "The cheapest that meets it: {}, solver.tolerance = {:e}; error {:.1e}, {:.4} s",
+            settings(cheapest.level),
             levels.tolerance,
             largest(cheapest.errors),
             cheapest.seconds

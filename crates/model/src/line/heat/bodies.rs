@@ -1,4 +1,4 @@
-//! Conducting bodies of a scene, and the choice between lumped and resolved heat.
+//! Conducting bodies of a scene, and whether their heat is resolved.
 //!
 //! Theory: docs/theory.md, section 8.1.
 
@@ -12,7 +12,7 @@ use conduction::line::{field, punch};
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
-use scene::{self, Body, Fidelity, Geometry, HeatResolution, Scene, Scheme};
+use scene::{self, Fidelity, Geometry, HeatResolution, Scene, Scheme};
 use std::sync::Mutex;
 
 /// Finest tolerance of a reduction.
@@ -25,33 +25,13 @@ const PUNCH_PART: f64 = 0.25;
 /// Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
 const EXPECTED: f64 = 1.5;
 
-/// Whether heat is resolved along the contact line, instead of lumped.
-///
-/// Heat is resolved where its distribution feeds back: by thermal distortion of the shape, or because friction or wear depend on
-/// the local temperature. Elsewhere pressure and wear are the same either way, and lumped heat costs a few states instead of
-/// thousands. At the reference level heat is always resolved.
-///
-/// The explicit scheme steps the shape alone, with lumped heat.
-///
-/// [`HeatResolution`] overrides the first of these criteria: lumped also where heat feeds back, or resolved also where only the
-/// contact temperature is affected.
+/// Whether heat is resolved along the contact line: wherever a body conducts, unless the scene asks for its mean alone.
 pub fn is_resolved(scene: &Scene) -> bool {
-    let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
-    let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
-    let wanted = match scene.heat_resolution {
-        HeatResolution::ResolvedWhereCoupled => expands(scene) || follows || scene.fidelity == Fidelity::Field,
-        HeatResolution::Lumped => false,
-        HeatResolution::Resolved => true,
-    };
+    let wanted = scene.heat_resolution == HeatResolution::Resolved || scene.fidelity == Fidelity::Field;
     wanted && can_be_resolved(scene)
 }
 
-/// Whether heat distorts a body.
-pub fn expands(scene: &Scene) -> bool {
-    [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0)
-}
-
-/// Whether this scene permits resolved heat.
+/// Whether this scene permits resolved heat. The explicit scheme steps the shape alone.
 pub fn can_be_resolved(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
     conducts && scene.scheme != Scheme::Explicit

@@ -178,7 +178,7 @@ pub const ROWS: &[Row] = &[
     // Bookkeeping.
     real("sliding_distance", &METRE, 1e3, "Distance slid").of_type("Distance").shown("km").local(),
     real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").local(),
-    real("estimated_error", &ONE, 1e-3, "Estimated total relative error of wear depth, temperature rise and friction force; 1: unknown")
+    real("estimated_error", &ONE, 1e-3, "Relative error of wear depth, temperature rise and friction force so far, measured against a coarser run; 1: not known")
         .local(),
     real("estimated_step_error", &ONE, 1e-3, "Relative error bound of the reduction of the bodies and of the time steps alone")
         .local(),

@@ -3,22 +3,23 @@
 use std::fs;
 use std::path::Path;
 
-use analyses::plan::inputs::{Setting, level};
+use analyses::plan::inputs;
 use anyhow::{Context, Result, bail};
+use model::plan::ModelLevel;
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 /// Puts a level and its tolerance into a scene file.
 ///
 /// # Errors
 /// Where the file cannot be read, is no scene before or after, or cannot be written.
-pub fn settings(path: &Path, setting: Setting, tolerance: f64) -> Result<()> {
+pub fn settings(path: &Path, level: ModelLevel, tolerance: f64) -> Result<()> {
     let named = || format!("{}", path.display());
     let text = fs::read_to_string(path).with_context(named)?;
-    let changed = changed(&text, setting, tolerance).with_context(named)?;
+    let changed = changed(&text, level, tolerance).with_context(named)?;
     fs::write(path, changed).with_context(named)
 }
 
-fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
+fn changed(text: &str, level: ModelLevel, tolerance: f64) -> Result<String> {
     scene_file::parse(text)?;
     let mut document: DocumentMut = text.parse()?;
     let solver = document.entry("solver").or_insert_with(|| Item::Table(Table::new()));
@@ -35,11 +36,11 @@ fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
             solver.insert(key, Item::Value(value));
         }
     };
-    let (fidelity, cells) = level(setting);
+    let (fidelity, cells) = inputs::settings(level);
     set("fidelity", fidelity.into());
     // Cells of a line that the scene had before: 0 is none.
-    if has_cells || cells.is_some() {
-        set("cells", i64::try_from(cells.unwrap_or(0))?.into());
+    if has_cells || cells > 0 {
+        set("cells", i64::try_from(cells)?.into());
     }
     set("tolerance", tolerance.into());
     let changed = document.to_string();
@@ -59,7 +60,7 @@ mod tests {
     #[test]
     fn the_level_is_written_and_everything_else_stays() {
         let text = "# A brake.\nname = \"a\"\n\n[solver]\n# Why lumped.\nfidelity = \"lumped\"  # so far\n\n[punch]\nwidth = \"60 mm\" # wide\n";
-        let line = changed(text, Setting::Line(17), 1e-2).unwrap();
+        let line = changed(text, ModelLevel::Line(17), 1e-2).unwrap();
         assert_eq!(
             [of(&line, "solver.fidelity"), of(&line, "solver.cells"), of(&line, "solver.tolerance")],
             [3.0, 17.0, 0.01]
@@ -68,21 +69,21 @@ mod tests {
             assert!(line.contains(kept), "{line}\nis without {kept}");
         }
         // Back to the lumped level: no cells are left.
-        let lumped = changed(&line, Setting::Lumped, 1e-2).unwrap();
+        let lumped = changed(&line, ModelLevel::Lumped, 1e-2).unwrap();
         assert_eq!([of(&lumped, "solver.fidelity"), of(&lumped, "solver.cells")], [2.0, 0.0]);
     }
 
     #[test]
     fn a_scene_without_the_table_gets_one_and_dotted_keys_stay_dotted() {
-        let bare = changed("name = \"a\"\n[punch]\nwidth = 0.06\n", Setting::Line(9), 1e-3).unwrap();
+        let bare = changed("name = \"a\"\n[punch]\nwidth = 0.06\n", ModelLevel::Line(9), 1e-3).unwrap();
         assert_eq!([of(&bare, "solver.cells"), of(&bare, "punch.width")], [9.0, 0.06]);
-        let dotted = changed("name = \"a\"\nsolver.cells = 5\npunch.width = 0.06\n", Setting::Line(9), 1e-3).unwrap();
+        let dotted = changed("name = \"a\"\nsolver.cells = 5\npunch.width = 0.06\n", ModelLevel::Line(9), 1e-3).unwrap();
         assert_eq!([of(&dotted, "solver.cells"), of(&dotted, "punch.width")], [9.0, 0.06]);
         assert!(dotted.contains("solver.cells = 9"), "{dotted}");
     }
 
     #[test]
     fn what_is_no_scene_is_not_touched() {
-        assert!(changed("name = \"a\"\npunch.widht = 1\n", Setting::Lumped, 1e-3).is_err());
+        assert!(changed("name = \"a\"\npunch.widht = 1\n", ModelLevel::Lumped, 1e-3).is_err());
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! Theory: docs/theory.md, section 8.3.
 
-use crate::instability::CriticalSpeed;
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, plane_strain_compliance};
+use model::instability::CriticalSpeed;
 use scene::{Body, Scene};
 
 /// Symbols: V speed, W width, a = W/2, h height, t duration, kd diffusivity, K conductivity, p mean pressure, C mean
@@ -108,5 +108,26 @@ impl Groups {
                     .fold(0.0, f64::max),
             ],
         }
+    }
+
+    /// Every number with its name.
+    pub fn named(&self) -> [(&'static str, f64); 15] {
+        [
+            ("Peclet number of the strip", self.peclet),
+            ("Fourier number of the punch", self.fourier[0]),
+            ("Fourier number of the strip", self.fourier[1]),
+            ("Biot number of the punch", self.biot[0]),
+            ("Biot number of the strip", self.biot[1]),
+            ("Dundurs parameter", self.dundurs),
+            ("compliance of the strip over that of both", self.strip_compliance),
+            ("thermal distortion over elastic approach", self.distortion_over_approach),
+            ("wear over elastic approach", self.wear_over_approach),
+            ("wear of the strip over that of both", self.strip_wear),
+            ("speed over critical speed", self.speed_over_critical),
+            ("lever of the friction force over half-width", self.lever),
+            ("pressure exponent less 1", self.exponent),
+            ("change of friction by fade", self.fade[0]),
+            ("change of wear by fade", self.fade[1]),
+        ]
     }
 }

@@ -1,0 +1,253 @@
+//! Error of a run, measured on the run itself: a companion, a contact line on half of the cells, is advanced on the same inputs.
+//!
+//! With d the largest relative difference of the main outputs so far ([`crate::plan::distance`]) and s the error of reduction and time
+//! steps the error is
+//!
+//! ```text
+//! e = sqrt(d^2 + (s/3)^2)        with a companion: d contains most of s
+//! e = sqrt(e_c^2 + s^2)          lumped, chosen by a comparison with the error e_c, within its conditions
+//! e = 1                          otherwise: not known
+//! ```
+//!
+//! d is the error of the companion less that of the run. At first order in the cells it is the error of the run, at second order
+//! three times as much.
+//!
+//! Theory: docs/theory.md, section 8.3.
+
+use crate::plan::distance::{Distance, largest, main_outputs};
+use crate::plan::{ModelLevel, Prepared, UNKNOWN};
+use crate::levels::{Model, ModelOperators, ModelState};
+use crate::lumped::conditions::Tunables;
+use crate::{INPUTS, StepFailure};
+use scene::message::Number;
+use scene::variables::COUNT;
+use std::fmt;
+
+/// Part of the error of reduction and time steps beside a measured difference, which contains some of it.
+const STEP_PART: f64 = 1.0 / 3.0;
+
+/// Admissible excess of the nominal conditions by rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// Fewest cells of a companion, as of a contact line.
+const FEWEST_CELLS: usize = 5;
+
+/// Most cells that are advised.
+const MOST_CELLS: usize = 129;
+
+/// Half of the cells, an odd number; `None` where that is too few.
+pub fn halved(cells: usize) -> Option<usize> {
+    Some(cells.div_ceil(2)).filter(|half| *half >= FEWEST_CELLS)
+}
+
+/// A coarser contact line on the inputs of the run.
+#[derive(Clone, Debug)]
+struct Companion {
+    model: Model,
+    ambient: f64,
+    /// `None` once the companion had no solution.
+    distance: Option<Distance>,
+    values: Box<[f64; COUNT]>,
+}
+
+/// Error of a run so far.
+#[derive(Clone, Debug)]
+pub struct RunError {
+    companion: Option<Box<Companion>>,
+    /// The run exceeds the conditions of the comparison.
+    is_beyond: bool,
+}
+
+/// Saved [`RunError`].
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct SavedRunError {
+    /// The run exceeds the conditions of the comparison.
+    pub is_beyond: bool,
+    /// Distance of the companion; `None` where it had no solution, or there is none.
+    pub distance: Option<Distance>,
+    /// State of the companion.
+    pub companion: Option<ModelState>,
+}
+
+/// A change of what is known of the error, for the log.
+#[derive(Debug)]
+pub enum Notice<'a> {
+    /// The run exceeds the conditions of the comparison.
+    Beyond {
+        /// The scene with the nominal conditions and their comparison.
+        prepared: &'a Prepared,
+        /// Speed, m/s.
+        speed: f64,
+        /// Load, N.
+        load: f64,
+        /// Friction work, J.
+        work: f64,
+    },
+    /// The companion has no solution.
+    Lost {
+        /// Its cells.
+        cells: usize,
+        /// Reason.
+        failure: StepFailure,
+    },
+}
+
+impl RunError {
+    /// Before the first step at these inputs.
+    pub fn new(prepared: &Prepared, tunables: Tunables, inputs: &[f64; INPUTS]) -> RunError {
+        let companion = prepared.companion.as_ref().map(|operators| {
+            Box::new(Companion {
+                model: Model::new(operators, tunables, inputs),
+                ambient: tunables.ambient_temperature,
+                distance: Some(Distance::default()),
+                values: Box::new([0.0; COUNT]),
+            })
+        });
+        RunError { companion, is_beyond: false }
+    }
+
+    /// Sets the parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        if let Some(companion) = &mut self.companion {
+            companion.model.set_tunables(tunables);
+            companion.ambient = tunables.ambient_temperature;
+        }
+    }
+
+    /// Follows a step (s) that `model` has made from `inputs` with the rates `slopes`.
+    pub fn follow<'a>(
+        &mut self,
+        prepared: &'a Prepared,
+        model: &Model,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Option<Notice<'a>> {
+        if let Some(companion) = &mut self.companion {
+            let distance = companion.distance.as_mut()?;
+            if let Err(failure) = companion.model.step(inputs, slopes, step) {
+                companion.distance = None;
+                return Some(Notice::Lost { cells: companion.model.operators().cells(), failure });
+            }
+            model.write_end(&mut companion.values);
+            let own = main_outputs(&companion.values, companion.ambient);
+            companion.model.write_end(&mut companion.values);
+            distance.follow(own, main_outputs(&companion.values, companion.ambient));
+            return None;
+        }
+        let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
+        let comparison = choice.comparison.as_ref()?;
+        let scene = &prepared.requested;
+        // Inputs are linear within a step: the largest are at one of its ends.
+        let most = |of: &dyn Fn(&[f64; INPUTS]) -> f64| {
+            let end = std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| step * slopes[index]));
+            of(inputs).max(of(&end))
+        };
+        let speed = most(&|inputs| (inputs[0] + scene.mean_radius * inputs[2]).abs());
+        let (load, work) = (most(&|inputs| inputs[1]), model.friction_work());
+        let within = |value: f64, nominal: f64| value <= nominal * (1.0 + ROUNDING);
+        self.is_beyond = !(within(speed, comparison.fastest)
+            && within(load, scene.nominal_load)
+            && within(work, comparison.work));
+        self.is_beyond.then_some(Notice::Beyond { prepared, speed, load, work })
+    }
+
+    /// Relative error of wear depth, temperature rise and friction force so far, or [`UNKNOWN`]; `step_error` is that of reduction
+    /// and time steps.
+    pub fn of(&self, prepared: &Prepared, step_error: f64) -> f64 {
+        if prepared.is_exact() {
+            return step_error;
+        }
+        let known = match (&self.companion, &prepared.choice) {
+            (Some(companion), _) => companion
+                .distance
+                .as_ref()
+                .map(|distance| largest(distance.relative()).hypot(STEP_PART * step_error)),
+            (None, Some(choice)) if choice.level == ModelLevel::Lumped && !self.is_beyond => {
+                choice.comparison.as_ref().map(|comparison| comparison.error.hypot(step_error))
+            }
+            _ => None,
+        };
+        known.map_or(UNKNOWN, |error| error.min(UNKNOWN))
+    }
+
+    /// Writes advice where the `error` of the run is known and above the tolerance.
+    ///
+    /// # Errors
+    /// Those of `text`.
+    pub fn write_advice(&self, prepared: &Prepared, error: f64, text: &mut String) -> fmt::Result {
+        use fmt::Write as _;
+        let tolerance = prepared.requested.tolerance;
+        if !(error > tolerance && error < UNKNOWN) || prepared.is_exact() {
+            return Ok(());
+        }
+        let cells = prepared.operators.cells();
+        write!(text, "estimated_error = {} is above the tolerance {}", Number(error), Number(tolerance))?;
+        match prepared.operators {
+            ModelOperators::Lumped(_) => write!(text, ": solver.fidelity = line resolves more than lumped"),
+            // First order in the cells.
+            ModelOperators::Line(_) if cells < MOST_CELLS => {
+                let doublings = (error / tolerance).log2().ceil().clamp(1.0, 8.0) as u32;
+                let advised = (((cells - 1) << doublings) + 1).min(MOST_CELLS);
+                write!(text, ": take solver.cells = {advised} instead of {cells}")
+            }
+            ModelOperators::Line(_) => write!(text, " on {cells} cells"),
+        }
+    }
+
+    /// Copy for a saved state.
+    pub fn save(&self) -> SavedRunError {
+        SavedRunError {
+            is_beyond: self.is_beyond,
+            distance: self.companion.as_ref().and_then(|companion| companion.distance),
+            companion: self.companion.as_ref().map(|companion| companion.model.save()),
+        }
+    }
+
+    /// Whether a saved state belongs to a run of `prepared`.
+    pub fn fits(saved: &SavedRunError, prepared: &Prepared) -> bool {
+        match (&saved.companion, &prepared.companion) {
+            (None, None) => saved.distance.is_none(),
+            (Some(state), Some(operators)) => state.fits(operators),
+            _ => false,
+        }
+    }
+
+    /// Replaces the state by one that [`RunError::fits`].
+    pub fn set(&mut self, saved: &SavedRunError) {
+        self.is_beyond = saved.is_beyond;
+        if let (Some(companion), Some(state)) = (&mut self.companion, &saved.companion) {
+            companion.model.set_state(state);
+            companion.distance = saved.distance;
+        }
+    }
+}
+
+impl fmt::Display for Notice<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Notice::Beyond { prepared, speed, load, work } => {
+                let scene = &prepared.requested;
+                let comparison = prepared.choice.as_ref().and_then(|choice| choice.comparison.as_ref());
+                let (fastest, most) =
+                    comparison.map_or((0.0, 0.0), |comparison| (comparison.fastest, comparison.work));
+                write!(
+                    f,
+                    "the run exceeds the nominal conditions for which solver.fidelity = auto took lumped: {} m/s, {} N and {} J of \
+                     friction, compared up to {} m/s, nominal.load = {} N and {} J in nominal.duration = {} s; the level stays, \
+                     and estimated_error is 1 from here on (solver.error_estimate = companion measures it)",
+                    Number(*speed),
+                    Number(*load),
+                    Number(*work),
+                    Number(fastest),
+                    Number(scene.nominal_load),
+                    Number(most),
+                    Number(scene.nominal_duration),
+                )
+            }
+            Notice::Lost { cells, failure } => {
+                write!(f, "estimated_error is 1 from here on: its companion on {cells} cells has no solution: {failure}")
+            }
+        }
+    }
+}
