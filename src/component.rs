@@ -337,9 +337,9 @@ impl Component {
         if self.last_step == 0.0 {
             return;
         }
-        let error = self.get(reference("estimated_error"));
+        let steps = self.get(reference("estimated_step_error"));
         if let (Some(run_error), Some(prepared)) = (&self.run_error, &self.prepared) {
-            self.messages.compose(Subject::Warning, |text| run_error.write_advice(prepared, error, text));
+            self.messages.compose(Subject::Warning, |text| run_error.write_advice(prepared, steps, text));
         }
     }
 

@@ -89,23 +89,7 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
     assert_eq!(line(EXPLICIT, 0.0), SILENT);
     assert_eq!(line(1.0, 1e-5), SILENT);
     assert_eq!(line(2.0, 1e-5), SILENT);
-    // auto may take lumped heat: that is a choice of the plan, whatever the scheme.
     assert_eq!(at_start(&[("solver.fidelity", 1.0)]), SILENT);
-}
-
-#[test]
-fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
-    use model::line::operators::LineOperators;
-    use scene::{HeatResolution, Scene};
-    let mut values = Packaged::stock().starts;
-    values[reference("solver.fidelity") as usize] = LINE;
-    values[reference("solver.cells") as usize] = 9.0;
-    let mut scene = Scene::new(&values, None).unwrap();
-    assert!(scene.strip.thermal_expansion > 0.0);
-    scene.heat_resolution = HeatResolution::Lumped;
-    let operators = LineOperators::new(&scene, steady::run_in).unwrap();
-    assert!(operators.heat.is_none());
-    assert_eq!(operators.warnings(), SILENT);
 }
 
 #[test]

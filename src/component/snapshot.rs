@@ -211,9 +211,7 @@ impl Snapshot {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
         let (tolerance, count) = (next()?, next()?);
-        if !(0.0..=COUNT as f64).contains(&count)
-            || !(0.0..=2.0).contains(&phase)
-            || !(0.0..256.0).contains(&reported)
+        if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
         {
             return None;
         }

@@ -1,7 +1,7 @@
 //! Contact that ends within the zone, and within cells.
 
 use sliding_contact::component::Snapshot;
-use test_support::{Drive, scene};
+use test_support::{Application, Drive, scene};
 
 /// A brake whose heat bows the pad, on `cells` cells.
 fn brake(cells: f64, changes: &[(&str, f64)]) -> Drive {
@@ -51,4 +51,24 @@ fn a_saved_state_goes_on_to_the_same_bits_from_within_a_cell() {
     let mut fresh = brake(9.0, &[]);
     fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
     assert!(straight_on == run(&mut fresh), "fresh instance");
+}
+
+/// Contact that ends within the zone: the temperature converges as the edges move through the cells, not as cells open.
+#[test]
+fn the_temperature_converges_where_ends_lift_off() {
+    for (name, bounds) in [
+        ("long_drag", [3e-3, 1.5e-3, 7e-4]),
+        ("stiff_caliper", [1e-2, 3e-3, 2e-3]),
+        ("cooled_disc", [1.4e-2, 5e-3, 1.5e-3]),
+        ("duty_cycle", [3e-3, 1e-3, 7e-4]),
+    ] {
+        let scene = Application::read(name);
+        let on = |cells: f64| {
+            let line = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", 1e-3)];
+            scene.run(&line).unwrap()
+        };
+        let fine = on(129.0);
+        let found = [9.0, 17.0, 33.0].map(|cells| on(cells).errors(&fine)[1]);
+        assert!(found.iter().zip(bounds).all(|(error, bound)| *error < bound), "{name}: {found:?}");
+    }
 }

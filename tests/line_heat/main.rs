@@ -5,11 +5,11 @@
 mod account;
 mod annulus;
 mod edges;
+mod estimates;
 mod extremes;
 mod field;
 mod growth;
 mod hottest;
-mod plans;
 mod split;
 mod steps;
 mod stop;

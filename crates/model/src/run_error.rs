@@ -14,10 +14,10 @@
 //!
 //! Theory: docs/theory.md, section 8.3.
 
-use crate::plan::distance::{Distance, largest, main_outputs};
-use crate::plan::{ModelLevel, Prepared, UNKNOWN};
 use crate::levels::{Model, ModelOperators, ModelState};
 use crate::lumped::conditions::Tunables;
+use crate::plan::distance::{Distance, largest, main_outputs};
+use crate::plan::{ModelLevel, Prepared, UNKNOWN};
 use crate::{INPUTS, StepFailure};
 use scene::message::Number;
 use scene::variables::COUNT;
@@ -146,44 +146,41 @@ impl RunError {
         let speed = most(&|inputs| (inputs[0] + scene.mean_radius * inputs[2]).abs());
         let (load, work) = (most(&|inputs| inputs[1]), model.friction_work());
         let within = |value: f64, nominal: f64| value <= nominal * (1.0 + ROUNDING);
-        self.is_beyond = !(within(speed, comparison.fastest)
-            && within(load, scene.nominal_load)
-            && within(work, comparison.work));
+        self.is_beyond =
+            !(within(speed, comparison.fastest) && within(load, scene.nominal_load) && within(work, comparison.work));
         self.is_beyond.then_some(Notice::Beyond { prepared, speed, load, work })
     }
 
-    /// Relative error of wear depth, temperature rise and friction force so far, or [`UNKNOWN`]; `step_error` is that of reduction
-    /// and time steps.
-    pub fn of(&self, prepared: &Prepared, step_error: f64) -> f64 {
+    /// Relative error of wear depth, temperature rise and friction force so far, where it is known; `step_error` is that of
+    /// reduction and time steps.
+    fn known(&self, prepared: &Prepared, step_error: f64) -> Option<f64> {
         if prepared.is_exact() {
-            return step_error;
+            return Some(step_error);
         }
-        let known = match (&self.companion, &prepared.choice) {
-            (Some(companion), _) => companion
-                .distance
-                .as_ref()
-                .map(|distance| largest(distance.relative()).hypot(STEP_PART * step_error)),
-            (None, Some(choice)) if choice.level == ModelLevel::Lumped && !self.is_beyond => {
-                choice.comparison.as_ref().map(|comparison| comparison.error.hypot(step_error))
-            }
-            _ => None,
-        };
-        known.map_or(UNKNOWN, |error| error.min(UNKNOWN))
+        if let Some(companion) = &self.companion {
+            return companion.distance.map(|distance| largest(distance.relative()).hypot(STEP_PART * step_error));
+        }
+        let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
+        choice.comparison.as_ref().map(|comparison| comparison.error.hypot(step_error))
     }
 
-    /// Writes advice where the `error` of the run is known and above the tolerance.
+    /// The same, at most [`UNKNOWN`], which also stands for an error that is not known.
+    pub fn of(&self, prepared: &Prepared, step_error: f64) -> f64 {
+        self.known(prepared, step_error).map_or(UNKNOWN, |error| error.min(UNKNOWN))
+    }
+
+    /// Writes advice where the error of the run is known and above the tolerance.
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_advice(&self, prepared: &Prepared, error: f64, text: &mut String) -> fmt::Result {
+    pub fn write_advice(&self, prepared: &Prepared, step_error: f64, text: &mut String) -> fmt::Result {
         use fmt::Write as _;
         let tolerance = prepared.requested.tolerance;
-        if !(error > tolerance && error < UNKNOWN) || prepared.is_exact() {
-            return Ok(());
-        }
+        let Some(error) = self.known(prepared, step_error).filter(|error| *error > tolerance) else { return Ok(()) };
         let cells = prepared.operators.cells();
         write!(text, "estimated_error = {} is above the tolerance {}", Number(error), Number(tolerance))?;
         match prepared.operators {
+            _ if prepared.is_exact() => write!(text, " by reduction and time steps alone"),
             ModelOperators::Lumped(_) => write!(text, ": solver.fidelity = line resolves more than lumped"),
             // First order in the cells.
             ModelOperators::Line(_) if cells < MOST_CELLS => {
@@ -229,8 +226,7 @@ impl fmt::Display for Notice<'_> {
             Notice::Beyond { prepared, speed, load, work } => {
                 let scene = &prepared.requested;
                 let comparison = prepared.choice.as_ref().and_then(|choice| choice.comparison.as_ref());
-                let (fastest, most) =
-                    comparison.map_or((0.0, 0.0), |comparison| (comparison.fastest, comparison.work));
+                let (fastest, most) = comparison.map_or((0.0, 0.0), |comparison| (comparison.fastest, comparison.work));
                 write!(
                     f,
                     "the run exceeds the nominal conditions for which solver.fidelity = auto took lumped: {} m/s, {} N and {} J of \
@@ -246,7 +242,10 @@ impl fmt::Display for Notice<'_> {
                 )
             }
             Notice::Lost { cells, failure } => {
-                write!(f, "estimated_error is 1 from here on: its companion on {cells} cells has no solution: {failure}")
+                write!(
+                    f,
+                    "estimated_error is 1 from here on: its companion on {cells} cells has no solution: {failure}"
+                )
             }
         }
     }

@@ -3,10 +3,12 @@
 //! Unit tests may use its random numbers only: it links the released form of every layer, whose types are others than those of a
 //! layer that is compiled for its own unit tests.
 
+mod application;
 mod drive;
 pub mod importer;
 mod random;
 
+pub use application::{Application, Run};
 pub use drive::Drive;
 pub use random::Random;
 

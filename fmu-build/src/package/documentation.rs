@@ -202,7 +202,7 @@ mod tests {
                 "warnings.push(format!(",
                 1,
             ),
-            ("leaving the plan", include_str!("../../../src/component/plan_watch.rs"), "let beyond = format_args!(", 1),
+            ("error of a run", include_str!("../../../crates/model/src/run_error.rs"), "write!(", 5),
             ("limits", include_str!("../../../src/component/reports.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component/reports.rs"), "limit::VALIDITY,", 1),
             ("limits with values", include_str!("../../../src/component/reports.rs"), "let text = format_args!(", 3),

@@ -1,6 +1,6 @@
 //! Dimensionless groups of a scene at its nominal conditions.
 //!
-//! Theory: docs/theory.md, section 8.3.
+//! Symbols: [`Groups`].
 
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, plane_strain_compliance};

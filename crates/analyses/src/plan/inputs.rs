@@ -114,9 +114,10 @@ pub fn compare(
     progress: &mut dyn FnMut(usize, f64) -> bool,
 ) -> Result<Levels> {
     if trajectory.file.is_some()
-        && !trajectory.inputs.iter().any(|(input, _)| {
-            [find("sliding_velocity"), find("angular_velocity")].contains(&Some(*input))
-        })
+        && !trajectory
+            .inputs
+            .iter()
+            .any(|(input, _)| [find("sliding_velocity"), find("angular_velocity")].contains(&Some(*input)))
     {
         bail!("the inputs have neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]");
     }
@@ -228,7 +229,11 @@ mod tests {
     }
 
     fn stop(text: &str) -> Result<Trajectory> {
-        Trajectory::new(&stock(), Some(columns::parse(text.as_bytes(), Path::new("drive.csv"), &Column::inputs())?), None)
+        Trajectory::new(
+            &stock(),
+            Some(columns::parse(text.as_bytes(), Path::new("drive.csv"), &Column::inputs())?),
+            None,
+        )
     }
 
     const STOP: &str = "time [s],sliding_velocity [km/h],normal_load [kN]\n0,18,2\n0.5,18,2\n1,9,2\n2,0,2\n";
@@ -250,8 +255,7 @@ mod tests {
             }
             history(&run(&file, &trajectory, &[], &mut |_| true).unwrap(), 293.15)
         };
-        let error =
-            largest(Distance::of(&on(ModelLevel::Line(49), 5e-4), &on(cheapest.level, 1e-2)).relative());
+        let error = largest(Distance::of(&on(ModelLevel::Line(49), 5e-4), &on(cheapest.level, 1e-2)).relative());
         let stated = largest(cheapest.errors);
         assert!(error <= 1e-2, "{error}: {levels:?}");
         assert!(error <= 2.0 * stated && stated <= 5.0 * error.max(1e-3), "{error} {stated}: {levels:?}");

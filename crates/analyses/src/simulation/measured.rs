@@ -1,12 +1,12 @@
 //! A measured record beside the simulated one, and how far they are apart.
 
 use super::run::Recording;
+use crate::largest;
 use anyhow::{Result, bail};
 use scene::variables::{Causality, TABLE};
 use scene_file::columns::{self, Column};
 use serde::Serialize;
 use std::path::Path;
-use crate::largest;
 
 /// A measured quantity and its deviation from the simulated one of the same name, in SI units.
 #[derive(Clone, PartialEq, Debug, Serialize)]

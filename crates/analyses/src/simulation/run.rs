@@ -1,6 +1,7 @@
 //! Drives the component along a trajectory and records every input and output.
 
 use super::trajectory::{Trajectory, unit_of};
+use crate::largest;
 use anyhow::{Result, anyhow, bail};
 use model::levels::ModelOperators;
 use scene::message::{Number, Quantity};
@@ -10,7 +11,6 @@ use scene_file::SceneFile;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
 use std::time::Instant;
-use crate::largest;
 
 /// A recorded variable.
 #[derive(Clone, PartialEq, Debug)]

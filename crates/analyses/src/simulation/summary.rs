@@ -3,8 +3,8 @@
 use super::measured::Measured;
 use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
-use serde_json::{Map, Value, json};
 use crate::largest;
+use serde_json::{Map, Value, json};
 
 /// Heat relative to the largest of the balance below which it is rounding.
 const ROUNDING: f64 = 1e-12;

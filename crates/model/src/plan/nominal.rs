@@ -17,8 +17,7 @@ use scene::variables::COUNT;
 use std::f64::consts::PI;
 
 /// Ends of the segments of sliding, as fractions of the nominal duration: dense at the beginning, where temperatures rise fastest.
-const SLIDING: [f64; 17] =
-    [0.0, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+const SLIDING: [f64; 17] = [0.0, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
 /// Ends of the segments of standing, and of sliding under the light load, as fractions of the nominal duration.
 const AFTERWARDS: [f64; 5] = [0.0, 2e-3, 0.01, 0.04, 0.1];

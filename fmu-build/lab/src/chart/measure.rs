@@ -1,8 +1,8 @@
 //! Runs the settings of a family and takes their time.
 
 use super::Chart;
-use verification::drives::{DriveProblem, Ending, Errors, Family, Quantity, Record, Sample, Setting};
 use verification::clock::process_seconds;
+use verification::drives::{DriveProblem, Ending, Errors, Family, Quantity, Record, Sample, Setting};
 
 /// Time budgets of runs.
 pub struct Budget {

@@ -12,8 +12,8 @@ use std::fmt::{self, Write as _};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use verification::drives;
 use verification::clock::process_seconds;
+use verification::drives;
 
 /// Steps timed together; the fastest of [`CHUNKS`] counts.
 const STEPS: usize = 20;

@@ -7,8 +7,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
-use verification::drives::{DriveProblem, Sample, Truth};
 use verification::clock::process_seconds;
+use verification::drives::{DriveProblem, Sample, Truth};
 
 fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))

@@ -71,8 +71,15 @@ fn settings(level: ModelLevel) -> String {
 fn lines(name: &str, trajectory: &Trajectory, levels: &Levels) -> Vec<String> {
     let (first, last) = trajectory.span();
     let mut lines = vec![
-        format!("{name}: {} s, tolerance {:e}; errors of wear depth, temperature rise and friction force", last - first, levels.tolerance),
-        format!("{:16} {:>10} {:>12} {:>10} {:>10} {:>10}", "level", "wear", "temperature", "friction", "steps", "seconds"),
+        format!(
+            "{name}: {} s, tolerance {:e}; errors of wear depth, temperature rise and friction force",
+            last - first,
+            levels.tolerance
+        ),
+        format!(
+            "{:16} {:>10} {:>12} {:>10} {:>10} {:>10}",
+            "level", "wear", "temperature", "friction", "steps", "seconds"
+        ),
     ];
     for Candidate { level, errors, steps, seconds } in &levels.candidates {
         let level = level.to_string();

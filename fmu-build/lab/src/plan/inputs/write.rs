@@ -77,7 +77,8 @@ mod tests {
     fn a_scene_without_the_table_gets_one_and_dotted_keys_stay_dotted() {
         let bare = changed("name = \"a\"\n[punch]\nwidth = 0.06\n", ModelLevel::Line(9), 1e-3).unwrap();
         assert_eq!([of(&bare, "solver.cells"), of(&bare, "punch.width")], [9.0, 0.06]);
-        let dotted = changed("name = \"a\"\nsolver.cells = 5\npunch.width = 0.06\n", ModelLevel::Line(9), 1e-3).unwrap();
+        let dotted =
+            changed("name = \"a\"\nsolver.cells = 5\npunch.width = 0.06\n", ModelLevel::Line(9), 1e-3).unwrap();
         assert_eq!([of(&dotted, "solver.cells"), of(&dotted, "punch.width")], [9.0, 0.06]);
         assert!(dotted.contains("solver.cells = 9"), "{dotted}");
     }

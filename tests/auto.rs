@@ -1,0 +1,59 @@
+//! `solver.fidelity = auto` on machine elements with drives of their own: is the tolerance met, and is the stated error true?
+//!
+//! Each run is compared with a contact line on 65 cells at a tenth of the tolerance, and judged where that agrees with 33 cells within
+//! half of the tolerance.
+
+use test_support::Application;
+
+const SCENES: [&str; 11] = [
+    "bicycle_disc",
+    "drum_brake",
+    "face_seal",
+    "piston_ring",
+    "pom_bushing",
+    "rod_seal",
+    "safety_gear",
+    "slideway",
+    "slip_ring",
+    "tread_block",
+    "yaw_brake",
+];
+
+/// Tolerance, error, stated error; `None`: the reference has not converged.
+fn judged(scene: &Application, tolerance: f64) -> Option<[f64; 2]> {
+    let line = |cells: f64| {
+        let fine = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", 0.1 * tolerance)];
+        scene.run(&fine).unwrap()
+    };
+    let (coarse, fine) = (line(33.0), line(65.0));
+    let run = scene.run(&[("solver.fidelity", 1.0), ("solver.tolerance", tolerance)]).unwrap();
+    let (error, apart) = (run.error(&fine), coarse.error(&fine));
+    println!(
+        "{:14} {tolerance:.0e}  {:2} cells {:6} steps  error {error:.1e}, stated {:.1e}; 33 from 65 cells {apart:.1e}",
+        scene.name, run.cells, run.steps, run.estimated_error
+    );
+    (apart <= 0.5 * tolerance).then_some([error, run.estimated_error])
+}
+
+#[test]
+fn tolerances_are_met_and_errors_are_stated_on_machine_elements() {
+    let scenes = SCENES.map(Application::read);
+    let mut stated = Vec::new();
+    for tolerance in [1e-1, 1e-2, 1e-3] {
+        let (mut met, mut count) = (0, 0);
+        for scene in &scenes {
+            let Some([error, estimate]) = judged(scene, tolerance) else { continue };
+            count += 1;
+            met += usize::from(error <= tolerance);
+            // A miss is stated.
+            assert!(error <= 2.0 * tolerance || estimate > tolerance, "{}: {error:.1e} {estimate:.1e}", scene.name);
+            stated.extend((estimate < 1.0).then_some(estimate / error));
+        }
+        println!("{tolerance:e}: {met} of {count} met");
+        assert!(10 * met >= 9 * count - 5, "{met} of {count} at {tolerance:e}");
+    }
+    let within = |factor: f64| stated.iter().filter(|ratio| (1.0 / factor..factor).contains(*ratio)).count();
+    println!("{} estimates, {} within 5, {} within 10", stated.len(), within(5.0), within(10.0));
+    assert!(stated.iter().all(|ratio| *ratio > 0.1), "{stated:?}");
+    assert!(10 * within(5.0) >= 7 * stated.len(), "{stated:?}");
+}

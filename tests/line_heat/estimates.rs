@@ -1,0 +1,329 @@
+//! Level that `auto` takes, and the error that a run states.
+
+use scene::variables::{COUNT, STARTS};
+use sliding_contact::component::{Component, Message, Snapshot, Subject};
+use std::sync::Arc;
+use test_support::{Drive, LUMPED, changed, reference, scene};
+
+fn started(starts: &[f64; COUNT], changes: &[(&str, f64)]) -> Component {
+    let mut component = Component::new(Arc::new(changed(starts, changes)));
+    component.enter_initialization();
+    component.initialise(None).unwrap();
+    component
+}
+
+fn texts(component: &mut Component) -> Vec<String> {
+    component.messages().map(|message| message.text.clone()).collect()
+}
+
+/// Warnings since the last call.
+fn warnings(component: &mut Component) -> Vec<String> {
+    let of = |message: &Message| (message.subject == Subject::Warning).then(|| message.text.clone());
+    component.messages().filter_map(of).collect()
+}
+
+fn slide(component: &mut Component, speed: f64, load: f64) {
+    component.set_input(reference("sliding_velocity"), speed);
+    component.set_input(reference("normal_load"), load);
+}
+
+/// A stop, changing in every step.
+fn brake(component: &mut Component, steps: std::ops::Range<u32>) {
+    for step in steps {
+        slide(component, 10.0 - 0.3 * f64::from(step), 3e3);
+        component.set_input_derivative(reference("sliding_velocity"), -0.6);
+        component.step(0.5).unwrap();
+    }
+}
+
+/// A stock scene whose lumped level is within a tolerance of 0.2.
+const LUMPED_ENOUGH: &[(&str, f64)] = &[
+    ("punch.thermal_expansion", 0.0),
+    ("strip.thermal_expansion", 0.0),
+    ("nominal.duration", 100.0),
+    ("solver.tolerance", 0.2),
+];
+
+#[test]
+fn two_rigid_bodies_are_lumped_and_exact_but_for_their_steps() {
+    let mut component = started(&STARTS, &[("punch.body", 1.0), ("strip.body", 1.0), ("solver.tolerance", 1e-2)]);
+    let said = texts(&mut component);
+    assert!(said[0].contains("auto takes lumped") && said[0].contains("both bodies are rigid"), "{said:?}");
+    slide(&mut component, 5.0, 2e3);
+    component.step(1.0).unwrap();
+    let [whole, steps] = ["estimated_error", "estimated_step_error"].map(|name| component.get(reference(name)));
+    assert!(whole == steps && whole < 2e-2, "{whole} {steps}");
+}
+
+#[test]
+fn the_level_follows_the_tolerance_of_the_scene_before_that_of_the_importer() {
+    let level = |own: f64, importer: Option<f64>| {
+        let mut component =
+            Component::new(Arc::new(changed(&changed(&STARTS, LUMPED_ENOUGH), &[("solver.tolerance", own)])));
+        component.enter_initialization();
+        component.initialise(importer).unwrap();
+        texts(&mut component).remove(0)
+    };
+    for (own, importer, wanted) in [
+        (0.0, None, "tolerance 1e-3 from the default; auto takes line, 33 cells"),
+        (0.0, Some(0.2), "tolerance 2e-1 from the importer; auto takes lumped"),
+        (5e-3, Some(0.5), "tolerance 5e-3 from solver.tolerance; auto takes line, 17 cells"),
+        (0.2, Some(1e-3), "tolerance 2e-1 from solver.tolerance; auto takes lumped"),
+    ] {
+        let said = level(own, importer);
+        assert!(said.contains(wanted), "{said}");
+    }
+}
+
+/// Fresh material under a band that an insulating, soft punch presses evenly: the highest and the mean temperature of Jaeger's
+/// moving band at a Peclet number of 10, without expansion, fade or wear. With the heat of the line lumped, the highest was the mean.
+#[test]
+fn a_line_whose_bodies_do_not_expand_resolves_its_heat() {
+    let (width, depth, conductivity, capacity) = (0.02, 0.005, 40.0, 7800.0 * 500.0);
+    let velocity = 2.0 * 10.0 * (conductivity / capacity) / (0.5 * width);
+    let changes = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 65.0),
+        ("solver.tolerance", 1e-4),
+        ("punch.body", 2.0),
+        ("punch.youngs_modulus", 1e6),
+        ("punch.conductivity", 0.0),
+        ("punch.width", width),
+        ("depth", depth),
+        ("punch.thermal_expansion", 0.0),
+        ("strip.thermal_expansion", 0.0),
+        ("punch.wear_coefficient", 0.0),
+        ("strip.wear_coefficient", 0.0),
+        ("strip.body", 1.0),
+        ("strip.path", 1.0),
+        ("strip.length", 0.0),
+        ("strip.height", 0.5),
+        ("strip.conductivity", conductivity),
+        ("strip.density", 7800.0),
+        ("strip.specific_heat", 500.0),
+        ("strip.convection", 0.0),
+        ("strip.convection_forced", 0.0),
+        ("strip.emissivity", 0.0),
+        ("contact.faces", 1.0),
+        ("contact.mean_radius", 0.0),
+        ("contact.shear_coupling", 0.0),
+        ("contact.conductance", 1e12),
+        ("nominal.velocity", velocity),
+        ("nominal.duration", 100.0 * width / velocity),
+    ];
+    let mut drive = Drive::stock(&changes);
+    drive.set("sliding_velocity", velocity).set("normal_load", 1e3);
+    (0..50).for_each(|_| {
+        drive.step(2.0 * width / velocity);
+    });
+    let flux = drive.get("friction_power") / (width * depth);
+    let unit = flux * 0.5 * width / conductivity;
+    let [mean, highest] =
+        ["contact_temperature", "contact_temperature_max"].map(|name| (drive.get(name) - 293.15) / unit);
+    assert!((mean / 0.24132 - 1.0).abs() < 5e-3, "{mean}");
+    // The highest is a mean over 1/32 of the width at a cusp.
+    assert!((highest / 0.34850 - 1.0).abs() < 0.01, "{highest}");
+}
+
+/// To and fro on a closed track: most of the heat stays in the part of the track that the strokes cover.
+#[test]
+fn a_stroke_on_a_closed_track_heats_that_part_of_the_track() {
+    let cycle_mean = |fidelity: f64| {
+        let (stroke, speed) = (0.02, 0.2);
+        let mut drive = Drive::from_starts(
+            &scene("disc_brake"),
+            &[
+                ("solver.fidelity", fidelity),
+                ("solver.cells", 17.0),
+                ("solver.tolerance", 1e-3),
+                ("punch.width", 0.03),
+                ("punch.thermal_expansion", 0.0),
+                ("strip.thermal_expansion", 0.0),
+                ("nominal.stroke", stroke),
+                ("nominal.velocity", speed),
+                ("nominal.duration", 60.0),
+            ],
+        );
+        drive.set("normal_load", 1e3);
+        let half = stroke / speed;
+        let mut sum = 0.0;
+        for stroke in 0..600 {
+            drive.set("sliding_velocity", if stroke % 2 == 0 { speed } else { -speed });
+            for _ in 0..4 {
+                drive.step(0.25 * half);
+                sum += if stroke >= 580 { drive.get("contact_temperature") - 293.15 } else { 0.0 };
+            }
+        }
+        sum / 80.0
+    };
+    let [lumped, line] = [LUMPED, 3.0].map(cycle_mean);
+    assert!(line > 1.0 && (lumped / line - 1.0).abs() < 0.1, "{lumped} {line}");
+}
+
+/// The estimate is the largest difference of two lines that are driven side by side, and a third of the error of the steps.
+#[test]
+fn a_line_states_its_distance_from_one_on_half_of_the_cells() {
+    let line = |cells: f64, changes: &[(&str, f64)]| {
+        let base = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", 1e-2)];
+        started(&STARTS, &[&base[..], changes].concat())
+    };
+    let mut runs = [line(17.0, &[]), line(9.0, &[])];
+    let mut measured = line(17.0, &[("solver.error_estimate", 3.0)]);
+    let outputs = ["wear_depth", "contact_temperature", "friction_force"].map(reference);
+    let (mut apart, mut largest) = ([0.0_f64; 3], [0.0_f64; 3]);
+    for step in 0..20 {
+        runs.iter_mut().chain([&mut measured]).for_each(|run| brake(run, step..step + 1));
+        for (at, output) in outputs.into_iter().enumerate() {
+            let from = if at == 1 { 293.15 } else { 0.0 };
+            let [fine, coarse] = runs.each_mut().map(|run| run.get(output) - from);
+            apart[at] = apart[at].max((fine - coarse).abs());
+            largest[at] = largest[at].max(fine.abs());
+        }
+    }
+    let distance = (0..3).map(|at| apart[at] / largest[at]).fold(0.0, f64::max);
+    let steps = measured.get(reference("estimated_step_error"));
+    let stated = measured.get(reference("estimated_error"));
+    assert!((stated / distance.hypot(steps / 3.0) - 1.0).abs() < 1e-9, "{stated} {distance} {steps}");
+    assert!(distance > 1e-4 && distance < 0.1, "{distance}");
+    // The run itself is the same, and alone knows nothing of the error of its cells.
+    for name in ["wear_depth", "contact_temperature", "pressure_max", "estimated_step_error"] {
+        assert_eq!(measured.get(reference(name)).to_bits(), runs[0].get(reference(name)).to_bits(), "{name}");
+    }
+    assert_eq!(runs[0].get(reference("estimated_error")), 1.0);
+    // auto has a companion without asking, and none where it is switched off.
+    let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
+    let mut chosen = started(&STARTS, &auto);
+    brake(&mut chosen, 0..20);
+    assert_eq!(chosen.operators().unwrap().cells(), 17);
+    assert_eq!(chosen.get(reference("estimated_error")).to_bits(), stated.to_bits());
+    let mut off = started(&STARTS, &[&auto[..], &[("solver.error_estimate", 2.0)]].concat());
+    brake(&mut off, 0..20);
+    assert_eq!(off.get(reference("estimated_error")), 1.0);
+}
+
+/// Mean heat is compared with resolved heat: what it leaves out is stated.
+#[test]
+fn the_error_of_mean_heat_is_measured() {
+    let stated = |heat: f64| {
+        let changes = [
+            ("solver.fidelity", 3.0),
+            ("solver.heat", heat),
+            ("solver.error_estimate", 3.0),
+            ("solver.tolerance", 1e-2),
+        ];
+        let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
+        drive.set("sliding_velocity", 3.8).set("normal_load", 2.6e3);
+        (0..30).for_each(|_| {
+            drive.step(1.0);
+        });
+        (drive.get("estimated_error"), drive.get("contact_temperature"))
+    };
+    let [resolved, mean] = [1.0, 2.0].map(stated);
+    let apart = (mean.1 - resolved.1).abs() / (resolved.1 - 293.15);
+    assert!(resolved.0 < 0.005, "{resolved:?}");
+    assert!(apart > 0.01 && mean.0 > 0.8 * apart && mean.0 < 5.0 * apart, "{resolved:?} {mean:?}");
+}
+
+#[test]
+fn a_lumped_run_beyond_its_nominal_conditions_says_so_once_and_its_error_is_not_known() {
+    let mut component = started(&STARTS, LUMPED_ENOUGH);
+    assert!(texts(&mut component)[0].contains("auto takes lumped"));
+    // Nominal: 10 m/s, 5 kN.
+    slide(&mut component, 10.0, 4e3);
+    (0..20).for_each(|_| component.step(1.0).unwrap());
+    assert_eq!(warnings(&mut component), Vec::<String>::new());
+    let within = component.get(reference("estimated_error"));
+    assert!(within > 1e-4 && within < 0.2, "{within}");
+    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+    component.snapshot(&mut saved);
+    slide(&mut component, 10.0, 1.1e4);
+    component.step(1.0).unwrap();
+    let said = warnings(&mut component);
+    assert!(
+        said.len() == 1 && said[0].contains("exceeds the nominal conditions") && said[0].contains("11000 N"),
+        "{said:?}"
+    );
+    component.step(1.0).unwrap();
+    assert_eq!(warnings(&mut component), Vec::<String>::new());
+    assert_eq!(component.get(reference("estimated_error")), 1.0);
+    // Bits are those of the named level.
+    let mut named = Drive::stock(&[LUMPED_ENOUGH, &[("solver.fidelity", LUMPED)]].concat());
+    for load in std::iter::repeat_n(4e3, 20).chain([1.1e4; 2]) {
+        named.set("sliding_velocity", 10.0).set("normal_load", load).step(1.0);
+    }
+    for name in ["wear_depth", "contact_temperature", "friction_force", "stored_heat"] {
+        assert_eq!(component.get(reference(name)).to_bits(), named.get(name).to_bits(), "{name}");
+    }
+    // Saved states know it, serialised as well.
+    let mut beyond = Snapshot::default();
+    component.snapshot(&mut beyond);
+    beyond.encode(&mut bytes);
+    component.restore(&saved).unwrap();
+    assert_eq!(component.get(reference("estimated_error")), within);
+    component.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+    assert_eq!(component.get(reference("estimated_error")), 1.0);
+}
+
+/// A step that begins beyond nominal speed and ends within it counts; so does friction work.
+#[test]
+fn the_beginning_of_a_step_and_the_work_of_the_run_count() {
+    let beyond = |changes: &[(&str, f64)], speed: f64, slope: f64, steps: u32| {
+        let mut component = started(&STARTS, &[LUMPED_ENOUGH, changes].concat());
+        texts(&mut component);
+        slide(&mut component, speed, 100.0);
+        component.set_input_derivative(reference("sliding_velocity"), slope);
+        (0..steps).for_each(|_| component.step(2.0).unwrap());
+        warnings(&mut component)
+    };
+    assert_eq!(beyond(&[], 10.0, -4.0, 1), Vec::<String>::new());
+    let fast = beyond(&[], 15.0, -4.0, 1);
+    assert!(fast.len() == 1 && fast[0].contains("15 m/s"), "{fast:?}");
+    // 100 N and 10 m/s do the work of 5 kN in 1 s and what follows within 61 s.
+    let short = [("nominal.duration", 1.0)];
+    assert_eq!(beyond(&short, 10.0, 0.0, 20).len(), 0);
+    assert!(beyond(&short, 10.0, 0.0, 40)[0].contains("J of friction, compared up to"));
+}
+
+#[test]
+fn a_restored_run_goes_on_with_its_companion() {
+    let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
+    let mut whole = started(&STARTS, &auto);
+    brake(&mut whole, 0..10);
+    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+    whole.snapshot(&mut saved);
+    saved.encode(&mut bytes);
+    assert_eq!(bytes.len(), saved.encoded_size());
+    let before = whole.get(reference("estimated_error"));
+    brake(&mut whole, 10..20);
+    let after: Vec<u64> = (0..COUNT as u32).map(|index| whole.get(index).to_bits()).collect();
+    assert!(before < 1.0 && whole.get(reference("estimated_error")) != before);
+    // Into a new component, and back into the same.
+    for mut other in [started(&STARTS, &auto), whole] {
+        other.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert_eq!(other.get(reference("estimated_error")).to_bits(), before.to_bits());
+        brake(&mut other, 10..20);
+        let now: Vec<u64> = (0..COUNT as u32).map(|index| other.get(index).to_bits()).collect();
+        assert!(now == after, "a replay differs");
+    }
+}
+
+/// At the end of a run whose error is above the tolerance, one warning names the cells to take.
+#[test]
+fn an_error_above_the_tolerance_names_the_cells_to_take() {
+    let advice = |tolerance: f64| {
+        let auto = [("solver.fidelity", 1.0), ("solver.cells", 17.0), ("solver.tolerance", tolerance)];
+        let mut component = started(&STARTS, &auto);
+        brake(&mut component, 0..20);
+        texts(&mut component);
+        component.conclude();
+        (component.get(reference("estimated_error")), warnings(&mut component))
+    };
+    let (error, said) = advice(1e-3);
+    assert!(error > 1e-3, "{error}");
+    assert!(
+        said.len() == 1 && said[0].contains("take solver.cells = ") && said[0].contains("instead of 17"),
+        "{said:?}"
+    );
+    let (error, said) = advice(0.02);
+    assert!(error < 0.02 && said.is_empty(), "{error} {said:?}");
+}
