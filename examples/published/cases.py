@@ -324,7 +324,7 @@ def disc_critical_speed(model: Model) -> Result:
 def reciprocating(model: Model) -> Result:
     period, count = 0.62837, 120
     settings = ("punch.wear_coefficient=3.9e-3 mm3/(N.m)", "solver.fidelity=line", "solver.cells=65",
-                "contact.friction_coefficient=0.25", "punch.thermal_expansion=0", "strip.thermal_expansion=0",
+                "contact.friction_coefficient=0.25", "punch.thermal_expansion=0", "strip.thermal_expansion=0", "solver.heat=mean",
                 f"nominal.duration={count * period}")  # fmt: skip
     forward, backward = (count - 0.75) * period, (count - 0.25) * period
     run = model.simulate("reciprocating_punch", settings=settings, at=(forward, backward), step=0.0314)

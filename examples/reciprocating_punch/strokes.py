@@ -12,8 +12,13 @@ AMPLITUDE = 1.5e-3  # of the punch's displacement [m]
 FREQUENCY = 10.0  # angular [rad/s]
 STEPS = 10  # in a half-stroke; even, so that a step ends in its middle
 STATIONS = 33
-# The level of the contact line, without distortion by heat.
-COLD = {"solver.fidelity": "line", "punch.thermal_expansion": 0.0, "strip.thermal_expansion": 0.0}
+# The level of the contact line, for pressure and wear alone.
+COLD = {
+    "solver.fidelity": "line",
+    "solver.heat": "mean",
+    "punch.thermal_expansion": 0.0,
+    "strip.thermal_expansion": 0.0,
+}
 HOT_CELLS = 33
 PROFILES = ("pressure", "wear_punch", "temperature")
 SCALARS = ("tilt", "approach")
@@ -129,7 +134,7 @@ def step_length():
 def hot(unpacked, parameters):
     """The same holder with the distortion by heat that the scene's materials have."""
     expansions = {name: unpacked.start(name) for name in COLD if name.endswith("thermal_expansion")}
-    return {**parameters, **expansions, "solver.cells": HOT_CELLS}
+    return {**parameters, **expansions, "solver.heat": "resolved", "solver.cells": HOT_CELLS}
 
 
 def slide(unpacked, parameters, load, cycles, acceleration=1.0):

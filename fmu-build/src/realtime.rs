@@ -66,7 +66,7 @@ pub struct Arguments {
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Contact {
-    /// Pressure and wear along the line; lumped heat.
+    /// Pressure and wear along the line; mean heat.
     Cold,
     /// Pressure, wear and heat along the line, with thermal distortion.
     Heat,
@@ -192,7 +192,7 @@ pub fn measure(case: &Case) -> Result<Run> {
 /// The FMU of the scene.
 fn build(contact: Contact, cells: u16, folder: &Path) -> Result<PathBuf> {
     let mut scene = scenes::load(None)?;
-    let cold = ["punch.thermal_expansion=0", "strip.thermal_expansion=0"];
+    let cold = ["solver.heat=mean", "punch.thermal_expansion=0", "strip.thermal_expansion=0"];
     let level = ["solver.fidelity=line".to_owned(), format!("solver.cells={cells}")];
     let changes = level.iter().map(String::as_str).chain(cold.into_iter().filter(|_| contact == Contact::Cold));
     for change in changes {

@@ -78,6 +78,8 @@ const WEARING: &[(&str, f64)] = &[
     ("punch.count", 1.0),
     ("punch.thermal_expansion", 0.0),
     ("strip.thermal_expansion", 0.0),
+    // Pressure and wear alone.
+    ("solver.heat", 2.0),
     ("strip.wear_coefficient", 0.0),
     ("nominal.load", LOAD),
     ("nominal.velocity", 1.0),

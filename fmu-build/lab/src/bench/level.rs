@@ -1,6 +1,6 @@
 //! Second half of `cargo fmu bench --line`: the line level as the FMU runs it, through the component.
 //!
-//! Steps of 1 ms with lumped heat, in solutions of one dense system of as many unknowns and in microseconds;
+//! Steps of 1 ms with mean heat, in solutions of one dense system of as many unknowns and in microseconds;
 //! initialisation with the punch as an elastic block; saved states; the relaxation of a flat punch on a half-plane to
 //! tau = 1.
 
@@ -24,6 +24,7 @@ const HOT_TURNS: usize = 100;
 /// Rigid punch on a half-plane, unidirectional sliding.
 const PUNCH: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
+    ("solver.heat", 2.0),
     ("punch.width", 0.06),
     ("depth", 0.01),
     ("punch.body", 1.0),
@@ -131,7 +132,7 @@ type Case<'a> = (&'static str, &'a [(&'static str, f64)], Drive);
 fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
     let starts = scenes::load(Some("reciprocating_punch"))?.packaged.starts;
     let line = [("solver.fidelity", 3.0), ("solver.cells", count as f64)];
-    let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+    let cold = [("solver.heat", 2.0), ("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let unidirectional = [("nominal.stroke", 0.0), ("strip.path", 1.0)];
     let cases: [Case<'_>; 3] = [
         ("reciprocating", &[], |n| {
@@ -193,6 +194,7 @@ fn initialisation(costs: &mut Vec<Cost>) -> Result<()> {
         ("solver.fidelity", 3.0),
         ("solver.cells", 33.0),
         ("solver.tolerance", 1e-4),
+        ("solver.heat", 2.0),
         ("punch.thermal_expansion", 0.0),
         ("strip.thermal_expansion", 0.0),
     ];
