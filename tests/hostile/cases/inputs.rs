@@ -224,7 +224,7 @@ pub const EXTREME: &[Case] = &[
         Ok,
         &["angular_velocity = 10 rad/s has no effect: contact.mean_radius = 0 m"],
     )
-    .of(&[("contact.mean_radius", 0.0)]),
+    .of(&[("contact.mean_radius", 0.0), ("strip.length", 0.7)]),
     stepping("ambient of 1 mK", EACH, &[Set("ambient_temperature_offset", -293.149), Step(0.01)], Ok, &[]),
     stepping(
         "surroundings of 1e4 K on a radiating punch",
