@@ -21,8 +21,9 @@ use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::plan::Prepared;
 use model::run_error::RunError;
+use numerics::interruption;
 use outputs::group;
-use reports::BOTH_VELOCITIES;
+use reports::{BOTH_VELOCITIES, WITHOUT_RADIUS};
 use scene::message::Number;
 use scene::variables::{COUNT, ValueReference, reference};
 use scene::{Fidelity, Scene, value};
@@ -230,6 +231,7 @@ impl Component {
     /// # Errors
     /// A text that names the cause; the state is then that before the step.
     pub fn step(&mut self, step: f64) -> Result<(), String> {
+        interruption::checkpoint();
         if step == 0.0 {
             // Input derivatives are valid for one step, also for one of length 0.
             self.slopes = [0.0; INPUTS];
@@ -281,6 +283,9 @@ impl Component {
         let mut limits = model.limits();
         if began[0] != 0.0 && began[2] != 0.0 {
             limits |= BOTH_VELOCITIES;
+        }
+        if began[2] != 0.0 && value!(self.values, "contact.mean_radius") == 0.0 {
+            limits |= WITHOUT_RADIUS;
         }
         if limits & !self.reported != 0 {
             self.report(limits, &began);
@@ -358,7 +363,11 @@ impl Component {
 /// Prepares a scene: on a thread of its own where operators of cells may be built, see [`on_own_thread`].
 fn prepare(scene: &Scene) -> Result<Arc<Prepared>, String> {
     let prepare = || Prepared::new(scene, steady::run_in).map(Arc::new);
-    if scene.fidelity == Fidelity::Lumped { prepare() } else { on_own_thread(prepare) }
+    if scene.fidelity == Fidelity::Lumped {
+        return prepare();
+    }
+    let flag = interruption::current();
+    on_own_thread(move || interruption::within(flag, prepare))
 }
 
 /// Whether a derivative differs from 0.

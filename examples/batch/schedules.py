@@ -33,9 +33,7 @@ def of_name(name, scene, interpolation=None):
         start, time = nominal.time[0], nominal.time - nominal.time[0]
         if start != 0.0:
             print(f"{name}: times are counted from its first row, {start:g} s", file=sys.stderr)
-        # Rows are read at communication points: steps of a file are no longer than its rows are apart.
-        longest = nominal.step if name == "nominal" else min(nominal.step, float(np.diff(time).min()))
-        step = float(time[-1] / np.ceil(time[-1] / longest - 1e-6))
+        step = float(time[-1] / np.ceil(time[-1] / nominal.step - 1e-6))
         return Schedule(nominal.inputs, time, nominal.values, interpolation), step, None
     faces, path = scene["contact.faces"], scene["strip.path"]
     if (faces, path) != (2, "closed"):

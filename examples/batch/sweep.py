@@ -63,7 +63,7 @@ def arguments():
     parser.add_argument("--total-order", action="store_true", help="Saltelli's design and total-order indices, by SALib")
     parser.add_argument("--seed", type=int, default=1, help="of the design")
     parser.add_argument("--block", type=int, help=f"scenes per task; default: 1 to {MOST_IN_A_BLOCK}, {BLOCKS} tasks for every worker")
-    parser.add_argument("--step", type=float, help="communication step in seconds; default: 0.1 for udds, hwfet and stops, the scene's for nominal, else a thousandth of the file's time, and no longer than its rows are apart")
+    parser.add_argument("--step", type=float, help="communication step in seconds; default: 0.1 for udds, hwfet and stops, the scene's for nominal, else as short as the changes between the rows of the file need, at most a thousandth of its time")
     parser.add_argument("--every", type=float, help="seconds between the points that peaks are taken from; default: a thousandth, 1 s for udds, hwfet and stops")
     parser.add_argument("--scheduler", help="address of a Dask scheduler; default: a local cluster")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes of the local cluster")

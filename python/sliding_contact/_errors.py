@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterator, Union
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Union
 
 if TYPE_CHECKING:
     from .results import Simulation
@@ -16,15 +16,15 @@ class Error(ValueError):
 
 
 class StepFailed(Error):
-    """A step that failed; `result` holds the run before it."""
+    """A step that failed; `result` holds the run before it, or is None where the exception came from another process: a run stays in its own."""
 
-    def __init__(self, reason: str, result: "Simulation") -> None:
+    def __init__(self, reason: str, result: Optional["Simulation"] = None) -> None:
         super().__init__(reason)
         self.result = result
 
     def __reduce__(self) -> Any:
         # The run belongs to its process.
-        return Error, (str(self),)
+        return StepFailed, (str(self),)
 
 
 class SceneWarning(UserWarning):

@@ -5,25 +5,32 @@ from __future__ import annotations
 import ctypes
 import json
 import os
-import signal
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Iterator, Optional
+from typing import Any, Callable, Optional, TypeVar
 
 import numpy as np
 
 from ._errors import Error
 
-INTERFACE_VERSION = 1
+INTERFACE_VERSION = 2
 FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 FMUS = FOLDER / "fmus"
 STEP_FAILED = 2
 
-_Progress = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double)
+_PAUSE = 0.1  # s, between two looks at a call that lasts
+
+Result = TypeVar("Result")
+
+
+class Control(ctypes.Structure):
+    """`Control` of the native libraries: what this thread shares with a call that lasts."""
+
+    _fields_ = [("stop", ctypes.c_bool), ("part", ctypes.c_double)]
 
 
 def library_path() -> Path:
@@ -45,7 +52,7 @@ def library() -> ctypes.CDLL:
     handle, size = ctypes.c_void_p, ctypes.c_size_t
     for name, result, arguments in (
         ("native_interface_version", ctypes.c_uint32, []),
-        ("native_analyse", handle, [ctypes.c_char_p, handle, _Progress]),
+        ("native_analyse", handle, [ctypes.c_char_p, handle, ctypes.POINTER(Control)]),
         ("native_status", ctypes.c_uint32, [handle]),
         ("native_text", ctypes.c_char_p, [handle]),
         ("native_arrays", size, [handle]),
@@ -93,40 +100,51 @@ class Answer:
         return np.ctypeslib.as_array(first, shape=(length.value,)).copy()
 
 
-@contextmanager
-def _interrupts(raised: list[BaseException]) -> Iterator[None]:
-    """Collects Ctrl-C during a call, in the main thread: an exception in a callback from C would be lost."""
-    own = threading.current_thread() is threading.main_thread()
-    if not own or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-    signal.signal(signal.SIGINT, lambda *_: raised.append(KeyboardInterrupt()))
+def attended(
+    call: Callable[[Control], Result], progress: Optional[Callable[[float], object]] = None
+) -> Result:
+    """Makes a native call on a thread of its own and calls `progress` here with the part that is done.
+
+    So handlers of signals run in this thread as in any Python code. What they or `progress` raise ends the call and is raised here.
+    """
+    control = Control()
+    # Not `Thread.join`: interrupted by a signal, it takes the thread for ended (Python 3.11).
+    ended = threading.Event()
+    results: list[Result] = []
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            results.append(call(control))
+        except BaseException as error:
+            failures.append(error)
+        finally:
+            ended.set()
+
+    threading.Thread(target=work, name="sliding_contact", daemon=True).start()
     try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        while not ended.wait(_PAUSE):
+            if progress is not None:
+                progress(control.part)
+    except BaseException:
+        control.stop = True
+        # A second signal waits too: what the call uses must not be freed under it.
+        while not ended.is_set():
+            with suppress(BaseException):
+                ended.wait()
+        raise
+    if failures:
+        raise failures[0]
+    return results[0]
 
 
 def ask(
     request: dict[str, Any], run: Optional[Answer] = None, progress: Optional[Callable[[float], object]] = None
 ) -> Answer:
     """Does what the request says; raises `Error` with the library's own text where it refuses."""
-    raised: list[BaseException] = []
-
-    def report(part: float) -> int:
-        # Signal handlers run here, so that Ctrl-C ends a long run.
-        try:
-            if progress is not None and not raised:
-                progress(part)
-        except BaseException as error:
-            raised.append(error)
-        return 1 if raised else 0
-
     text = json.dumps(request).encode()
-    with _interrupts(raised):
-        answer = Answer(library().native_analyse(text, run.handle if run else None, _Progress(report)))
-    if raised:
-        raise raised[0]
+    handle = run.handle if run else None
+    answer = attended(lambda control: Answer(library().native_analyse(text, handle, ctypes.byref(control))), progress)
     if answer.status == 1:
         raise Error(answer.text)
     return answer

@@ -21,12 +21,14 @@ from typing import Any, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import _native
-from ._errors import writing
+from ._errors import Error, writing
+from ._numbers import numbers, plain
 
-INTERFACE_VERSION = 1
+INTERFACE_VERSION = 2
 INTERPOLATIONS = ("hold", "sample", "linear")
 STAGES = {1: "request", 2: "initialisation", 3: "stepping", 4: "library"}
 _LONGEST_MESSAGE = 8192
+_MOST_BYTES = 2**30  # of the files of an FMU, as `cargo fmu batch`
 
 
 class Failure(RuntimeError):
@@ -80,8 +82,7 @@ class Schedule:
     interpolation: str = "hold"
 
     def __post_init__(self) -> None:
-        values = np.ascontiguousarray(self.values, dtype=np.float64)
-        times = np.ascontiguousarray(self.times, dtype=np.float64)
+        values, times = numbers("schedule: values", self.values), numbers("schedule: times", self.times)
         if times.ndim != 1 or values.shape != (times.size, len(self.inputs)):
             raise ValueError(
                 f"schedule: {times.shape} times and {len(self.inputs)} inputs do not fit values of shape {values.shape}"
@@ -94,11 +95,17 @@ class Schedule:
 
 
 def unpack(fmu: Union[str, "os.PathLike[str]"], folder: Union[str, "os.PathLike[str]"]) -> Path:
-    """Unpacks an .fmu into `folder` unless that has been done, also by a process that does it at the same time."""
+    """Unpacks an .fmu into `folder` unless that has been done, also by a process that does it at the same time.
+
+    Raises `Error` where its files are larger than 1 GB.
+    """
     folder = Path(folder)
     if folder.is_dir():
         return folder
     with zipfile.ZipFile(fmu) as archive, writing(folder):
+        size = sum(file.file_size for file in archive.infolist())
+        if size > _MOST_BYTES:
+            raise Error(f"{os.fspath(fmu)}: its files are {size / 2**20:.0f} MB, and at most {_MOST_BYTES / 2**20:.0f} MB are unpacked")
         partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
         try:
             archive.extractall(partial)
@@ -129,6 +136,7 @@ def _load(path: Optional[Union[str, "os.PathLike[str]"]]) -> ctypes.CDLL:
         ctypes.c_void_p,
         ctypes.POINTER(_Request),
         ctypes.POINTER(ctypes.c_double),
+        ctypes.POINTER(_native.Control),
         ctypes.c_char_p,
         ctypes.c_size_t,
     ]
@@ -211,13 +219,13 @@ def run_schedule(
 
     Raises `Failure` with the FMU's own words. The next scene finds the instance as good as new.
     """
-    stop = float(inputs.times[-1]) if stop is None else float(stop)
-    recorded_at = np.ascontiguousarray([stop] if points is None else points, dtype=np.float64)
-    values = np.array([float(value) for value in parameters.values()])
+    stop = float(inputs.times[-1]) if stop is None else float(plain("stop", stop))
+    recorded_at = np.atleast_1d(numbers("points", [stop] if points is None else points))
+    values = np.array([float(plain(name, value)) for name, value in parameters.items()])
     unknown = set(factors or {}) - set(inputs.inputs)
     if unknown:
         raise ValueError(f"factors for inputs that the schedule does not have: {', '.join(sorted(unknown))}")
-    scales = np.array([float((factors or {}).get(name, 1.0)) for name in inputs.inputs])
+    scales = np.array([float(plain(f"factor of {name}", (factors or {}).get(name, 1.0))) for name in inputs.inputs])
     recorded = np.empty((recorded_at.size, len(outputs)))
     message = ctypes.create_string_buffer(_LONGEST_MESSAGE)
     request = _Request(
@@ -240,8 +248,12 @@ def run_schedule(
         recorded_at.size,
         _doubles(recorded_at),
     )
-    status = fmu._library.run_schedule(
-        fmu.handle, ctypes.byref(request), _doubles(recorded), message, _LONGEST_MESSAGE
+    handle = fmu.handle
+    # The first field of `Control` is `stop`.
+    status = _native.attended(
+        lambda control: fmu._library.run_schedule(
+            handle, ctypes.byref(request), _doubles(recorded), ctypes.byref(control), message, _LONGEST_MESSAGE
+        )
     )
     if status:
         raise Failure(STAGES.get(status, "library"), message.value.decode(errors="replace"))

@@ -141,7 +141,8 @@ class Simulation(Mapping):
     def frame(self, *columns: str) -> "pandas.DataFrame":
         """A table of pandas: `columns` with their units, `"normal_load [kN]"`, or everything in SI units.
 
-        Its headers are those that inputs and measured records have: `frame().to_csv(path, index=False)` can be read again.
+        Its headers are those that inputs and measured records have: what `frame().to_csv(path)` writes, with or without the index, can be read
+        again as either.
         """
         import pandas
 

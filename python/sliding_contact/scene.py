@@ -17,6 +17,7 @@ import numpy as np
 
 from . import _native
 from ._errors import Error, SceneWarning, StepFailed
+from ._numbers import number, plain
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Trajectory:
     inputs: tuple[str, ...]  #: names, one for each column of values
     time: np.ndarray  #: s, increasing
     values: np.ndarray  #: one row for each time
-    step: float  #: longest communication step, s
+    step: float  #: communication step, s; the inputs of a file are resolved by equal steps of this length as by those of `simulate`
 
 
 class Scene:
@@ -134,15 +135,15 @@ class Scene:
         """
         return self.set({name: self._item(name, value) for name, value in values.items()})
 
-    def _item(self, name: str, number: float) -> Value:
+    def _item(self, name: str, value: float) -> Value:
         own = self._known(name)
-        items = own["items"]
+        items, value = own["items"], plain(name, value)
         if not items:
             kind = type(own["value"])
-            return kind(number) if kind in (bool, int) else number
-        if not 1 <= number <= len(items):
-            raise Error(f"{name} = {number:g} is none of 1 to {len(items)}: {', '.join(items)}")
-        return str(items[int(number) - 1])
+            return kind(value) if kind in (bool, int) else value
+        if not 1 <= value <= len(items):
+            raise Error(f"{name} = {value:g} is none of 1 to {len(items)}: {', '.join(items)}")
+        return str(items[int(value) - 1])
 
     def _read(self, assignments: list[str]) -> None:
         record = _native.ask(self._request("scene", assignments)).record
@@ -335,17 +336,6 @@ def quantity(name: str, text: str, difference: bool = False) -> float:
     return float(_native.ask({"analysis": "quantity", "name": name, "text": text, "difference": difference}).record)
 
 
-def number(name: str, value: Any) -> float:
-    """A finite number among the arguments."""
-    try:
-        own = float(value)
-    except (TypeError, ValueError):
-        own = float("nan")
-    if not np.isfinite(own):
-        raise Error(f"{name} = {value!r} must be a finite number")
-    return own
-
-
 def count(name: str, value: Any, most: int = 1025) -> Optional[int]:
     """A whole number from 1 among the arguments, or none."""
     if value is None:
@@ -377,6 +367,7 @@ def _with_unit(name: str, value: Any, unit: str) -> Value:
 
 def _literal(name: str, value: Value) -> str:
     """A value as it stands in a scene file."""
+    value = plain(name, value)
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -421,9 +412,11 @@ def source(table: Optional[Table], name: str) -> Optional[dict[str, Any]]:
     count = max((len(values) for values in columns.values() if np.ndim(values) == 1), default=1)
     cells = []
     for header, values in columns.items():
+        place = f"{name}: the column {header!r}"
         column = [values] * count if np.ndim(values) == 0 else list(values)
         if len(column) != count:
-            raise Error(f"{name}: the column {header!r} has {len(column)} rows, others have {count}")
+            raise Error(f"{place} has {len(column)} rows, others have {count}")
+        column = [plain(place, cell) for cell in column]
         cells.append([repr(float(cell)) if isinstance(cell, (int, float, np.number)) else str(cell) for cell in column])
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

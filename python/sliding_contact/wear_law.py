@@ -19,6 +19,7 @@ import numpy as np
 
 from . import _native
 from ._errors import Error
+from ._numbers import numbers
 
 try:
     from scipy import optimize, stats
@@ -51,10 +52,7 @@ class Records:
 
     def __post_init__(self) -> None:
         for name in ("load", "speed", "distance", "volume"):
-            try:
-                own = np.asarray(getattr(self, name), float).ravel()
-            except (TypeError, ValueError):
-                raise Error(f"records: {name} = {getattr(self, name)!r} are no numbers") from None
+            own = numbers(f"records: {name}", getattr(self, name)).ravel()
             object.__setattr__(self, name, own)
             if own.size != self.load.size:
                 raise Error(f"records: {name} has {own.size} values, load {self.load.size}")

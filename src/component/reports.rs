@@ -10,6 +10,9 @@ use scene::{Scene, value};
 /// Bit for both velocities given in a step, beside those of [`limit`].
 pub(super) const BOTH_VELOCITIES: u8 = 64;
 
+/// Bit for an angular velocity that moves nothing.
+pub(super) const WITHOUT_RADIUS: u8 = 128;
+
 impl Component {
     /// Logs the plan and the warnings of the scene.
     pub(super) fn announce(&mut self, scene: &Scene) {
@@ -87,6 +90,14 @@ impl Component {
                 Number(began[2]),
                 Number(began[0] + radius * began[2]),
                 radius = Number(radius)
+            );
+            self.messages.add(Subject::Warning, text);
+        }
+        if fresh & WITHOUT_RADIUS != 0 {
+            let text = format_args!(
+                "angular_velocity = {} rad/s has no effect: contact.mean_radius = 0 m; the contact slides at sliding_velocity = {} m/s",
+                Number(began[2]),
+                Number(began[0])
             );
             self.messages.add(Subject::Warning, text);
         }

@@ -3,11 +3,13 @@
 import csv
 import json
 import os
+import pickle
 import re
 import subprocess
 import threading
 import time
 import warnings
+import zipfile
 
 import numpy as np
 import pytest
@@ -147,7 +149,18 @@ def test_what_only_python_can_get_wrong_is_refused():
         (lambda: scene.cycles("ten"), "cycles = 'ten' must be a finite number"),
         (lambda: scene.plan(STOP, tolerance=float("nan")), "tolerance = nan must be a finite number"),
         (lambda: scene.set({"punch.width": None}), "punch.width = None: accepted are numbers"),
-        (lambda: scene.set({"punch.width": 1j}), "punch.width = 1j: accepted are numbers"),
+        (lambda: scene.set({"punch.width": 1j}), "punch.width = 1j is complex; a real number is accepted"),
+        (lambda: scene.set({"punch.width": np.complex64(0.08)}), "punch.width = (0.07999999821186066+0j) is complex"),
+        (lambda: scene.set({"punch.width [mm]": np.array(80 + 1j)}), "punch.width [mm] = (80+1j) is complex"),
+        (lambda: scene.set({"contact.friction_fade.factor": np.ones(8) + 1j}), "contact.friction_fade.factor = (1+1j) is complex"),
+        (lambda: scene.set_numbers({"solver.fidelity": 1j}), "solver.fidelity = 1j is complex"),
+        (lambda: scene.simulate({**STOP, "normal_load [kN]": np.array([0, 8, 8, 1j])}), "inputs: the column 'normal_load [kN]' = 0j is complex"),
+        (lambda: scene.simulate({**STOP, "normal_load [kN]": np.complex128(8)}), "inputs: the column 'normal_load [kN]' = (8+0j) is complex"),
+        (lambda: scene.simulate(STOP, step=np.complex128(1)), "step = (1+0j) is complex"),
+        (lambda: scene.simulate(STOP, at=np.array([1j])), "at = 1j is complex"),
+        (lambda: result.compare({"time [s]": [0, 1j], "contact_temperature [degC]": 20}), "measured: the column 'time [s]' = 1j is complex"),
+        (lambda: wear_law.Records([1.0 + 2j], [1.0], [1.0], [1.0]), "records: load has the complex number (1+2j)"),
+        (lambda: host.Schedule(("normal_load",), [0.0], [[1j]]), "schedule: values has the complex number 1j"),
         (lambda: scene.set(["punch.width"]), "set takes a dictionary"),
         (lambda: scene.set({"punch.width [kN]": 3}), "wrong unit \"kN\"; accepted are m, mm"),
         (lambda: scene.set({"punch.width [mm]": "3 mm"}), "punch.width [mm] = '3 mm': the name has the unit already"),
@@ -182,6 +195,9 @@ def test_a_step_that_fails_keeps_the_run_before_it():
         Scene.load("disc_brake").simulate(fast)
     result = raised.value.result
     assert 0.5 < result.time[-1] < 2.0 and result["dissipated_energy"][-1] > 0.0
+    # The run stays in its process, the exception need not.
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert type(again) is StepFailed and str(again) == str(raised.value) and again.result is None
 
 
 def test_values_have_units_both_ways():
@@ -194,6 +210,59 @@ def test_values_have_units_both_ways():
     assert result["contact_temperature [degC]"] == pytest.approx(result["contact_temperature"] - 273.15)
     assert result["sliding_velocity [km/h]"].max() == pytest.approx(36.0)
     assert result["time [min]"][-1] == pytest.approx(5 / 60)
+
+
+def test_arrays_of_no_dimension_are_numbers(tmp_path):
+    scene = Scene.load("disc_brake").set({"punch.width": np.array(0.08), "punch.height [mm]": np.array(20), "normal_load": np.array("4 kN")})
+    assert (scene["punch.width"], scene["punch.height [mm]"], scene["normal_load"]) == (0.08, 20.0, 4000.0)
+    scene.set_numbers({"punch.width": np.array(0.09), "solver.fidelity": np.array(2)})
+    assert scene["punch.width"] == 0.09
+    constant = {**STOP, "normal_load [kN]": np.array(4)}
+    one, other = (scene.simulate(inputs, step=step) for inputs, step in ((constant, np.array(0.1)), ({**STOP, "normal_load [kN]": 4}, 0.1)))
+    assert np.array_equal(one["contact_temperature"], other["contact_temperature"])
+    assert wear_law.Records(np.array(1.0), [1.0], [1.0], [1.0]).load.tolist() == [1.0]
+    mixed = {**STOP, "normal_load [kN]": [np.array(0), np.float32(8), 8, 0]}
+    assert np.array_equal(scene.simulate(mixed)["wear_depth"], scene.simulate(STOP)["wear_depth"])
+
+
+def test_the_table_of_a_run_is_read_again(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    scene = Scene.load("disc_brake")
+    result = scene.simulate(STOP)
+    for index in (True, False):
+        path = tmp_path / f"run-{index}.csv"
+        result.frame().to_csv(path, index=index)
+        for table in (path, pandas.read_csv(path)):
+            deviations = result.compare(table)
+            assert set(deviations) == set(result)
+            assert all(abs(own.largest) <= 1e-12 * max(own.range, np.abs(own.measured).max()) for own in deviations.values())
+            again = scene.simulate(table)
+            assert again.time[-1] == result.time[-1]
+            assert again["dissipated_energy"][-1] == pytest.approx(result["dissipated_energy"][-1], rel=1e-6)
+    columns = result.frame("contact_temperature [degC]", "normal_load [kN]")
+    columns.iloc[::3].to_csv(path)
+    assert set(result.compare(path)) == {"contact_temperature", "normal_load"}
+
+
+def test_the_default_step_shows_peaks_and_a_record_of_the_model_itself():
+    """A stop of a minute in a day: its peak, and a record by steps of its own, are those of fine steps."""
+    day = {
+        "time [s]": [0, 40_000, 40_001, 40_060, 40_061, 86_400],
+        "sliding_velocity [m/s]": [12, 12, 12, 0, 0, 0],
+        "normal_load [N]": [0, 0, 2000, 2000, 0, 0],
+    }
+    times = np.linspace(39_990, 40_200, 4201)
+    fine_day = {name: np.interp(times, day["time [s]"], column) for name, column in day.items()}
+    for changes in ({}, {"solver.fidelity": "line", "solver.cells": 9}):
+        scene = Scene.load("disc_brake").set(changes)
+        result, fine = scene.simulate(day), scene.simulate(fine_day)
+        assert result.time.size < 3000
+        for name in ("contact_temperature_max", "contact_temperature", "pressure_max", "friction_force"):
+            rise = fine[name].max() - fine[name][0]
+            assert result.record["variables"][name]["maximum"] == pytest.approx(fine[name].max(), abs=5e-3 * rise), name
+        record = {"time [s]": fine.time, "contact_temperature [K]": fine["contact_temperature"]}
+        deviation = result.compare(record)["contact_temperature"]
+        assert abs(deviation.largest) < 2e-2 * deviation.range, deviation
 
 
 def test_a_warning_is_a_warning_of_python():
@@ -243,16 +312,74 @@ def test_progress_is_reported_and_an_exception_ends_the_run():
     assert len(parts) == 1 and 0.0 <= parts[0] < 0.5 and time.monotonic() - begin < 30.0
 
 
+#: What runs for long, of objects that are made before.
+LONG = {
+    "simulate": "disc.simulate()",
+    "one step": "disc.simulate(step=3000.0)",
+    "steady": "punch.steady(cells=257)",
+    "cycles": "punch.cycles(1e9, cells=257, tolerance=1e-6)",
+    "plan": "brake.plan(stops, tolerance=1e-5)",
+    "host": "host.run_schedule(own, {}, schedule, outputs=['dissipated_energy'], step=1e-3)",
+}
+
+INTERRUPTED = """
+import os, signal, tempfile, threading, time, warnings
+import numpy as np
+from sliding_contact import Scene, SceneWarning, host
+warnings.simplefilter("ignore", SceneWarning)
+brake, punch = Scene.load("disc_brake"), Scene.load("reciprocating_punch")
+disc = brake.copy().set({"solver.fidelity": "line", "solver.cells": 257, "nominal.duration": "3000 s"})
+stops = {"time [s]": np.arange(0.0, 3000.0, 5.0), "sliding_velocity [m/s]": [10.0, 0.0] * 300, "normal_load [N]": 4000}
+HOST
+def late(*_):
+    raise TimeoutError("late")
+signal.signal(signal.SIGUSR1, late)
+sent = []
+def send():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), NUMBER)
+threading.Timer(1.0, send).start()
+try:
+    CALL
+    print("done")
+except (KeyboardInterrupt, TimeoutError) as error:
+    print(type(error).__name__, time.monotonic() - sent[0])
+time.sleep(0.1)
+assert all(thread.name != "sliding_contact" for thread in threading.enumerate())
+"""
+
+OPENED = """
+own = host.Fmu(host.unpack("FMU", tempfile.mkdtemp() + "/fmu"))
+schedule = host.Schedule(("sliding_velocity", "normal_load"), [0.0, 1e5], [[1.0, 4000.0], [1.0, 4000.0]])
+"""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="sends a signal")
-def test_an_interrupt_ends_a_run_of_the_main_thread(tmp_path):
-    code = (
-        "import os, signal, threading; from sliding_contact import Scene\n"
-        "scene = Scene.load('disc_brake').set({'solver.fidelity': 'line', 'solver.cells': 33, 'nominal.duration': '20000 s'})\n"
-        "threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
-        "try:\n    scene.simulate()\nexcept KeyboardInterrupt:\n    print('interrupted')\n"
-    )
-    run = subprocess.run([os.sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
-    assert run.stdout == "interrupted\n", run.stderr
+@pytest.mark.parametrize("signalled, raised", [("signal.SIGINT", "KeyboardInterrupt"), ("signal.SIGUSR1", "TimeoutError")])
+@pytest.mark.parametrize("call", LONG.values(), ids=LONG)
+def test_what_a_handler_of_a_signal_raises_ends_any_call_within_a_second(call, signalled, raised):
+    opened = ""
+    if "host" in call:
+        opened = OPENED.replace("FMU", str(fmu("disc_brake")))
+    code = INTERRUPTED.replace("HOST", opened).replace("NUMBER", signalled).replace("CALL", call)
+    run = subprocess.run([os.sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    name, seconds = run.stdout.split()
+    assert name == raised and float(seconds) < 1.5, run.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_a_handler_that_raises_nothing_ends_nothing():
+    import signal
+
+    seen = []
+    before = signal.signal(signal.SIGUSR1, lambda *_: seen.append(threading.current_thread()))
+    try:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+        state = Scene.load("reciprocating_punch").steady(cells=97)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert seen == [threading.main_thread()] and state.x.size == 97
 
 
 def test_the_shipped_fmus_run_in_the_host(tmp_path):
@@ -297,6 +424,19 @@ def test_files_make_their_folder_and_say_why_they_cannot_be_written(tmp_path):
             result.plot(wrong)
     with pytest.raises(Error, match=re.escape(f"writing {tmp_path / 'file' / 'fmu'}: [Errno")):
         host.unpack(fmu("disc_brake"), tmp_path / "file" / "fmu")
+
+
+def test_an_archive_that_would_fill_the_disk_is_not_unpacked(tmp_path, monkeypatch):
+    archive = tmp_path / "large.fmu"
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name in ("modelDescription.xml", "resources/table"):
+            packed.writestr(name, b"0" * 2**21)
+    monkeypatch.setattr(host, "_MOST_BYTES", 2**22 - 1)
+    with pytest.raises(Error, match=re.escape(f"{archive}: its files are 4 MB, and at most")):
+        host.unpack(archive, tmp_path / "folder")
+    assert list(tmp_path.iterdir()) == [archive]
+    monkeypatch.setattr(host, "_MOST_BYTES", 2**22)
+    assert (host.unpack(archive, tmp_path / "folder") / "resources" / "table").stat().st_size == 2**21
 
 
 def test_arrays_are_read_and_set_as_in_a_scene_file():
@@ -347,8 +487,6 @@ def test_a_record_that_is_no_table_is_refused_with_what_is_accepted(tmp_path):
 
 
 def test_a_simulation_stays_in_its_process():
-    import pickle
-
     with pytest.raises(TypeError, match="belongs to its process"):
         pickle.dumps(Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate())
     again = pickle.loads(pickle.dumps(Scene.load("disc_brake").set({"punch.width": 0.08})))

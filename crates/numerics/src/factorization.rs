@@ -4,6 +4,7 @@
 //! not finite. Every factorisation of the library is therefore called through this module (or, where it is one of faer in
 //! place, after [`check`]): the entries are tested first, and the iterations are bounded.
 
+use super::interruption::checkpoint;
 use super::maximum::all_finite;
 use nalgebra::linalg::{LU, SVD, Schur, SymmetricEigen};
 use nalgebra::{Cholesky, Complex, Const, DMatrix, DVector, Dyn, OMatrix, SMatrix, SVector};
@@ -55,6 +56,7 @@ impl std::error::Error for Unfactorable {}
 /// # Errors
 /// [`Unfactorable::NotFinite`] with the first entry that is not finite.
 pub fn check(entries: &[f64], rows: usize) -> Result<(), Unfactorable> {
+    checkpoint();
     if all_finite(entries) {
         return Ok(());
     }

@@ -8,6 +8,7 @@ pub mod dense;
 pub mod factorization;
 pub mod four_fifths;
 pub mod grading;
+pub mod interruption;
 pub mod krylov;
 pub mod maximum;
 pub mod scalar;

@@ -2,6 +2,7 @@
 
 use crate::{SceneFile, nearest, parse, quantity};
 use anyhow::{Context, Result, anyhow, bail};
+use scene::message::{Clipped, Quoted};
 use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use toml::de::DeTable;
 
@@ -13,7 +14,7 @@ use toml::de::DeTable;
 /// Where it is no assignment, or what a scene file with that line would be refused for.
 pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     let Some((key, value)) = assignment.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
-        bail!("{assignment:?} must be KEY=VALUE, as holder.pivot_height=\"30 mm\"");
+        bail!("{} must be KEY=VALUE, as holder.pivot_height=\"30 mm\"", Quoted(assignment));
     };
     // As in the header of a column.
     let with_unit = key.strip_suffix(']').and_then(|key| key.rsplit_once(" ["));
@@ -25,11 +26,10 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
         }
         None => (key, value),
     };
-    let as_it_is =
-        value.parse::<f64>().is_ok() || value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value);
-    let value = if as_it_is { value.to_owned() } else { format!("\"{value}\"") };
+    let value = in_toml(value);
+    let setting = || format!("setting {}", Clipped(assignment));
     if key.ends_with(']') {
-        let (reference, value) = element(key, &value).with_context(|| format!("setting {assignment}"))?;
+        let (reference, value) = element(key, &value).with_context(setting)?;
         scene.packaged.starts[reference as usize] = value;
         scene.given.push(reference);
         scene.given.sort_unstable();
@@ -37,12 +37,11 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
         return Ok(());
     }
     if key == "name" {
-        bail!("{key} is no variable of the scene");
+        bail!("{} is no variable of the scene", Clipped(key));
     }
-    let line = parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
-        .with_context(|| format!("setting {assignment}"))?;
+    let line = parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name)).with_context(setting)?;
     if line.given.is_empty() {
-        bail!("{key} is no variable of the scene");
+        bail!("{} is no variable of the scene", Clipped(key));
     }
     for &reference in &line.given {
         scene.packaged.starts[reference as usize] = line.packaged.starts[reference as usize];
@@ -53,6 +52,26 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     Ok(())
 }
 
+/// A value as TOML writes it: numbers may begin with a sign or their point, or end with it (`.005`, `+2`, `1.`), and texts have no quotes.
+fn in_toml(value: &str) -> String {
+    if let Some(elements) = value.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+        // A comma within a text parts it for a moment.
+        let elements: Vec<String> =
+            elements.split(',').map(|part| number(part.trim()).unwrap_or_else(|| part.to_owned())).collect();
+        return format!("[{}]", elements.join(","));
+    }
+    if value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value) {
+        return value.to_owned();
+    }
+    number(value).unwrap_or_else(|| format!("\"{value}\""))
+}
+
+/// A number as TOML writes it; `None` where it is none.
+fn number(text: &str) -> Option<String> {
+    let whole = text.parse().ok().map(|number: i64| number.to_string());
+    whole.or_else(|| text.parse().ok().map(|number: f64| format!("{number:?}").to_lowercase()))
+}
+
 /// One element of an array, as `contact.friction_fade.factor[2]`, and its value.
 fn element(key: &str, value: &str) -> Result<(ValueReference, f64)> {
     let known = find(key).and_then(|reference| Some((reference, lookup(reference)?.0)));
@@ -60,8 +79,10 @@ fn element(key: &str, value: &str) -> Result<(ValueReference, f64)> {
         let name = key.split('[').next().unwrap_or(key);
         let arrays = || TABLE.iter().filter(|row| row.elements > 0 && row.causality == Causality::Parameter);
         match arrays().find(|row| row.name == name) {
-            Some(row) => bail!("{key}: {name} has the elements 1 to {}", row.elements),
-            None => bail!("{key} is no element of a parameter{}", nearest(name, arrays().map(|row| row.name))),
+            Some(row) => bail!("{}: {name} has the elements 1 to {}", Clipped(key), row.elements),
+            None => {
+                bail!("{} is no element of a parameter{}", Clipped(key), nearest(name, arrays().map(|row| row.name)))
+            }
         }
     };
     let text = format!("value = {value}");

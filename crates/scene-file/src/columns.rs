@@ -1,11 +1,13 @@
 //! CSV files of quantities over time: columns are known by their names, values come out in SI units.
 //!
 //! A column's header is the name of a quantity, alone (then in its SI unit), with a unit in brackets
-//! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes.
+//! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes. A first column
+//! without a name that numbers the rows is left out: pandas writes one, and calls it `Unnamed: 0` when it reads it.
 
 use crate::unit_names::canonical;
-use crate::{nearest, quantity};
+use crate::{division, nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use scene::message::{Clipped, Quoted, listed};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
 use std::fs::File;
@@ -31,12 +33,14 @@ pub struct Column {
     pub required: bool,
     /// Whether its header must say the unit.
     pub unit_required: bool,
+    /// Whether its values are taken; else the column is checked and left out.
+    pub taken: bool,
 }
 
 impl Column {
     /// An optional column, in the SI unit where the header says none.
     pub fn optional(name: &str, unit: &'static Unit) -> Self {
-        Self { name: name.to_owned(), unit, absolute: true, required: false, unit_required: false }
+        Self { name: name.to_owned(), unit, absolute: true, required: false, unit_required: false, taken: true }
     }
 
     /// An optional column for a variable of the table, which must say its unit where it has one; `None` where the variable
@@ -51,9 +55,10 @@ impl Column {
         Some(Self { absolute, unit_required, ..Self::optional(row.name, unit) })
     }
 
-    /// The columns of a file of inputs.
+    /// The columns of a file of inputs. The record of a run is one, with its outputs left out.
     pub fn inputs() -> Vec<Self> {
-        TABLE.iter().filter(|row| row.causality == Causality::Input).filter_map(Self::of).collect()
+        let of = |row: &Row| Some(Self { taken: row.causality == Causality::Input, ..Self::of(row)? });
+        TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result()).filter_map(of).collect()
     }
 
     /// The headers that are accepted, for messages.
@@ -110,6 +115,8 @@ pub struct Table {
     pub values: Vec<f64>,
     /// Line of the file that every row stands in.
     pub lines: Vec<u64>,
+    /// Known quantities of the file that are not taken.
+    pub left_out: Vec<String>,
 }
 
 impl Table {
@@ -117,6 +124,31 @@ impl Table {
     pub fn column(&self, name: &str) -> Option<impl Iterator<Item = f64>> {
         let at = self.names.iter().position(|own| own == name)?;
         Some(self.values.iter().skip(at).step_by(self.names.len()).copied())
+    }
+
+    /// The same quantities, linear between their rows, at the communication points of [`division::points`].
+    pub fn divided(&self) -> Self {
+        let width = self.names.len();
+        let columns: Vec<Vec<f64>> =
+            (0..width).map(|at| self.values.iter().skip(at).step_by(width).copied().collect()).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let mut divided = Self { times: Vec::new(), values: Vec::new(), lines: Vec::new(), ..self.clone() };
+        for time in division::points(&self.times, &columns) {
+            let after = self.times.partition_point(|own| *own < time);
+            let before = after.saturating_sub(1);
+            let part = if self.times[after] == time {
+                1.0
+            } else {
+                (time - self.times[before]) / (self.times[after] - self.times[before])
+            };
+            let value = |column: &&[f64]| {
+                if part == 1.0 { column[after] } else { column[before] + part * (column[after] - column[before]) }
+            };
+            divided.times.push(time);
+            divided.values.extend(columns.iter().map(value));
+            divided.lines.push(self.lines[after]);
+        }
+        divided
     }
 }
 
@@ -147,7 +179,7 @@ pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Tab
     let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
     let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();
     let (mut times, mut values, mut lines) = (Vec::<f64>::new(), Vec::new(), Vec::new());
-    let names = rows(content, path, &known, &mut |cells| {
+    let [names, left_out] = rows(content, path, &known, &mut |cells| {
         for cell in cells {
             if cell.name != TIME {
                 values.push(cell.value);
@@ -163,7 +195,7 @@ pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Tab
         Ok(())
     })?;
     let names = names.into_iter().filter(|name| name != TIME).collect();
-    Ok(Table { path: path.to_owned(), times, names, values, lines })
+    Ok(Table { path: path.to_owned(), times, names, values, lines, left_out })
 }
 
 /// A cell of a row.
@@ -183,11 +215,12 @@ impl Cell<'_> {
     /// Where it stands and what it says, for messages.
     pub(crate) fn place(&self) -> String {
         let Self { path, line, column, header, text, .. } = self;
-        format!("{}, line {line}, column {column} ({header}): {text:?}", path.display())
+        format!("{}, line {line}, column {column} ({}): {}", path.display(), Clipped(header), Quoted(text))
     }
 }
 
-/// Gives the rows of a file of `known` quantities to `take`, one after the other; returns the quantities in the order of the file.
+/// Gives the rows of a file of `known` quantities to `take`, one after the other; returns those that are
+/// taken and those that are not, in the order of the file.
 ///
 /// # Errors
 /// As [`read`], and those of `take`.
@@ -196,7 +229,7 @@ pub(crate) fn rows(
     path: &Path,
     known: &[&Column],
     take: &mut dyn FnMut(&[Cell<'_>]) -> Result<()>,
-) -> Result<Vec<String>> {
+) -> Result<[Vec<String>; 2]> {
     let file = path.display();
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
     let headers = whole(reader.headers().cloned(), path)?;
@@ -207,16 +240,19 @@ pub(crate) fn rows(
     }
     let mut found: Vec<Found> = Vec::with_capacity(headers.len());
     for (at, header) in headers.iter().enumerate() {
-        let column =
-            Found::of(header, known).map_err(|wrong| anyhow!("{file}, line {line}, column {}: {wrong}", at + 1))?;
+        let of = if at == 0 && ["", "Unnamed: 0"].contains(&header) {
+            Ok(Found::row_number())
+        } else {
+            Found::of(header, known)
+        };
+        let column = of.map_err(|wrong| anyhow!("{file}, line {line}, column {}: {wrong}", at + 1))?;
         if let Some(twice) = found.iter().position(|other| other.name == column.name) {
             bail!("{file}, line {line}, column {}: {} stands in column {} already", at + 1, column.name, twice + 1);
         }
         found.push(column);
     }
     if let Some(missing) = known.iter().find(|known| known.required && found.iter().all(|own| own.name != known.name)) {
-        let there: Vec<&str> = headers.iter().collect();
-        bail!("{file}, line {line}: no column {}; found are {}", missing.headers(), there.join(", "));
+        bail!("{file}, line {line}: no column {}; found are {}", missing.headers(), listed(headers.iter()));
     }
     let mut is_empty = true;
     for record in reader.records() {
@@ -231,7 +267,12 @@ pub(crate) fn rows(
             })?;
             cell.value = quantity::in_si(number, column.symbol, column.unit, column.absolute)
                 .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
-            cells.push(cell);
+            if column.name.is_empty() && number.fract() != 0.0 {
+                bail!("{} is no number of a row, and its column has no name", cell.place());
+            }
+            if column.taken {
+                cells.push(cell);
+            }
         }
         take(&cells)?;
         is_empty = false;
@@ -239,7 +280,10 @@ pub(crate) fn rows(
     if is_empty {
         bail!("{file} has no row below its header");
     }
-    Ok(found.into_iter().map(|column| column.name).collect())
+    let of = |taken: bool| {
+        found.iter().filter(|own| own.taken == taken && !own.name.is_empty()).map(|own| own.name.clone()).collect()
+    };
+    Ok([of(true), of(false)])
 }
 
 /// A row with as many cells as the header.
@@ -276,27 +320,36 @@ struct Found<'a> {
     symbol: &'a str,
     unit: &'static Unit,
     absolute: bool,
+    taken: bool,
 }
 
 impl<'a> Found<'a> {
+    /// A column without a name that numbers the rows.
+    fn row_number() -> Self {
+        Self { name: String::new(), symbol: ONE.name, unit: &ONE, absolute: true, taken: false }
+    }
+
     /// # Errors
     /// The fault of the header, and the accepted headers.
     fn of(header: &'a str, known: &[&Column]) -> Result<Self, String> {
         let Some((column, said)) = known.iter().find_map(|column| Some((column, column.unit_of(header)?))) else {
             return Err(format!(
-                "{header:?} is not a known quantity with a known unit; {}",
+                "{} is not a known quantity with a known unit; {}",
+                Quoted(header),
                 alternatives(header, known)
             ));
         };
         let symbol = match said {
             Said::Nothing if column.unit_required => {
-                return Err(format!("{header:?} does not say its unit; accepted is {}", column.headers()));
+                return Err(format!("{} does not say its unit; accepted is {}", Quoted(header), column.headers()));
             }
             Said::Nothing => column.unit.name,
             Said::Symbol(symbol) => symbol,
         };
-        quantity::in_si(0.0, symbol, column.unit, column.absolute).map_err(|wrong| format!("{header:?}: {wrong}"))?;
-        Ok(Self { name: column.name.clone(), symbol, unit: column.unit, absolute: column.absolute })
+        quantity::in_si(0.0, symbol, column.unit, column.absolute)
+            .map_err(|wrong| format!("{}: {wrong}", Quoted(header)))?;
+        let Column { name, unit, absolute, taken, .. } = column;
+        Ok(Self { name: name.clone(), symbol, unit, absolute: *absolute, taken: *taken })
     }
 }
 
@@ -307,6 +360,7 @@ fn alternatives(header: &str, known: &[&Column]) -> String {
     }
     let name = header.split('[').next().unwrap_or(header).trim();
     let wrong_unit = known.iter().find(|column| column.name == name);
+    let known: Vec<&&Column> = known.iter().filter(|column| column.taken || wrong_unit.is_some()).collect();
     if known.len() <= LISTED || wrong_unit.is_some() {
         let listed = known.iter().filter(|column| wrong_unit.is_none_or(|own| own.name == column.name));
         let near = match wrong_unit {
@@ -337,6 +391,47 @@ mod tests {
         let result = read(&path, &accepted());
         std::fs::remove_file(&path).unwrap();
         result
+    }
+
+    #[test]
+    fn the_record_of_a_run_is_read_as_inputs_with_or_without_the_index_of_pandas() {
+        let parsed = |text: &str| parse(text.as_bytes(), Path::new("run.csv"), &Column::inputs());
+        let run = "time [s],sliding_velocity [m/s],wear_depth [m],normal_load [N]\n0,1,2,3\n1,4,5,6\n";
+        let indexed = ",time [s],sliding_velocity [m/s],wear_depth [m],normal_load [N]\n0,0,1,2,3\n7,1,4,5,6\n";
+        for text in [run, indexed] {
+            let table = parsed(text).unwrap();
+            assert_eq!(table.names, ["sliding_velocity", "normal_load"], "{text}");
+            assert_eq!(table.left_out, ["wear_depth"], "{text}");
+            assert_eq!((table.times, table.values), (vec![0.0, 1.0], vec![1.0, 3.0, 4.0, 6.0]), "{text}");
+        }
+        for (text, told) in [
+            (
+                indexed.replace("\n7,", "\n7.5,"),
+                "line 3, column 1 (): \"7.5\" is no number of a row, and its column has no name",
+            ),
+            (run.replace("wear_depth [m]", ""), "line 1, column 3: \"\" is not a known quantity"),
+            (run.replace("wear_depth [m]", "wear_depth [s]"), "\"s\" is the wrong unit"),
+            (run.replace("wear_depth", "wear_dept"), "is not a known quantity"),
+        ] {
+            let message = parsed(&text).unwrap_err().to_string();
+            assert!(message.contains(told), "{message}");
+        }
+    }
+
+    #[test]
+    fn divided_rows_lie_on_the_lines_between_the_given_ones() {
+        let given = table("divided", "time,speed [m/s],normal_load\n0,10,5\n8,0,5\n800,0,0\n").unwrap();
+        let divided = given.divided();
+        let (speed, load) = (divided.column("speed").unwrap(), divided.column("normal_load").unwrap());
+        for ((time, speed), load) in divided.times.iter().zip(speed).zip(load) {
+            let exact = if *time <= 8.0 { [10.0 - 1.25 * time, 5.0] } else { [0.0, 5.0 - 5.0 * (time - 8.0) / 792.0] };
+            assert!((speed - exact[0]).abs() < 1e-12 && (load - exact[1]).abs() < 1e-12, "{time} s: {speed} {load}");
+        }
+        assert!(
+            divided.times.iter().filter(|time| **time < 8.0).count() >= 20
+                && divided.lines.len() == divided.times.len()
+        );
+        assert_eq!((divided.lines[1], divided.lines.last()), (3, Some(&4)));
     }
 
     #[test]

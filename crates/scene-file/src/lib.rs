@@ -27,6 +27,7 @@
 
 mod assignment;
 pub mod columns;
+pub mod division;
 pub mod materials;
 pub mod nominal;
 pub mod quantity;
@@ -46,6 +47,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::materials::MATERIALS;
+use scene::message::{Clipped, Quoted};
 use scene::slot::{self, Experiment, Packaged, STOCK_EXPERIMENT};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{COUNT, Causality, Row, STARTS, TABLE, ValueReference, find, reference};
@@ -80,7 +82,7 @@ impl fmt::Display for Problem {
             write!(formatter, "line {}, column {}: ", self.line, self.column)?;
         }
         if !self.key.is_empty() {
-            write!(formatter, "{}: ", self.key)?;
+            write!(formatter, "{}: ", Clipped(&self.key))?;
         }
         formatter.write_str(&self.reason)
     }
@@ -352,7 +354,7 @@ fn material_of(value: &DeValue) -> Result<&'static materials::Material, String> 
     let name = text_of(value)?;
     materials::find(&name).ok_or_else(|| {
         let known: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-        format!("there is no material {name:?}; known are {}", known.join(", "))
+        format!("there is no material {}; known are {}", Quoted(&name), known.join(", "))
     })
 }
 

@@ -4,15 +4,16 @@ use toml::de::DeValue;
 
 use crate::unit_names::canonical;
 pub use crate::unit_names::units;
+use scene::message::{Clipped, Quoted};
 use scene::variables::units::{DisplayUnit, ONE, Unit};
 use scene::variables::{EnumerationType, Kind, Row};
 
 /// Type of a value with its article, for messages.
 pub fn type_of(value: &DeValue) -> String {
     match value {
-        DeValue::String(text) => format!("the string {text:?}"),
-        DeValue::Integer(number) => format!("the number {number}"),
-        DeValue::Float(number) => format!("the number {number}"),
+        DeValue::String(text) => format!("the string {}", Quoted(text)),
+        DeValue::Integer(number) => format!("the number {}", Clipped(number.as_str())),
+        DeValue::Float(number) => format!("the number {}", Clipped(number.as_str())),
         DeValue::Boolean(flag) => format!("the boolean {flag}"),
         DeValue::Datetime(time) => format!("the date {time}"),
         DeValue::Array(_) => "an array".into(),
@@ -55,7 +56,7 @@ fn item(text: &str, kind: &EnumerationType) -> Result<f64, String> {
         Some(index) => Ok(index as f64 + 1.0),
         None => {
             let items = kind.items.iter().map(|item| item.0).collect::<Vec<_>>().join(", ");
-            Err(format!("{text:?} is none of {items}"))
+            Err(format!("{} is none of {items}", Quoted(text)))
         }
     }
 }
@@ -72,7 +73,7 @@ pub fn cell(text: &str, symbol: Option<&str>, row: &Row) -> Result<f64, String> 
         Kind::Integer { min, max } => {
             // Tables of numbers often have a point in every one.
             let whole = text.parse().ok().filter(|number: &f64| number.fract() == 0.0);
-            let number = whole.ok_or_else(|| format!("{text:?} must be an integer"))?;
+            let number = whole.ok_or_else(|| format!("{} must be an integer", Quoted(text)))?;
             let written = Written { number, unit: None, name: "" };
             within(&written, min.map(f64::from), max.map(f64::from))?;
             Ok(written.number)
@@ -80,7 +81,7 @@ pub fn cell(text: &str, symbol: Option<&str>, row: &Row) -> Result<f64, String> 
         Kind::Boolean => match text {
             "true" | "1" => Ok(1.0),
             "false" | "0" => Ok(0.0),
-            _ => Err(format!("{text:?} must be true or false")),
+            _ => Err(format!("{} must be true or false", Quoted(text))),
         },
         Kind::Enumeration(kind) => {
             let numbered = text.parse().ok().filter(|number| (1..=kind.items.len()).contains(number));
@@ -129,8 +130,11 @@ pub fn text(text: &str, unit: &'static Unit, absolute: bool) -> Result<f64, Stri
 /// Where the unit is not accepted (with the accepted ones), or the number is not finite.
 pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
     let written = Written::in_unit(number, symbol, unit, absolute).map_err(|names| {
-        let wrong =
-            if symbol.is_empty() { "a unit is missing".into() } else { format!("{symbol:?} is the wrong unit") };
+        let wrong = if symbol.is_empty() {
+            "a unit is missing".into()
+        } else {
+            format!("{} is the wrong unit", Quoted(symbol))
+        };
         format!("{wrong}; accepted are {names}")
     })?;
     within(&written, None, None)?;
@@ -162,17 +166,20 @@ impl Written {
     fn from_text(text: &str, unit: &'static Unit, name: &'static str, absolute: bool) -> Result<Written, String> {
         let text = text.trim();
         if let Some(hint) = decimal_comma(text) {
-            return Err(format!("{text:?} {hint}"));
+            return Err(format!("{} {hint}", Quoted(text)));
         }
-        let (number, symbol) =
-            split(text).ok_or_else(|| format!("{text:?} is not a number with a unit, such as {:?}", sample(unit)))?;
+        let (number, symbol) = split(text)
+            .ok_or_else(|| format!("{} is not a number with a unit, such as {:?}", Quoted(text), sample(unit)))?;
         if symbol.is_empty() && name.is_empty() {
             return Ok(Written { number, unit: None, name });
         }
         Self::in_unit(number, symbol, unit, absolute).map_err(|names| {
-            let wrong =
-                if symbol.is_empty() { "has no unit".to_owned() } else { format!("has the wrong unit {symbol:?}") };
-            format!("{text:?} {wrong}; accepted are {names}")
+            let wrong = if symbol.is_empty() {
+                "has no unit".to_owned()
+            } else {
+                format!("has the wrong unit {}", Quoted(symbol))
+            };
+            format!("{} {wrong}; accepted are {names}", Quoted(text))
         })
     }
 
@@ -180,7 +187,7 @@ impl Written {
         let name = if unit.name == "1" { "" } else { unit.name };
         match (text.parse(), symbol) {
             (Ok(number), Some(symbol)) => Self::in_unit(number, symbol, unit, absolute)
-                .map_err(|names| format!("{symbol:?} is the wrong unit; accepted are {names}")),
+                .map_err(|names| format!("{} is the wrong unit; accepted are {names}", Quoted(symbol))),
             (Ok(number), None) => Ok(Written { number, unit: None, name }),
             (Err(_), _) => Self::from_text(text, unit, name, absolute),
         }

@@ -4,6 +4,7 @@ use crate::suggest::{near, nearest, question};
 use crate::{SceneFile, read};
 use anyhow::{Context, Result, bail};
 use scene::Scene;
+use scene::message::Quoted;
 use scene::slot::Packaged;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +43,7 @@ pub fn locate(scene: &str, folder: &Path) -> Result<PathBuf> {
         return Ok(shipped);
     }
     let near = nearest(scene, names(folder).iter().map(String::as_str));
-    bail!("there is no scene {scene:?}; name a scene file or one of {}{near}", names(folder).join(", "))
+    bail!("there is no scene {}; name a scene file or one of {}{near}", Quoted(scene), names(folder).join(", "))
 }
 
 /// Scene files in the folder of a missing one whose names are near to its own, for messages.

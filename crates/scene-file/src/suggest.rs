@@ -16,10 +16,13 @@ pub(crate) fn question(names: &[impl AsRef<str>]) -> String {
 /// The up to three nearest of `known`.
 pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -> Vec<&'known str> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
-    let tolerated = (wanted.chars().count() / 4).max(2);
+    let length = wanted.chars().count();
+    let tolerated = (length / 4).max(2);
     let mut near: Vec<(usize, &str)> = known
         .filter_map(|name| {
-            let distance = levenshtein(wanted, name);
+            // Nothing is nearer than the lengths are apart; a text may be of any length.
+            let apart = length.abs_diff(name.len());
+            let distance = if apart > tolerated { apart } else { levenshtein(wanted, name) };
             // The right name in the wrong table is as near as a small slip.
             let distance = if last(name) == last(wanted) { distance.min(1) } else { distance };
             (distance <= tolerated).then_some((distance, name))

@@ -216,3 +216,92 @@ fn a_zero_that_meant_something_names_what_is_set_instead() {
         assert_eq!(refused, format!("{key}: 0 K is below the minimum 1 K; set {instead} instead"));
     }
 }
+
+/// Numbers as engineers type them, which TOML would not read.
+#[test]
+fn assigned_numbers_may_begin_and_end_with_their_point_or_begin_with_a_sign() {
+    let assigned = |text: &str| {
+        let mut scene = parse("name = \"a\"").unwrap();
+        assign(&mut scene, text).map(|()| scene).map_err(|error| format!("{error:#}"))
+    };
+    for (text, name, value) in [
+        ("punch.width=.005", "punch.width", 0.005),
+        ("punch.width = +.5", "punch.width", 0.5),
+        ("punch.width=1.", "punch.width", 1.0),
+        ("punch.width=+5.e-3", "punch.width", 5e-3),
+        ("punch.width=.5 mm", "punch.width", 5e-4),
+        ("punch.width [mm]=+5.", "punch.width", 5e-3),
+        ("punch.youngs_modulus=+2E11", "punch.youngs_modulus", 2e11),
+        ("contact.faces=+2", "contact.faces", 2.0),
+        ("contact.faces=02", "contact.faces", 2.0),
+        ("ambient_temperature_offset=-.5", "ambient_temperature_offset", -0.5),
+        ("contact.friction_fade.factor[2]=.9", "contact.friction_fade.factor[2]", 0.9),
+        (
+            "contact.friction_fade.factor=[1., +1, .9, 0.8, \"70 %\", .6, .5, .4]",
+            "contact.friction_fade.factor[3]",
+            0.9,
+        ),
+        (
+            "contact.friction_fade.factor=[1., +1, .9, 0.8, \"70 %\", .6, .5, .4]",
+            "contact.friction_fade.factor[5]",
+            0.7,
+        ),
+    ] {
+        assert_eq!(start(&assigned(text).unwrap(), name), value, "{text}");
+    }
+    for (text, told) in [
+        ("punch.width=1,5", "\"1,5\" has a comma"),
+        ("punch.width=.mm", "\".mm\" is not a number"),
+        ("contact.faces=2.5", "the number 2.5, but must be an integer"),
+        ("punch.width=inf", "inf is not a finite number"),
+        ("punch.width=-nan", "NaN is not a finite number"),
+    ] {
+        let message = assigned(text).unwrap_err();
+        assert!(message.contains(told), "{text}: {message}");
+    }
+}
+
+/// Whatever is given, a message stays one that can be read.
+#[test]
+fn messages_quote_no_more_than_the_beginning_of_a_text() {
+    let long = "x".repeat(100_000);
+    let fade = "contact.friction_fade.factor";
+    let mut messages: Vec<String> = [
+        format!("punch.width = \"{long}\""),
+        format!("punch.width = \"1 {long}\""),
+        format!("punch.body = \"{long}\""),
+        format!("punch.material = \"{long}\""),
+        format!("{long} = 1"),
+        format!("{long}.{long} = 1"),
+        format!("{fade} = \"{long}\""),
+        format!("depth = 1{}", "0".repeat(100_000)),
+    ]
+    .map(|text| parse(&format!("name = \"a\"\n{text}")).unwrap_err().to_string())
+    .to_vec();
+    messages.push(parse(&format!("name = \"{long} \"")).unwrap_err().to_string());
+    let mut scene = parse("name = \"a\"").unwrap();
+    for text in [
+        long.clone(),
+        format!("{long}=1"),
+        format!("punch.width={long}"),
+        format!("{fade}[9{long}]=1"),
+        format!("{long}[1]=1"),
+    ] {
+        messages.push(format!("{:#}", assign(&mut scene, &text).unwrap_err()));
+    }
+    for text in [
+        format!("time,{long}\n0,1\n"),
+        format!("time,normal_load [{long}]\n0,1\n"),
+        format!("time,normal_load [N]\n0,{long}\n"),
+        format!("{long},normal_load [N]\n0,1\n"),
+    ] {
+        messages.push(format!(
+            "{:#}",
+            columns::parse(text.as_bytes(), Path::new("a.csv"), &columns::Column::inputs()).unwrap_err()
+        ));
+    }
+    messages.push(format!("{:#}", shipped::load(Some(&long), Path::new("nowhere")).unwrap_err()));
+    for message in messages {
+        assert!(message.len() < 1000, "{} bytes: {}", message.len(), &message[..1000]);
+    }
+}

@@ -1,4 +1,4 @@
-//! Numbers and quantities in messages: at most six significant digits, and no unit where it is 1.
+//! Numbers, quantities and given texts in messages: at most six significant digits, no unit where it is 1, and no text of any length.
 
 use std::fmt;
 
@@ -80,6 +80,54 @@ fn unit(f: &mut impl fmt::Write, unit: &str) -> fmt::Result {
     if unit.is_empty() || unit == "1" { Ok(()) } else { write!(f, " {unit}") }
 }
 
+/// Characters of a given text that a message shows.
+const SHOWN: usize = 60;
+
+/// A text that was given, without quotes; a long one up to `...`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Clipped<'a>(pub &'a str);
+
+impl Clipped<'_> {
+    /// What is shown, and whether there is more.
+    fn shown(&self) -> (&str, &'static str) {
+        match self.0.char_indices().nth(SHOWN) {
+            Some((end, _)) => (&self.0[..end], "..."),
+            None => (self.0, ""),
+        }
+    }
+}
+
+impl fmt::Display for Clipped<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (shown, more) = self.shown();
+        write!(f, "{shown}{more}")
+    }
+}
+
+/// As [`Clipped`], in quotes and with what cannot be seen escaped.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Quoted<'a>(pub &'a str);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let clipped = Clipped(self.0);
+        let (shown, more) = clipped.shown();
+        write!(f, "{shown:?}{more}")
+    }
+}
+
+/// Names of a list that a message shows.
+const LISTED: usize = 20;
+
+/// Texts that were given, after each other; of many the first and how many there are.
+pub fn listed<'a>(texts: impl Iterator<Item = &'a str>) -> String {
+    let all: Vec<String> = texts.map(|text| Clipped(text).to_string()).collect();
+    match all.len() {
+        ..=LISTED => all.join(", "),
+        count => format!("{} and {} more", all[..LISTED].join(", "), count - LISTED),
+    }
+}
+
 /// Texts of two quantities of one unit, with all digits where six do not tell them apart.
 pub fn apart(values: [f64; 2], of: &str) -> [String; 2] {
     let texts = values.map(|value| Quantity(value, of).to_string());
@@ -121,6 +169,16 @@ mod tests {
         assert_eq!(Quantity(0.5, "1").to_string(), "0.5");
         assert_eq!(Quantity(0.5, "").to_string(), "0.5");
         assert_eq!(Quantity(1.0 / 3.0, "m/s").to_string(), "0.333333 m/s");
+    }
+
+    #[test]
+    fn given_texts_are_shown_up_to_a_length() {
+        assert_eq!(Quoted("1 \u{7}\"é").to_string(), "\"1 \\u{7}\\\"é\"");
+        assert_eq!(Quoted(&"é".repeat(61)).to_string(), format!("\"{}\"...", "é".repeat(60)));
+        assert_eq!(Clipped(&"x".repeat(60)).to_string(), "x".repeat(60));
+        assert_eq!(Clipped(&"x".repeat(1_000_000)).to_string(), "x".repeat(60) + "...");
+        assert_eq!(listed(["a", "b"].into_iter()), "a, b");
+        assert!(listed(std::iter::repeat_n("ab", 1000)).ends_with(", ab and 980 more"));
     }
 
     #[test]

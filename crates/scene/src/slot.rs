@@ -159,8 +159,9 @@ fn check_name(name: &str) -> Result<(), String> {
         || name.len() > NAME_CAPACITY
     {
         return Err(format!(
-            "the scene name {name:?} must be a letter or underscore followed by letters, digits and underscores, \
-             at most {NAME_CAPACITY} in all"
+            "the scene name {} must be a letter or underscore followed by letters, digits and underscores, \
+             at most {NAME_CAPACITY} in all",
+            crate::message::Quoted(name)
         ));
     }
     Ok(())

@@ -6,11 +6,11 @@
 //! Worker  *host_open(const char *folder, char *message, size_t capacity);   // NULL: message says why
 //! void     host_close(Worker *worker);
 //! int32_t  host_unit(const Worker *worker, const char *name, char *message, size_t capacity);
-//! int32_t  run_schedule(Worker *worker, const Request *request, double *outputs, char *message, size_t capacity);
+//! int32_t  run_schedule(Worker *worker, const Request *request, double *outputs, const bool *stop, char *message, size_t capacity);
 //! ```
 //!
 //! Texts are UTF-8 and end with a zero. `message` takes a text of at most `capacity` bytes, its zero included; it may
-//! be NULL. Results: 0 success, else the number of a [`Stage`]; then nothing in `outputs` is meant. A worker must not
+//! be NULL. A run ends after its communication step where another thread sets `stop`, which may be NULL. Results: 0 success, else the number of a [`Stage`]; then nothing in `outputs` is meant. A worker must not
 //! be used by two threads concurrently, and not in a process forked from the one that opened it.
 
 use crate::error::{Failure, Stage};
@@ -20,10 +20,11 @@ use crate::worker::Worker;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::{ptr, slice};
 
 /// Changes with the layout of [`Request`] and the meaning of any argument.
-pub const INTERFACE_VERSION: u32 = 1;
+pub const INTERFACE_VERSION: u32 = 2;
 
 /// A scene in C layout. Arrays of length 0 may be NULL.
 #[repr(C)]
@@ -136,12 +137,13 @@ pub unsafe extern "C" fn host_unit(
 ///
 /// # Safety
 /// `worker` came from [`host_open`]; all arrays have the lengths that `request` gives; `outputs` has room for the
-/// result; `message` has room for `capacity` bytes or is NULL.
+/// result; `stop` is there meanwhile or is NULL; `message` has room for `capacity` bytes or is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn run_schedule(
     worker: *mut Worker,
     request: *const Request,
     outputs: *mut f64,
+    stop: *const AtomicBool,
     message: *mut c_char,
     capacity: usize,
 ) -> i32 {
@@ -149,7 +151,8 @@ pub unsafe extern "C" fn run_schedule(
         // SAFETY: as the caller promises; so below.
         let worker = unsafe { worker.as_mut() }.ok_or_else(|| Failure::request("worker is NULL"))?;
         let request = unsafe { request.as_ref() }.ok_or_else(|| Failure::request("request is NULL"))?;
-        let recorded = unsafe { run(worker, request) }?;
+        let stop = unsafe { stop.as_ref() };
+        let recorded = unsafe { run(worker, request, stop) }?;
         if !recorded.is_empty() {
             if outputs.is_null() {
                 return Err(Failure::request("outputs is NULL"));
@@ -164,7 +167,7 @@ pub unsafe extern "C" fn run_schedule(
 
 /// # Safety
 /// As [`run_schedule`].
-unsafe fn run(worker: &mut Worker, request: &Request) -> Result<Vec<f64>, Failure> {
+unsafe fn run(worker: &mut Worker, request: &Request, stop: Option<&AtomicBool>) -> Result<Vec<f64>, Failure> {
     // SAFETY: as the caller promises.
     unsafe {
         let names = texts(request.parameter_names, request.parameter_count, "parameter_names")?;
@@ -180,7 +183,7 @@ unsafe fn run(worker: &mut Worker, request: &Request) -> Result<Vec<f64>, Failur
         let count = count.ok_or_else(|| Failure::request("row_count times input_count is too large"))?;
         let interpolation = Interpolation::of_number(request.interpolation)
             .ok_or_else(|| Failure::request(format!("interpolation = {} must be 0, 1 or 2", request.interpolation)))?;
-        worker.run(&Scene {
+        let scene = Scene {
             parameters: &parameters,
             schedule: Schedule::new(times, array(request.values, count, "values")?, inputs.len())?,
             inputs: &inputs,
@@ -190,7 +193,8 @@ unsafe fn run(worker: &mut Worker, request: &Request) -> Result<Vec<f64>, Failur
             tolerance: (request.tolerance != 0.0).then_some(request.tolerance),
             outputs: &texts(request.output_names, request.output_count, "output_names")?,
             points: array(request.points, request.point_count, "points")?,
-        })
+        };
+        worker.run_until(&scene, stop)
     }
 }
 
@@ -280,8 +284,16 @@ mod tests {
     fn null_workers_are_refused() {
         let mut message = [1; 20];
         // SAFETY: NULL is allowed for the worker.
-        let status =
-            unsafe { run_schedule(ptr::null_mut(), ptr::null(), ptr::null_mut(), message.as_mut_ptr(), message.len()) };
+        let status = unsafe {
+            run_schedule(
+                ptr::null_mut(),
+                ptr::null(),
+                ptr::null_mut(),
+                ptr::null(),
+                message.as_mut_ptr(),
+                message.len(),
+            )
+        };
         assert_eq!((status, told(&message).as_str()), (Stage::Request as i32, "worker is NULL"));
         // SAFETY: NULL is allowed.
         unsafe { host_close(ptr::null_mut()) };

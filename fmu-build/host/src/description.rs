@@ -3,6 +3,7 @@
 use crate::error::Failure;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use scene::message::{Clipped, Quoted};
 use std::collections::HashMap;
 
 /// Type of a variable.
@@ -73,7 +74,7 @@ impl Variable {
                 Kind::Boolean => "true or false".to_owned(),
                 _ => "a number".to_owned(),
             };
-            Failure::request(format!("{} = {text:?} is not {wanted}", self.name))
+            Failure::request(format!("{} = {} is not {wanted}", self.name, Quoted(text)))
         })
     }
 
@@ -141,7 +142,7 @@ impl Description {
                 "fmiModelDescription" => {
                     let version = attributes.required("fmiVersion").map_err(broken)?;
                     if version != "2.0" {
-                        return Err(broken(format!("fmiVersion is {version:?}, this host runs 2.0")));
+                        return Err(broken(format!("fmiVersion is {}, this host runs 2.0", Quoted(&version))));
                     }
                     description.model_name = attributes.required("modelName").map_err(broken)?;
                     description.guid = attributes.required("guid").map_err(broken)?;
@@ -211,17 +212,20 @@ impl Description {
         if let Some(&index) = self.by_name.get(name) {
             return Ok(&self.variables[index]);
         }
+        let most = 2.max(name.len() / 4);
         let away = |known: &str| match known.strip_suffix(name) {
             // The right name without its component.
             Some(component) if component.ends_with('.') => 1,
+            // Nothing is nearer than the lengths are apart; a name may be of any length.
+            _ if known.len().abs_diff(name.len()) > most => usize::MAX,
             _ => strsim::levenshtein(name, known),
         };
         let closest = self.variables.iter().map(|variable| (away(&variable.name), &variable.name)).min();
         let hint = match closest {
-            Some((away, closest)) if away <= 2.max(name.len() / 4) => format!("; did you mean {closest}?"),
+            Some((away, closest)) if away <= most => format!("; did you mean {closest}?"),
             _ => String::new(),
         };
-        Err(Failure::request(format!("{} has no variable {name:?}{hint}", self.model_name)))
+        Err(Failure::request(format!("{} has no variable {}{hint}", self.model_name, Quoted(name))))
     }
 
     /// The variable of this name where it has this role.
@@ -239,7 +243,7 @@ impl Description {
             Causality::Output => "output",
             Causality::Other => "local variable",
         };
-        Err(Failure::request(format!("{name} is no {role} of {}", self.model_name)))
+        Err(Failure::request(format!("{} is no {role} of {}", Clipped(name), self.model_name)))
     }
 }
 
@@ -267,7 +271,7 @@ impl Attributes {
 
     fn number<T: std::str::FromStr>(&self, name: &str) -> Result<T, String> {
         let text = self.required(name)?;
-        text.parse().map_err(|_| format!("{name} = {text:?} is no number"))
+        text.parse().map_err(|_| format!("{name} = {} is no number", Quoted(&text)))
     }
 }
 

@@ -17,6 +17,7 @@ use std::ffi::{CString, c_uint, c_void};
 use std::path::Path;
 use std::ptr;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// A loaded FMU with one instance, reused for every scene through `fmi2Reset`.
 pub struct Worker {
@@ -107,12 +108,20 @@ impl Worker {
     /// The first failure. Unless its stage is [`Stage::Library`], the next scene starts from a fresh
     /// instance.
     pub fn run(&mut self, scene: &Scene) -> Result<Vec<f64>, Failure> {
+        self.run_until(scene, None)
+    }
+
+    /// As [`Worker::run`], until another thread sets `stop`.
+    ///
+    /// # Errors
+    /// As [`Worker::run`]; a run that was stopped.
+    pub fn run_until(&mut self, scene: &Scene, stop: Option<&AtomicBool>) -> Result<Vec<f64>, Failure> {
         // A handle of its own, so that the request may point into the description while the worker changes.
         let description = Arc::clone(&self.description);
         let request = Request::resolve(&description, scene)?;
         self.renew()?;
         self.used = true;
-        let result = self.set_up(scene, &request).and_then(|()| self.step_through(scene, &request));
+        let result = self.set_up(scene, &request).and_then(|()| self.step_through(scene, &request, stop));
         self.log.borrow_mut().clear();
         result
     }

@@ -31,8 +31,8 @@ pub struct Arguments {
     set: Vec<String>,
     /// Longest communication step in seconds, or with its unit as "20 ms".
     ///
-    /// By default about a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
-    /// divided into equal steps.
+    /// The interval between two rows is divided into equal steps. By default steps follow the inputs: 20 where one goes to 0 between two rows,
+    /// then longer and longer, at most about a thousandth of the whole time; without inputs the step of the scene.
     #[arg(long, value_name = "TIME", value_parser = arguments::step, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv. With the ending
@@ -91,10 +91,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let record = arguments.measured.as_deref().map(measured::read).transpose()?;
     let (first, last) = trajectory.span();
     let mut progress = Progress::new(first, last);
-    let recording = run(&file, &trajectory, &arguments.at, &mut |time| {
-        progress.reached(time);
-        true
-    })?;
+    let recording = run(&file, &trajectory, &arguments.at, &mut |time| progress.reached(time))?;
     progress.finish();
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {

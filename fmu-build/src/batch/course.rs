@@ -4,10 +4,8 @@ use super::Job;
 use super::tables::Inputs;
 use anyhow::{Context, Result, bail};
 use fmu_host::{Description, Schedule, Span};
+use scene_file::division;
 use scene_file::nominal::{self, Conditions};
-
-/// Communication steps into which the time of a file is divided at least, where no step is given.
-const LEAST_STEPS: f64 = 1000.0;
 
 /// Communication step of an FMU that says none, s.
 const STEP: f64 = 0.1;
@@ -42,8 +40,10 @@ impl Course {
                 if inputs.times.len() < 2 {
                     bail!("{} has one row; a time interval needs at least two", path.display());
                 }
-                let apart = inputs.times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-                let longest = nominal::round((inputs.stop() - inputs.start()) / LEAST_STEPS).min(apart);
+                let column = |at: usize| inputs.values.iter().skip(at).step_by(inputs.names.len()).copied().collect();
+                let columns: Vec<Vec<f64>> = (0..inputs.names.len()).map(column).collect();
+                let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+                let longest = division::equal(&inputs.times, &columns);
                 (inputs, longest)
             }
             None => nominal(job, description, cells, asked)?,

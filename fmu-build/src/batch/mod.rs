@@ -5,6 +5,7 @@ pub mod example;
 mod pool;
 mod results;
 mod tables;
+mod unpacked;
 pub mod worker;
 
 pub use course::points;
@@ -17,10 +18,12 @@ use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Identity, Results, Row};
+use scene::message::Clipped;
 use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use unpacked::Unpacked;
 
 /// Reasons of failures that are printed.
 const REASONS: usize = 10;
@@ -61,8 +64,8 @@ pub struct Arguments {
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
     #[arg(long, value_name = "N", value_parser = arguments::whole::<usize>(1..=1024), allow_negative_numbers = true)]
     jobs: Option<usize>,
-    /// Communication step in seconds, or with its unit as "20 ms". By default about a thousandth of the time of the inputs and no longer than their rows are
-    /// apart; without --inputs that of the scene.
+    /// Communication step in seconds, or with its unit as "20 ms". By default as short as the changes between the rows of the inputs
+    /// need, at most about a thousandth of their time; without --inputs that of the scene.
     #[arg(long, value_name = "TIME", value_parser = arguments::time, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
@@ -194,14 +197,14 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         (None, Some(scene)) => packaged(scene)?,
         (None, None) => bail!("--scene, or --fmu, is needed: what the rows of {} vary", design.display()),
     };
-    let folder = unpack(&fmu).with_context(|| match &arguments.fmu {
+    let unpacked = Unpacked::new(Cursor::new(&fmu)).with_context(|| match &arguments.fmu {
         Some(path) => format!("unpacking {}", path.display()),
         None => "unpacking the scene's FMU".into(),
     })?;
-    let worker = Worker::open(&folder)?;
+    let worker = Worker::open(&unpacked.folder)?;
     let converted = table.for_fmu(worker.description())?;
     let job = Job {
-        folder,
+        folder: unpacked.folder.clone(),
         inputs: inputs.cloned(),
         columns: converted.columns.clone(),
         step: arguments.step.map(Text::from),
@@ -306,12 +309,16 @@ fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<Str
 /// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
     let Course { inputs, .. } = Course::new(job, description, &[])?;
-    for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)) {
+    for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)).chain(idle(
+        &inputs,
+        description,
+        &job.columns,
+    )) {
         eprintln!("warning: {}: {text}", inputs.source);
     }
     let factors = || inputs.names.iter().map(|name| format!("{name}{FACTOR}")).collect::<Vec<_>>().join(", ");
     for (at, (column, header)) in job.columns.iter().zip(&table.columns).enumerate() {
-        let place = || format!("{} ({header})", table.place(at));
+        let place = || format!("{} ({})", table.place(at), Clipped(header));
         let input = column.strip_suffix(FACTOR).unwrap_or(column);
         let is_driven = inputs.names.iter().any(|name| name == input);
         if is_driven && input != column {
@@ -366,6 +373,16 @@ fn lifted(inputs: &Inputs) -> Option<String> {
     Some(format!("normal_load = {load} N at {time} s is below 0 N and counts as 0: the contact is open"))
 }
 
+/// Warning about a rotation that moves nothing.
+fn idle(inputs: &Inputs, description: &Description, design: &[String]) -> Option<String> {
+    const RADIUS: &str = "contact.mean_radius";
+    let at = inputs.names.iter().position(|name| name == "angular_velocity")?;
+    let is_zero = description.find(RADIUS).is_ok_and(|radius| radius.start.parse() == Ok(0.0));
+    let turns = inputs.values.iter().skip(at).step_by(inputs.names.len()).any(|velocity| *velocity != 0.0);
+    (turns && is_zero && !design.iter().any(|column| column == RADIUS))
+        .then(|| format!("angular_velocity has no effect: {RADIUS} = 0 m"))
+}
+
 /// Ratio to the nominal value above which an input is implausible: the model is not valid so far beyond it.
 const FAR_BEYOND: f64 = 10.0;
 
@@ -393,26 +410,35 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
     warnings
 }
 
-/// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
-fn unpack(fmu: &[u8]) -> Result<PathBuf> {
-    let name = format!("fmu-{}", results::fingerprint(fmu));
-    let folder = project::target().join("batch").join(&name);
-    if folder.is_dir() {
-        return Ok(folder);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rotation_that_moves_nothing_is_told() {
+        let description = |radius: &str| {
+            let real = |name: &str, start: &str| {
+                format!(
+                    "<ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\"><Real start=\"{start}\"/></ScalarVariable>"
+                )
+            };
+            let text = format!(
+                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
+                 <ModelVariables>{}</ModelVariables></fmiModelDescription>",
+                real("contact.mean_radius", radius)
+            );
+            Description::parse(&text).unwrap()
+        };
+        let inputs = |velocity: f64| Inputs {
+            source: "in.csv".into(),
+            names: vec!["normal_load".into(), "angular_velocity".into()],
+            times: vec![0.0, 1.0],
+            values: vec![1e3, 0.0, 1e3, velocity],
+        };
+        let told = idle(&inputs(3.0), &description("0.0"), &[]);
+        assert_eq!(told.as_deref(), Some("angular_velocity has no effect: contact.mean_radius = 0 m"));
+        assert_eq!(idle(&inputs(0.0), &description("0"), &[]), None);
+        assert_eq!(idle(&inputs(3.0), &description("0.1"), &[]), None);
+        assert_eq!(idle(&inputs(3.0), &description("0"), &["contact.mean_radius".to_owned()]), None);
     }
-    // Another process may be doing the same: the first one succeeds.
-    let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).context("it is no .fmu, which is a zip archive")?;
-    fs::create_dir_all(&partial)?;
-    if let Err(broken) = archive.extract(&partial) {
-        let _ = fs::remove_dir_all(&partial);
-        return Err(broken.into());
-    }
-    if fs::rename(&partial, &folder).is_err() {
-        fs::remove_dir_all(&partial)?;
-        if !folder.is_dir() {
-            bail!("{} cannot be made", folder.display());
-        }
-    }
-    Ok(folder)
 }

@@ -7,6 +7,7 @@ use super::worker::{Answer, LOST, OK};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::Stage;
+use scene::message::Quoted;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Mutex;
@@ -125,7 +126,7 @@ impl Process {
             let status = self.child.wait()?;
             bail!("it ended with {status}");
         }
-        serde_json::from_str(&said).with_context(|| format!("it said {said:?}"))
+        serde_json::from_str(&said).with_context(|| format!("it said {}", Quoted(&said)))
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::worker::{Answer, OK};
 use crate::project;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use scene::fnv::Fnv;
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// One row, its cells after the number of the scene.
@@ -88,6 +88,46 @@ pub struct Results {
     rows: BTreeMap<usize, Vec<String>>,
 }
 
+/// The partial file of a batch, locked while it is looked at.
+struct Held<'a> {
+    path: &'a Path,
+    file: File,
+    /// Whether an earlier run has left it; one that was made here goes again where there is no batch.
+    is_older: bool,
+}
+
+impl<'a> Held<'a> {
+    fn new(path: &'a Path, output: &Path) -> Result<Self> {
+        let context = || format!("opening {}", path.display());
+        let file = OpenOptions::new().read(true).append(true).create(true).open(path).with_context(context)?;
+        lock(&file, path, output)?;
+        let is_older = file.metadata().with_context(context)?.len() > 0;
+        Ok(Self { path, file, is_older })
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        if !self.is_older {
+            let _ = fs::remove_file(self.path);
+        }
+    }
+}
+
+/// # Errors
+/// Where another batch that runs holds it.
+fn lock(partial: &File, path: &Path, output: &Path) -> Result<()> {
+    match partial.try_lock() {
+        Err(TryLockError::WouldBlock) => bail!(
+            "--output {}: another `cargo fmu batch` that still runs writes its rows to {}; wait until it has ended, or name another --output",
+            output.display(),
+            path.display()
+        ),
+        // Not every file system has locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
 impl Results {
     /// Continues what an earlier run left beside or in `output`, or begins. Rows are those of the design where their cells are the same.
     /// `replace`: what belongs to another batch or to other cells is replaced.
@@ -113,8 +153,10 @@ impl Results {
         if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             fs::create_dir_all(folder).with_context(context)?;
         }
-        let (source, found, records) = if partial.exists() {
-            let mut text = fs::read(&partial).with_context(context)?;
+        let mut held = Held::new(&partial, output)?;
+        let (source, found, records) = if held.is_older {
+            let mut text = Vec::new();
+            held.file.read_to_end(&mut text).with_context(context)?;
             // A run that was killed may have left half a line.
             text.truncate(text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1));
             let first = text.iter().position(|&byte| byte == b'\n').map_or(0, |at| at + 1);
@@ -158,9 +200,12 @@ impl Results {
         for (&scene, cells) in &rows {
             text.extend(Row { scene, cells: cells.clone() }.text()?);
         }
-        fs::write(&whole, text).with_context(context)?;
+        let mut file = File::create(&whole).with_context(context)?;
+        file.write_all(&text).with_context(context)?;
+        lock(&file, &partial, output)?;
+        held.is_older = true;
+        drop(held);
         fs::rename(&whole, &partial).with_context(context)?;
-        let file = OpenOptions::new().append(true).open(&partial).with_context(context)?;
         // A batch that is under way is known by its partial file alone.
         let _ = fs::remove_file(&batch);
         let identity = identity.clone();
@@ -304,6 +349,32 @@ mod tests {
         fs::remove_file(folder.join("out.csv.batch")).unwrap();
         assert!(told(own, &longer).contains("no result of a batch"));
         assert!(known(own, &longer, true).is_empty());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn two_batches_do_not_write_one_output() {
+        let folder = std::env::temp_dir().join(format!("batch-twice-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        let (output, partial) = (folder.join("out.csv"), folder.join("out.csv.partial"));
+        let header = ["scene", "punch.width", "wear_depth", "status", "reason"].map(str::to_owned);
+        let design = [vec!["0.1".to_owned()]];
+        let open = || Results::open(&output, &header, &Identity::of(&[("scene", b"brake")]), &design, false);
+        let mut first = open().unwrap();
+        let told = open().err().unwrap().to_string();
+        for part in
+            [&partial.display().to_string(), "another `cargo fmu batch` that still runs", "name another --output"]
+        {
+            assert!(told.contains(part), "{told}");
+        }
+        first.add(&row(0, "")).unwrap();
+        first.finish().unwrap();
+        assert!(fs::read_to_string(&output).unwrap().ends_with("0,0.1,1.5,ok,\n"));
+        assert!(open().unwrap().has(0));
+        // What is refused leaves nothing.
+        fs::write(folder.join("other.csv"), "mine").unwrap();
+        let refused = Results::open(&folder.join("other.csv"), &header, &Identity::of(&[]), &design, false);
+        assert!(refused.is_err() && !folder.join("other.csv.partial").exists());
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -4,6 +4,7 @@ use super::FACTOR;
 use crate::columns::{self, Column};
 use anyhow::{Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
+use scene::message::{Clipped, Quoted};
 use scene::variables::units::{self, ONE};
 use scene::variables::{self, Kind, Row};
 use scene_file::quantity;
@@ -43,7 +44,7 @@ impl Table {
         let columns: Vec<String> = headers.iter().map(str::to_owned).collect();
         columns::check_separator(&headers).map_err(|wrong| anyhow!("{}, line 1: {wrong}", path.display()))?;
         if let Some((at, twice)) = columns.iter().enumerate().find(|(at, column)| columns[..*at].contains(column)) {
-            bail!("{}: column {} is named {twice:?} like another one", path.display(), at + 1);
+            bail!("{}: column {} is named {} like another one", path.display(), at + 1, Quoted(twice));
         }
         let (mut rows, mut lines) = (Vec::<Vec<String>>::new(), Vec::new());
         for record in reader.records() {
@@ -70,18 +71,24 @@ impl Table {
         for (at, header) in self.columns.iter().enumerate() {
             let (name, symbol) = split(header);
             if columns.iter().any(|other| other == name) {
-                bail!("{} ({header}): {name} stands in another column already", self.place(at));
+                bail!("{} ({}): {} stands in another column already", self.place(at), Clipped(header), Clipped(name));
             }
             let kind = Cells::of(name, description);
             if let Some(symbol) = symbol {
-                kind.check_unit(symbol).map_err(|wrong| anyhow!("{} ({header}): {wrong}", self.place(at)))?;
+                kind.check_unit(symbol)
+                    .map_err(|wrong| anyhow!("{} ({}): {wrong}", self.place(at), Clipped(header)))?;
             }
             for (row, (cells, line)) in rows.iter_mut().zip(self.rows.iter().zip(&self.lines)) {
                 let Ok(converted) = row else { continue };
                 match kind.value(name, &cells[at], symbol) {
                     Ok(value) => converted.push(value),
                     Err(wrong) => {
-                        *row = Err(format!("{}, line {line}, column {} ({header}): {wrong}", self.path, at + 1));
+                        *row = Err(format!(
+                            "{}, line {line}, column {} ({}): {wrong}",
+                            self.path,
+                            at + 1,
+                            Clipped(header)
+                        ));
                     }
                 }
             }
@@ -143,7 +150,7 @@ impl Cells {
         let (unit, absolute) = match self {
             Self::Variable(row) => match row.kind {
                 Kind::Real { unit, .. } => (unit, !row.is_difference()),
-                _ => return Err(format!("it has no unit, such as {symbol:?}")),
+                _ => return Err(format!("it has no unit, such as {}", Quoted(symbol))),
             },
             Self::Factor => (&ONE, true),
             Self::Foreign => return Err("its units are not known here; the value is in the one of the FMU".into()),
@@ -159,7 +166,7 @@ impl Cells {
             Self::Factor => {
                 let factor = quantity::factor(cell, symbol)?;
                 if factor < 0.0 && name.strip_suffix(FACTOR) == Some("normal_load") {
-                    return Err(format!("{cell} must be 0 or above: a load presses"));
+                    return Err(format!("{} must be 0 or above: a load presses", Clipped(cell)));
                 }
                 factor
             }
@@ -196,8 +203,10 @@ impl Inputs {
     /// # Errors
     /// As [`columns::read`].
     pub fn parse(content: impl Read, path: &Path, description: &Description) -> Result<Self> {
-        let inputs = description.variables().iter().filter(|variable| variable.causality == Causality::Input);
-        let accepted: Vec<Column> = inputs.map(column).collect();
+        // The record of a run is a file of inputs, with its outputs left out.
+        let known = [Causality::Input, Causality::Output];
+        let accepted: Vec<Column> =
+            description.variables().iter().filter(|variable| known.contains(&variable.causality)).map(column).collect();
         let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted)?;
         Ok(Self { source: path.display().to_string(), names, times, values })
     }
@@ -218,7 +227,8 @@ fn column(variable: &Variable) -> Column {
     let row = variables::find(&variable.name).and_then(variables::lookup).map(|(row, _)| row);
     let unit = units::UNITS.iter().copied().find(|unit| unit.name == variable.unit).unwrap_or(&ONE);
     let absolute = row.is_none_or(|row| !row.is_difference());
-    Column { absolute, unit_required: unit.name != ONE.name, ..Column::optional(&variable.name, unit) }
+    let taken = variable.causality == Causality::Input;
+    Column { absolute, unit_required: unit.name != ONE.name, taken, ..Column::optional(&variable.name, unit) }
 }
 
 #[cfg(test)]

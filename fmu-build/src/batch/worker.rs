@@ -5,6 +5,7 @@ use super::course::Course;
 use super::{FACTOR, Job, NOMINAL};
 use anyhow::{Context, Result};
 use fmu_host::{Causality, Failure, Scene, Schedule, Stage, Worker};
+use scene::message::Quoted;
 use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
 /// Status of a scene that did not fail.
@@ -106,7 +107,8 @@ impl<'a> Runner<'a> {
             let factor = column.strip_suffix(FACTOR).and_then(|name| inputs.names.iter().position(|own| own == name));
             match factor {
                 Some(input) => {
-                    let factor: f64 = cell.parse().map_err(|_| request(format!("{column} = {cell:?} is no number")))?;
+                    let factor: f64 =
+                        cell.parse().map_err(|_| request(format!("{column} = {} is no number", Quoted(cell))))?;
                     factors[input] = factor;
                 }
                 None => {

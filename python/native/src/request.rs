@@ -1,6 +1,6 @@
 //! Requests, and how each is answered.
 
-use crate::{Answer, ProgressFunction, Status, c_text};
+use crate::{Answer, Control, Status, c_text};
 use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
 use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
@@ -12,10 +12,6 @@ use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-/// Time between two reports of progress.
-const PAUSE: Duration = Duration::from_millis(100);
 
 /// A scene as it is named and changed.
 #[derive(Deserialize)]
@@ -146,28 +142,12 @@ pub struct Run {
     recording: Recording,
 }
 
-/// Reports of progress to the caller, limited in their number.
-struct Reports {
-    function: Option<ProgressFunction>,
-    last: Instant,
-}
-
-impl Reports {
-    /// Whether to go on.
-    fn part(&mut self, part: f64) -> bool {
-        let Some(function) = self.function.filter(|_| self.last.elapsed() >= PAUSE) else { return true };
-        self.last = Instant::now();
-        function(part.clamp(0.0, 1.0)) == 0
-    }
-}
-
 impl Request {
-    /// Does what is requested; `run`: the simulation that it follows from.
+    /// Does what is requested; `run`: the simulation that it follows from; `control` learns the part that is done.
     ///
     /// # Errors
     /// As the analyses.
-    pub fn answer(self, run: Option<&Run>, progress: Option<ProgressFunction>) -> Result<Answer> {
-        let mut reports = Reports { function: progress, last: Instant::now() };
+    pub fn answer(self, run: Option<&Run>, control: &Control) -> Result<Answer> {
         let run = || run.context("no simulation is given");
         let value = match self {
             Self::Names { scenes } => json!(shipped::names(&scenes)),
@@ -200,7 +180,7 @@ impl Request {
             Self::Scene { scene, scenes, set } => described(&Selection { scene, scenes, set }.load()?)?,
             Self::Simulate { scene, scenes, set, inputs, step, at } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                return simulate(&file, inputs.as_ref(), step, &at, &mut reports);
+                return simulate(&file, inputs.as_ref(), step, &at, control);
             }
             Self::Steady { scene, scenes, set, cells, return_speed, cold } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -214,7 +194,7 @@ impl Request {
                 let file = Selection { scene, scenes, set }.load()?;
                 let options = cycles::Options { cycles, tolerance, cells, cold };
                 let course = cycles::advance(&file, &options, &mut |passed, _| {
-                    reports.part((1.0 + passed).ln() / (1.0 + cycles).ln());
+                    control.reached((1.0 + passed).ln() / (1.0 + cycles).ln());
                 })?;
                 with_warnings(course.record(), &shipped::warnings(&file))
             }
@@ -227,7 +207,7 @@ impl Request {
                         let trajectory = Trajectory::new(&file, Some(inputs.inputs()?), None)?;
                         let count = plan::inputs::LEVELS.len() as f64 + 1.0;
                         let levels = plan::inputs::compare(&file, &trajectory, tolerance, &mut |number, part| {
-                            reports.part((number as f64 + part) / count)
+                            control.reached((number as f64 + part) / count);
                         })?;
                         levels.cheapest()?;
                         plan::inputs::record(&levels)
@@ -252,7 +232,7 @@ fn simulate(
     inputs: Option<&Source>,
     step: Option<f64>,
     at: &[f64],
-    reports: &mut Reports,
+    control: &Control,
 ) -> Result<Answer> {
     if let Some(step) = step.filter(|step| !(step.is_finite() && *step > 0.0)) {
         bail!("step = {step} s must be above 0 s");
@@ -261,7 +241,7 @@ fn simulate(
     let table = inputs.map(Source::inputs).transpose()?;
     let trajectory = Trajectory::new(file, table, step)?;
     let (first, last) = trajectory.span();
-    let recording = run(file, &trajectory, at, &mut |time| reports.part((time - first) / (last - first)))?;
+    let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
     if let Some(reason) = failure.as_ref().filter(|_| recording.times.is_empty()) {
         bail!("{reason}");
@@ -346,7 +326,7 @@ fn inputs_over_time(trajectory: Trajectory) -> Answer {
         .iter()
         .filter_map(|(input, _)| lookup(*input).map(|(row, element)| row.element_name(element)))
         .collect();
-    let record = json!({ "inputs": names, "step": trajectory.step, "description": trajectory.description });
+    let record = json!({ "inputs": names, "step": trajectory.equal_step(), "description": trajectory.description });
     let mut arrays = vec![trajectory.times];
     arrays.extend(trajectory.inputs.into_iter().map(|(_, values)| values));
     Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None }

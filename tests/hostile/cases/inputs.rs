@@ -217,6 +217,14 @@ pub const EXTREME: &[Case] = &[
         Ok,
         &["sliding_velocity = 2 m/s and angular_velocity = 10 rad/s are both given"],
     ),
+    stepping(
+        "a rotation without a radius",
+        EACH,
+        &[Set("angular_velocity", 10.0), Step(0.01)],
+        Ok,
+        &["angular_velocity = 10 rad/s has no effect: contact.mean_radius = 0 m"],
+    )
+    .of(&[("contact.mean_radius", 0.0), ("strip.length", 0.7)]),
     stepping("ambient of 1 mK", EACH, &[Set("ambient_temperature_offset", -293.149), Step(0.01)], Ok, &[]),
     stepping(
         "surroundings of 1e4 K on a radiating punch",

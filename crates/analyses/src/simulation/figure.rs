@@ -268,7 +268,7 @@ mod tests {
         }
         let scene = scene::Scene::new(&file.packaged.starts, None).unwrap();
         let trajectory = super::super::trajectory::Trajectory::nominal(&file, &scene, None).unwrap();
-        let recording = super::super::run::run(&file, &trajectory, &[], &mut |_| true).unwrap();
+        let recording = super::super::run::run(&file, &trajectory, &[], &mut |_| ()).unwrap();
         let measured = |name: &str, unit: &'static str, value: f64| Measured {
             name: name.into(),
             unit,

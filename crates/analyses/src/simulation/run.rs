@@ -38,8 +38,8 @@ pub struct Profiles {
     pub worn: [[f64; STATIONS]; 2],
 }
 
-/// Called with the time that a run has reached, s; the run is ended where it returns false.
-pub type Progress<'a> = &'a mut dyn FnMut(f64) -> bool;
+/// Called with the time that a run has reached, s.
+pub type Progress<'a> = &'a mut dyn FnMut(f64);
 
 /// A run, complete or up to its failure.
 #[derive(Clone, PartialEq, Debug)]
@@ -129,7 +129,10 @@ fn pressed(points: &[f64], trajectory: &Trajectory) -> Vec<f64> {
     let at = |time: f64| load.map_or(1.0, |values| trajectory.at(values, trajectory.interval(time), time).abs());
     let least = PRESSED * largest(points.iter().map(|time| at(*time)));
     let pressed: Vec<f64> = points.iter().copied().filter(|time| at(*time) >= least).collect();
-    [0.0, 0.5, 1.0].map(|part| pressed[((pressed.len() - 1) as f64 * part).round() as usize]).to_vec()
+    let (first, last) = (pressed[0], pressed[pressed.len() - 1]);
+    let middle = 0.5 * (first + last);
+    let nearest = pressed.iter().copied().min_by(|one, other| (one - middle).abs().total_cmp(&(other - middle).abs()));
+    vec![first, nearest.unwrap_or(first), last]
 }
 
 /// Warnings about inputs that are given and have no effect.
@@ -160,7 +163,7 @@ fn without_effect(file: &SceneFile, trajectory: &Trajectory, scene: &Scene) -> V
 ///
 /// # Errors
 /// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
-/// fails ends the recording, as does `progress`.
+/// fails ends the recording.
 pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Progress) -> Result<Recording> {
     let points = trajectory.points(at)?;
     let begin = Instant::now();
@@ -213,10 +216,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         if has_profiles && wanted.contains(&time) {
             recording.profiles.push(profiles(time, &mut component));
         }
-        if !progress(time) {
-            recording.failure = Some(format!("stopped at {} s", Number(time)));
-            break;
-        }
+        progress(time);
     }
     component.conclude();
     if let Some(&last) = recording.times.last() {

@@ -6,15 +6,10 @@ use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
 use scene_file::columns::Table;
-use scene_file::nominal::{self, Conditions, MOST_POINTS, round};
+use scene_file::division;
+use scene_file::nominal::{self, Conditions, Inputs, MOST_POINTS};
 use sliding_contact::component::LARGEST_INPUT;
 use std::path::PathBuf;
-
-/// Communication steps into which the whole time is divided at least, where no step is given.
-const LEAST_STEPS: f64 = 1000.0;
-
-/// Relative excess of an interval over the longest step that is rounding of its times.
-const SAME: f64 = 1e-6;
 
 /// Inputs at given times, linear between them.
 #[derive(Clone, PartialEq, Debug)]
@@ -29,6 +24,8 @@ pub struct Trajectory {
     pub inputs: Vec<(ValueReference, Vec<f64>)>,
     /// Longest communication step, s.
     pub step: f64,
+    /// Whether steps are shorter where the inputs need it: not where a step is given.
+    pub follows: bool,
 }
 
 impl Trajectory {
@@ -62,6 +59,12 @@ impl Trajectory {
                 table.names.join(", ")
             );
         }
+        if !has("sliding_velocity") && value!(starts, "contact.mean_radius") == 0.0 {
+            bail!(
+                "{file}: its column angular_velocity turns nothing, as contact.mean_radius = 0 m; set contact.mean_radius, or give a \
+                 column sliding_velocity [m/s]"
+            );
+        }
         let load = value!(starts, "normal_load");
         if !has("normal_load") && load == 0.0 {
             bail!("{file} has no column normal_load [N], and the scene's own start value is {load} N");
@@ -77,10 +80,10 @@ impl Trajectory {
             }
             inputs.push((input, values));
         }
-        let (first, last) = (table.times[0], table.times[table.times.len() - 1]);
         Ok(Self {
-            description: format!("{file}, {} rows", table.times.len()),
-            step: step.unwrap_or_else(|| round((last - first) / LEAST_STEPS)),
+            description: format!("{file}, {} rows{}", table.times.len(), left_out(&table.left_out)),
+            step: step.unwrap_or_else(|| division::longest(&table.times)),
+            follows: step.is_none(),
             file: Some((table.path, table.lines)),
             times: table.times,
             inputs,
@@ -99,8 +102,9 @@ impl Trajectory {
             stroke: scene.nominal_stroke,
         };
         let nominal = conditions.inputs(step.unwrap_or(file.packaged.experiment.step))?;
-        let inputs = nominal::NAMES.map(reference).into_iter().zip(nominal.values).collect();
-        Ok(Self { description: nominal.description, file: None, times: nominal.times, inputs, step: nominal.step })
+        let Inputs { description, times, values, step } = nominal;
+        let inputs = nominal::NAMES.map(reference).into_iter().zip(values).collect();
+        Ok(Self { description, file: None, times, inputs, step, follows: false })
     }
 
     /// First and last time, s.
@@ -108,8 +112,8 @@ impl Trajectory {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
-    /// Communication points: all times, those of `also`, and enough between them that no step is longer than
-    /// [`Trajectory::step`].
+    /// Communication points: all times, those of `also`, and between them those of [`division`]: where no step is given they follow the
+    /// inputs, else no step is longer than it.
     ///
     /// # Errors
     /// A time outside of the trajectory, or too many points.
@@ -122,9 +126,14 @@ impl Trajectory {
         let mut instants = [self.times.as_slice(), also].concat();
         instants.sort_unstable_by(f64::total_cmp);
         instants.dedup();
-        // Rounding of the times is no further step.
-        let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - SAME)).ceil().max(1.0);
-        let count: f64 = instants.windows(2).map(parts).sum();
+        if self.follows {
+            let at =
+                |values: &[f64]| instants.iter().map(|time| self.at(values, self.interval(*time), *time)).collect();
+            let inputs: Vec<Vec<f64>> = self.inputs.iter().map(|(_, values)| at(values)).collect();
+            let inputs: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
+            return Ok(division::points(&instants, &inputs));
+        }
+        let count = division::count(&instants, self.step);
         if count > MOST_POINTS {
             bail!(
                 "{} s in steps of at most {} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
@@ -132,13 +141,13 @@ impl Trajectory {
                 Number(self.step)
             );
         }
-        let mut points = vec![first];
-        for pair in instants.windows(2) {
-            let parts = parts(pair);
-            points.extend((1..parts as usize).map(|part| pair[0] + (pair[1] - pair[0]) * part as f64 / parts));
-            points.push(pair[1]);
-        }
-        Ok(points)
+        Ok(division::regular(&instants, self.step))
+    }
+
+    /// The communication step, s; where steps follow the inputs, the one of the same resolution if all have to be equal.
+    pub fn equal_step(&self) -> f64 {
+        let inputs: Vec<&[f64]> = self.inputs.iter().map(|(_, values)| values.as_slice()).collect();
+        if self.follows { division::equal(&self.times, &inputs) } else { self.step }
     }
 
     /// Number of times up to `time`, at least 1: the interval after the last of them.
@@ -166,6 +175,15 @@ impl Trajectory {
     }
 }
 
+/// Words about columns that are no inputs.
+fn left_out(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [only] => format!("; {only} is an output and left out"),
+        [first, rest @ ..] => format!("; {first} and {} other outputs are left out", rest.len()),
+    }
+}
+
 /// Unit of a variable; `1` of one without.
 pub fn unit_of(variable: ValueReference) -> &'static str {
     match lookup(variable).map(|(row, _)| row.kind) {
@@ -180,7 +198,7 @@ mod tests {
 
     fn ramp(step: f64) -> Trajectory {
         let inputs = vec![(0, vec![0.0, 4.0, 4.0])];
-        Trajectory { description: String::new(), file: None, times: vec![1.0, 3.0, 3.5], inputs, step }
+        Trajectory { description: String::new(), file: None, times: vec![1.0, 3.0, 3.5], inputs, step, follows: false }
     }
 
     #[test]
@@ -193,6 +211,15 @@ mod tests {
         }
         let told = ramp(1e-9).points(&[]).unwrap_err().to_string();
         assert!(told.contains("2.500e9 communication steps"), "{told}");
+    }
+
+    #[test]
+    fn without_a_step_the_points_follow_the_inputs_and_hold_wanted_times() {
+        let ramp = Trajectory { follows: true, ..ramp(0.002) };
+        let points = ramp.points(&[1.25]).unwrap();
+        assert!(ramp.times.iter().chain(&[1.25]).all(|time| points.contains(time)));
+        assert!(points.len() > 1200 && points.windows(2).all(|pair| pair[0] < pair[1] && pair[1] - pair[0] < 0.0021));
+        assert_eq!((ramp.equal_step(), self::ramp(0.5).equal_step()), (0.002, 0.5));
     }
 
     #[test]

@@ -21,6 +21,7 @@ use crate::StepFailure;
 use crate::step_control::{FINEST, StepController, halvings};
 use conduction::line::{GAMMA, Stage};
 use contact::wear::line::{StageError, WearingContact};
+use numerics::interruption::checkpoint;
 use numerics::maximum::maximum;
 use scene::Scheme;
 use scene::message::Number;
@@ -177,6 +178,7 @@ impl Line {
 
     /// Trial step over a part; both stages are left in `stages`.
     fn attempt(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Outcome {
+        checkpoint();
         let (given, stages, heat) = self.parts();
         let operators = given.operators;
         let (count, widths) = (operators.count(), operators.cells.widths());

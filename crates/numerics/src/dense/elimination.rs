@@ -2,6 +2,7 @@
 
 use super::GROUP;
 use super::products::{accumulate, accumulate_pair};
+use crate::interruption::checkpoint;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Number of columns eliminated together: the rows below them stay in the first-level cache while the rest is updated.
@@ -159,6 +160,7 @@ pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool 
         }
     }
     assert!(matrix.len() == n * n && exchanged.len() == n, "n x n matrix, n exchanges");
+    checkpoint();
     Arch::new().dispatch(Factorise(matrix, n, exchanged))
 }
 

@@ -7,6 +7,7 @@ use crate::error::{Failure, Stage};
 use crate::functions::Functions;
 use crate::scene::Scene;
 use crate::schedule::Follower;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Worker {
     /// Parameters and initialisation.
@@ -73,7 +74,12 @@ impl Worker {
     }
 
     /// All steps, with what is recorded on the way.
-    pub(super) fn step_through(&mut self, scene: &Scene, request: &Request) -> Result<Vec<f64>, Failure> {
+    pub(super) fn step_through(
+        &mut self,
+        scene: &Scene,
+        request: &Request,
+        stop: Option<&AtomicBool>,
+    ) -> Result<Vec<f64>, Failure> {
         let Scene { span, .. } = *scene;
         let mut recording = Recording::new(scene.outputs, &request.outputs, request.points.len());
         let mut points = request.points.iter().copied().peekable();
@@ -83,6 +89,9 @@ impl Worker {
         let mut follower = Follower::new(scene.schedule, scene.interpolation, &request.factors);
         for index in 0..request.steps {
             let time = span.time(index);
+            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(Failure::new(Stage::Stepping, format!("stopped at {time} s")));
+            }
             let change = follower.advance(time, span.step);
             if change.any {
                 self.set_inputs(&follower, change.sloping, request, time)?;

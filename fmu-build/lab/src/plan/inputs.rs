@@ -42,7 +42,6 @@ pub fn execute(request: &Request) -> Result<()> {
     let levels = inputs::compare(&request.scene, &trajectory, tolerance, &mut |number, part| {
         bar.set_position(parts * number as u64 + (parts as f64 * part) as u64);
         bar.set_message(LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string));
-        true
     });
     bar.finish_and_clear();
     let levels = levels?;

@@ -20,6 +20,7 @@ use conduction::line::Surroundings;
 use conduction::line::contact_parts::ContactParts;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
+use numerics::interruption::checkpoint;
 
 /// Response matrices b and g of both bodies.
 #[derive(Clone, Debug)]
@@ -59,6 +60,7 @@ impl Exchange {
             let (mut flux, mut warm) = (vec![0.0; count], vec![0.0; count]);
             for (velocity, steps) in strokes {
                 for &step in steps {
+                    checkpoint();
                     body.prepare(step, [*velocity; 2]);
                     for (cell, state) in states.iter_mut().enumerate() {
                         flux.fill(0.0);
