@@ -85,7 +85,7 @@ pub fn record(solved: &Solved) -> Value {
         "shape": hot.state.shape,
         "groove": hot.state.groove,
         "pressure_difference": difference(&solved.cells, &hot.state, &solved.state),
-        "contact_temperature": { "least": least, "mean": mean, "largest": most },
+        "contact_temperature": { "least": least, "mean": mean, "largest": most, "highest": hot.heat.highest },
         "surface_temperature": { "least": hot.heat.range[0], "largest": hot.heat.range[1] },
         "heat_flow": {
             "friction": flows.friction,
