@@ -20,6 +20,7 @@ use super::states::{Sliding, SteadyState, steady_state};
 use bodies::{heat_leaves, with_steady_bodies};
 use elasticity::{Cells, Compliance};
 use scene::Scene;
+use scene::message::Number;
 
 /// Steady state of a scene with its heat.
 #[derive(Clone, PartialEq, Debug)]
@@ -88,6 +89,25 @@ pub struct Accuracy {
     /// Speed over the critical speed of thermoelastic instability; 0: there is none. Above 1 time stepping may depart from this
     /// state.
     pub speed_ratio: f64,
+}
+
+impl HotState {
+    /// Warning that the state is above the critical speed of thermoelastic instability, where it exists and time integration departs
+    /// from it.
+    pub fn instability(&self) -> Option<String> {
+        let ratio = self.heat.accuracy.speed_ratio;
+        let (distance, duration) = (self.state.strokes.iter())
+            .fold((0.0, 0.0), |(s, t), stroke| (s + stroke.velocity.abs() * stroke.duration, t + stroke.duration));
+        let speed = distance / duration;
+        (ratio > 1.0).then(|| {
+            format!(
+                "the steady state is thermoelastically unstable: the sliding speed {} m/s is {ratio:.2} times the critical speed {} m/s; \
+                 a perturbed contact departs from it towards hot spots",
+                Number(speed),
+                Number(speed / ratio)
+            )
+        })
+    }
 }
 
 /// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.
