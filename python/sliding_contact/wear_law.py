@@ -232,7 +232,7 @@ def _compare(
         {"analysis": "convergence", "value": model.highest, "coarser": coarse.highest, "cells": model.cells, "coarser_cells": coarse.cells,
          "offset": 273.15, "scale": rise}
     ).record  # fmt: skip
-    text = f"{coarse.cells} cells change {', '.join(changes)}; highest contact temperature {highest}"
+    text = f"{coarse.cells} cells change {', '.join(changes)}; highest contact temperature, degC: {highest}"
     if np.any(np.abs(moved) > half):
         warnings.warn(f"the fit depends on the level more than its intervals tell: {model}; {text}", SceneWarning, stacklevel=4)
     return text

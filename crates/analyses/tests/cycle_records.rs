@@ -331,3 +331,42 @@ fn everything_of_many_cycles_is_that_of_every_cycle() {
     agree("profile", &numbers(&record["wear_profile_punch"]), &worn, 1e-2, spread(&worn));
     assert_eq!(number(&station["wear_depth_strip"]), 0.0);
 }
+
+/// Above the critical speed, here the FMU's output of that name, a steady state says so, and so does a run-in shape that starts a run.
+#[test]
+fn an_unstable_steady_state_and_its_shape_say_so() {
+    let mut file = scene_file::shipped::load(Some("reciprocating_punch"), &examples()).unwrap();
+    for text in
+        ["solver.fidelity=line", "solver.cells=17", "contact.initial_shape=run_in", "punch.thermal_expansion=1.2e-4"]
+    {
+        assign(&mut file, text).unwrap();
+    }
+    let critical = Drive::from_starts(&file.packaged.starts, &[]).get("critical_speed");
+    assert!(critical > 0.0);
+    for ratio in [0.9, 1.1] {
+        assign(&mut file, &format!("nominal.velocity={}", ratio * critical)).unwrap();
+        let solved = steady::solve(&file, &steady::Options::default()).unwrap();
+        let record = solved.record();
+        assert!(record["heat"]["refused"].is_null(), "{}", record["heat"]["refused"]);
+        let warnings = record["heat"]["warnings"].to_string();
+        assert_eq!(warnings.contains(&format!("{ratio:.2} times the critical speed")), ratio > 1.0, "{warnings}");
+        let scene = Scene::new(&file.packaged.starts, None).unwrap();
+        let operators = LineOperators::with_heat(&scene, true, ::steady::thermal::run_in).unwrap();
+        let warnings = operators.warnings().join("; ");
+        assert_eq!(warnings.contains("run_in is the shape of an unstable steady state"), ratio > 1.0, "{warnings}");
+    }
+}
+
+/// The highest temperature stands beside that of the same state on half the cells, computed by itself.
+#[test]
+fn the_highest_temperature_stands_beside_that_on_half_the_cells() {
+    let file = small(&[]);
+    let solve = |cells| {
+        let options = steady::Options { cells: Some(cells), ..steady::Options::default() };
+        steady::solve(&file, &options).unwrap().record()["heat"]["contact_temperature"].clone()
+    };
+    let [fine, half] = [17, 9].map(solve);
+    assert_eq!(fine["highest_on_half"]["cells"], 9);
+    assert_eq!(fine["highest_on_half"]["value"], half["highest"]);
+    assert_ne!(half["highest"], fine["highest"]);
+}

@@ -95,19 +95,20 @@ impl HotState {
     /// Warning that the state is above the critical speed of thermoelastic instability, where it exists and time integration departs
     /// from it.
     pub fn instability(&self) -> Option<String> {
-        let ratio = self.heat.accuracy.speed_ratio;
         let (distance, duration) = (self.state.strokes.iter())
             .fold((0.0, 0.0), |(s, t), stroke| (s + stroke.velocity.abs() * stroke.duration, t + stroke.duration));
-        let speed = distance / duration;
-        (ratio > 1.0).then(|| {
-            format!(
-                "the steady state is thermoelastically unstable: the sliding speed {} m/s is {ratio:.2} times the critical speed {} m/s; \
-                 a perturbed contact departs from it towards hot spots",
-                Number(speed),
-                Number(speed / ratio)
-            )
-        })
+        let state =
+            "the steady state is thermoelastically unstable, and a perturbed contact departs from it towards hot spots";
+        instability(state, distance / duration, self.heat.accuracy.speed_ratio)
     }
+}
+
+/// `what`, where the ratio of a speed (m/s) to the critical one is above 1, with the numbers.
+pub fn instability(what: &str, speed: f64, ratio: f64) -> Option<String> {
+    let [speed_text, critical] = [speed, speed / ratio].map(Number);
+    (ratio > 1.0).then(|| {
+        format!("{what}: the sliding speed {speed_text} m/s is {ratio:.2} times the critical speed {critical} m/s")
+    })
 }
 
 /// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.

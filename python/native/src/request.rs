@@ -229,7 +229,9 @@ impl Request {
                 let course = cycles::advance(&file, &options, &mut |passed, _| {
                     reports.part((1.0 + passed).ln() / (1.0 + cycles).ln());
                 })?;
-                with_warnings(course.record(), &shipped::warnings(&file))
+                let warnings: Vec<String> =
+                    shipped::warnings(&file).into_iter().chain(course.warning.clone()).collect();
+                with_warnings(course.record(), &warnings)
             }
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;
