@@ -208,6 +208,9 @@ fn everything_of_a_steady_cycle_is_that_of_time_integration_and_of_its_own_sums(
         let rise = mean - ambient;
 
         own_sums(&record, &scene);
+        let strokes = heat["strokes"].as_array().unwrap();
+        let flow = |name: &str| number(&heat["heat_flow"][name]);
+        assert!((least..=largest).contains(&mean));
 
         // Beside time integration.
         let mut stepped = Stepped::new(&file);
