@@ -44,8 +44,9 @@ def main():
     level = simulation.level(description)
     columns = {level: summary}
     if not options.one_level and level in ("auto", "lumped"):
-        line = simulation.drive(options.fmu, drive.signals(), options.step, simulation.LINE)
-        columns[f"line, {simulation.LINE_CELLS} cells"] = report.summarise(line, drive)
+        lines = simulation.drive_lines(options.fmu, drive.signals(), options.step)
+        for cells, line in zip(simulation.LINE_CELLS, lines):
+            columns[f"line, {cells} cells"] = report.summarise(line, drive)
 
     options.output.mkdir(parents=True, exist_ok=True)
     table = options.output / f"{options.cycle.stem}.csv"
@@ -74,9 +75,8 @@ def main():
     else:
         print(title, file=results)
         print(report.table(columns), file=results)
-        for heading, column in list(columns.items())[1:]:
-            for name, difference in report.differences(summary, column).items():
-                print(f"  {level} differs from {heading} in {name} by {100 * difference:+.0f} %", file=results)
+        for text in report.comparison(columns):
+            print(f"  {text}", file=results)
         if stopping:
             print(stops.table(stopping), file=results)
         print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)

@@ -1,6 +1,7 @@
 """Figures of a run: what happened, whether energy is conserved, how fast it went."""
 
 import csv
+import math
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -76,6 +77,30 @@ def differences(summary, finer):
         if abs(difference) > 0.01:
             found[name] = difference
     return found
+
+
+# Part of a temperature's rise by which half the cells may differ where the line counts as converged.
+CONVERGED = 0.01
+
+
+def comparison(columns):
+    """Sentences about the columns: the level of the scene, the line, the line on half the cells."""
+    (level, summary), *lines = columns.items()
+    if not lines:
+        return []
+    (heading, fine), (half, coarse) = lines
+    name = "contact_temperature_peak_degC"
+    peak, other = fine.as_dictionary()[name], coarse.as_dictionary()[name]
+    away = abs(peak - other)
+    decimals = min(max(0, -math.floor(math.log10(away))), 4) if away > 0.0 else 4
+    converged = away <= CONVERGED * (peak - fine.ambient_temperature_degC)
+    sentences = [f"{heading}: peak {peak:.{decimals}f} degC, {half}: {other:.{decimals}f} degC{'' if converged else ', not converged'}"]
+    doubts = differences(coarse, fine)
+    for name, difference in differences(summary, fine).items():
+        doubt = doubts.get(name, 0.0)
+        aside = f", not converged: {half} by {100 * doubt:+.0f} %" if abs(doubt) > 0.5 * abs(difference) else ""
+        sentences.append(f"{level} differs from {heading} in {name} by {100 * difference:+.0f} %{aside}")
+    return sentences
 
 
 def stored_minus_lost(recording):

@@ -12,13 +12,14 @@ are relative, so logarithms are fitted: residual = ln(measured / predicted).
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 
 from . import _native
-from ._errors import Error
+from ._errors import Error, SceneWarning
 from ._numbers import numbers
 
 try:
@@ -34,10 +35,8 @@ if TYPE_CHECKING:
 COEFFICIENT = "punch.wear_coefficient"
 EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
 VOLUME = "wear_volume_punch"
-# The contact line, with the same cells for all parameters: a fit needs predictions that are smooth in them, which a level chosen anew for
-# each would not give. With nine cells the
-# volumes are those of the committed records to 1e-3.
-LEVEL: dict[str, Any] = {"solver.fidelity": "line", "solver.cells": 9, "solver.tolerance": 1e-2}
+CELLS = 33  # of a line whose scene leaves them to the program
+COARSE = 9  # cells beside the lumped level
 STEPS = 50  # of each run: load and speed are constant, so the FMU's own step control does the rest
 
 
@@ -72,18 +71,44 @@ class Records:
 
 
 class Model:
-    """A scene as a function from the law's parameters to worn volumes."""
+    """A scene as a function from the law's parameters to worn volumes, at the scene's own level and tolerance.
+
+    With `solver.fidelity = auto` the level is chosen once, so that volumes are smooth in the parameters.
+    """
 
     def __init__(self, scene: "Scene", records: Records) -> None:
-        self.scene = scene
+        auto = scene["solver.fidelity"] == "auto"
+        self.scene = scene.copy().set(scene.plan().settings) if auto else scene
         self.records = records
         self.runs = 0
+        #: Highest `contact_temperature_max` of the last prediction, K.
+        self.highest = np.nan
+
+    @property
+    def tolerance(self) -> float:
+        """Relative tolerance of the runs, the size of their numerical noise."""
+        return float(self.scene["solver.tolerance"]) or self.scene.tolerance
+
+    @property
+    def cells(self) -> int:
+        """Cells of the contact line; 0 at the lumped level."""
+        return int(self.scene["solver.cells"]) or CELLS if self.scene["solver.fidelity"] != "lumped" else 0
+
+    def __str__(self) -> str:
+        cells = f", {self.cells} cells" if self.cells else ""
+        return f"level {self.scene['solver.fidelity']}{cells}, tolerance {self.tolerance:g}"
+
+    def companion(self) -> "Model":
+        """The same on half the cells, or of the lumped level the line with `COARSE` cells."""
+        cells = (self.cells + 1) // 2 if self.cells else COARSE
+        return Model(self.scene.copy().set({"solver.fidelity": "line", "solver.cells": cells}), self.records)
 
     def volumes(self, parameters: Mapping[str, float]) -> np.ndarray:
         """Predicted volume of every test [m3] for these parameters by name."""
         records = self.records
         volumes = np.empty(records.load.size)
-        scene = self.scene.copy().set({**LEVEL, **parameters})
+        scene = self.scene.copy().set(dict(parameters))
+        self.highest = -np.inf
         # Tests that differ only by their distance are points of one run.
         conditions = np.column_stack([records.speed, records.load])
         for speed, load in np.unique(conditions, axis=0):
@@ -93,6 +118,7 @@ class Model:
             inputs = {"time [s]": [0.0, *times], "sliding_velocity [m/s]": speed, "normal_load [N]": load}
             run = scene.simulate(inputs, step=times[-1] / STEPS)
             self.runs += 1
+            self.highest = max(self.highest, float(run["contact_temperature_max"].max()))
             # Rows of the inputs are communication points.
             at = run[VOLUME][np.searchsorted(run.time, times)]
             volumes[own] = at[np.searchsorted(distances, records.distance[own])]
@@ -112,6 +138,7 @@ class Fit:
     degrees_of_freedom: int
     runs: int  # of the scene
     model: Model
+    companion: str  # what half the cells give
 
     def parameters(self) -> dict[str, float]:
         """Fitted values by name, for `Scene.set`."""
@@ -124,6 +151,7 @@ class Fit:
             unit = "" if unit == "1" else f" {unit}"
             percent = f"{100 * self.confidence:g} %"
             lines.append(f"  {name:32} {value:.4g}{unit}, {percent} interval {low:.4g} to {high:.4g}")
+        lines += [f"  {self.model}", f"  {self.companion}"]
         return "\n".join(lines)
 
     def plot(self, path: Union[str, "os.PathLike[str]", None] = None) -> "Figure":
@@ -135,6 +163,9 @@ class Fit:
 
 def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: float = 0.95) -> Fit:
     """Least squares of the logarithms, and confidence intervals from Student's t.
+
+    Derivatives are central differences over a step of the cube root of the tolerance, where the noise of the runs and the curvature
+    of the model cost the same.
 
     Raises `Error` where the records cannot tell the parameters apart: an exponent needs tests at more than one load
     (or speed), and there must be more tests than parameters.
@@ -164,16 +195,42 @@ def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: floa
         difference: np.ndarray = measured - np.log(model.volumes(parameters(point)))
         return difference
 
+    def jacobian(point: np.ndarray) -> np.ndarray:
+        steps = np.cbrt(model.tolerance) * np.eye(point.size)
+        return np.column_stack([(residuals(point + step) - residuals(point - step)) / (2.0 * step.sum()) for step in steps])
+
     start = np.array([np.log(begin), *([1.0] * len(exponents))])
-    # The steps of the differences are far above the tolerance of the FMU's own steps.
-    solved = optimize.least_squares(residuals, start, method="lm", diff_step=1e-5, x_scale="jac")
+    # Relative to the sum of squares: where less is gained the parameters stand within a hundredth of their intervals.
+    solved = optimize.least_squares(residuals, start, jacobian, method="lm", x_scale="jac", ftol=1e-4, xtol=1e-6)
     if not solved.success:
         raise Error(f"the fit did not converge: {solved.message}")
     freedom = measured.size - len(names)
     scatter = np.sqrt(2.0 * solved.cost / freedom)
     covariance = scatter**2 * np.linalg.inv(solved.jac.T @ solved.jac)
     half = stats.t.ppf(0.5 + 0.5 * confidence, freedom) * np.sqrt(np.diag(covariance))
+    residuals(solved.x)
+    companion = _compare(model, measured, solved, names, half, parameters(solved.x))
     low, high, values = solved.x - half, solved.x + half, solved.x.copy()
     for array in (low, high, values):
         array[0] = np.exp(array[0])
-    return Fit(names, values, np.array([low, high]), confidence, covariance, float(scatter), freedom, model.runs, model)
+    return Fit(names, values, np.array([low, high]), confidence, covariance, float(scatter), freedom, model.runs, model, companion)
+
+
+def _compare(
+    model: Model, measured: np.ndarray, solved: Any, names: Sequence[str], half: np.ndarray, found: Mapping[str, float]
+) -> str:
+    """What the companion's volumes and temperatures change: one line, and a warning where it is more than the intervals tell."""
+    coarse = model.companion()
+    moved = np.linalg.lstsq(solved.jac, -(measured - np.log(coarse.volumes(found))), rcond=None)[0]
+    moved -= np.linalg.lstsq(solved.jac, -solved.fun, rcond=None)[0]
+    model.runs += coarse.runs
+    changes = [f"{names[0]} by {100 * np.expm1(moved[0]):+.1g} %", *(f"{name} by {own:+.1g}" for name, own in zip(names[1:], moved[1:]))]
+    rise = model.highest - float(model.scene["ambient_temperature"])
+    highest = _native.ask(
+        {"analysis": "convergence", "value": model.highest, "coarser": coarse.highest, "cells": model.cells, "coarser_cells": coarse.cells,
+         "offset": 273.15, "scale": rise}
+    ).record  # fmt: skip
+    text = f"{coarse.cells} cells change {', '.join(changes)}; highest contact temperature, degC: {highest}"
+    if np.any(np.abs(moved) > half):
+        warnings.warn(f"the fit depends on the level more than its intervals tell: {model}; {text}", SceneWarning, stacklevel=4)
+    return text

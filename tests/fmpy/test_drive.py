@@ -1,5 +1,6 @@
 """The drive cycle from end to end, as `cargo fmu run` drives it."""
 
+import dataclasses
 import json
 import statistics
 import subprocess
@@ -31,6 +32,23 @@ def test_energy_is_closed_from_outputs_alone(recording):
     error = np.abs(report.stored_minus_lost(table)) / table["dissipated_energy"][-1]
     assert table["dissipated_energy"][-1] > 5e5
     assert error.max() <= 1e-9
+
+
+def test_a_line_that_is_not_converged_is_said_to_be(recording):
+    drive, table = recording
+    summary = report.summarise(table, drive)
+
+    def line(peak):
+        return dataclasses.replace(summary, contact_temperature_peak_degC=peak)
+
+    level = line(205.0)
+    columns = {"lumped": level, "line, 17 cells": line(422.4), "line, 9 cells": line(225.2)}
+    sentences = report.comparison(columns)
+    assert sentences[0] == "line, 17 cells: peak 422 degC, line, 9 cells: 225 degC, not converged"
+    assert sentences[1].endswith("by -54 %, not converged: line, 9 cells by -49 %")
+    columns["line, 9 cells"] = line(421.93)
+    assert report.comparison(columns)[0] == "line, 17 cells: peak 422.4 degC, line, 9 cells: 421.9 degC"
+    assert report.comparison(columns)[1].endswith("by -54 %")
 
 
 def test_integrals_are_those_of_the_flows(recording):

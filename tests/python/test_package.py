@@ -530,3 +530,28 @@ def test_a_scene_is_the_numbers_that_its_fmu_starts_with():
         assert stock.set_numbers(changed).start_values() == numbers
     with pytest.raises(Error, match="solver.fidelity = 9 is none of 1 to"):
         Scene.load("clutch").set_numbers({"solver.fidelity": 9})
+
+
+def test_an_unstable_steady_state_says_so():
+    rings = Scene.load("hot_spots")
+    with pytest.warns(SceneWarning, match=r"sliding speed 0.2 m/s is 2.98 times the critical speed 0.067") as told:
+        state = rings.steady()
+    assert len(told) == 1 and state.heat["warnings"] == [str(told[0].message)]
+    highest = state.heat["contact_temperature"]
+    assert highest["highest_on_half"]["cells"] == 32
+    assert highest["highest_on_half"]["value"] == pytest.approx(highest["highest"], abs=1e-2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert rings.set("nominal.velocity", 0.05).steady().heat["warnings"] == []
+
+
+def test_a_fit_runs_the_scene_as_it_is():
+    parameters = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
+    for settings in ({"solver.fidelity": "lumped"}, {"solver.fidelity": "line", "solver.cells": 5, "solver.tolerance": 1e-2}):
+        scene = Scene.load("pin_on_disk").set(settings)
+        model = wear_law.Model(scene, TESTS)
+        own = scene.copy().set(parameters)
+        for load, volume in zip(TESTS.load, model.volumes(parameters)):
+            run = own.simulate({"time [s]": [0, 1e4], "sliding_velocity [m/s]": 0.1, "normal_load [N]": load}, step=200.0)
+            assert volume == run["wear_volume_punch"][-1], settings
+        assert settings["solver.fidelity"] in str(model)

@@ -1,6 +1,6 @@
 //! Reciprocating sliding over many cycles by cycle jumps.
 
-use ::steady::thermal::nominal_half_strokes;
+use ::steady::thermal::{instability, nominal_half_strokes};
 use anyhow::{Context, Result, anyhow, bail};
 use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
@@ -48,6 +48,8 @@ pub struct Station {
 pub struct Course {
     pub name: String,
     pub warm: bool,
+    /// What a reader of the course should know.
+    pub warning: Option<String>,
     pub mean_pressure: f64,
     pub stations: Vec<Station>,
     /// Worn depth of the punch in the end, by cell, m.
@@ -94,6 +96,13 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     let (x, reference) = (map.operators().cells.centres().to_vec(), map.reference());
     let width: f64 = map.operators().weights.iter().sum();
     let punch = map.worn_ranges()[0].clone();
+    let warning = warm.then(|| (map.distance() / map.period(), map.speed_ratio())).and_then(|(speed, ratio)| {
+        instability(
+            "the cycles are thermoelastically unstable, and their fixed steps may not follow hot spots",
+            speed,
+            ratio,
+        )
+    });
     let start = map.start();
     let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
     let mut stations = Vec::new();
@@ -115,7 +124,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
         });
     })?;
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm, mean_pressure, stations, depth, x })
+    Ok(Course { name, warm, warning, mean_pressure, stations, depth, x })
 }
 
 impl Course {
@@ -138,6 +147,7 @@ impl Course {
             "scene": self.name,
             "x": self.x,
             "wear_profile_punch": self.depth,
+            "warning": self.warning,
             "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
         })
     }

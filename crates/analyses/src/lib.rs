@@ -3,6 +3,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod convergence;
 pub mod curve;
 pub mod cycles;
 pub mod plan;

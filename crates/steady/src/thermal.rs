@@ -20,6 +20,7 @@ use super::states::{Sliding, SteadyState, steady_state};
 use bodies::{heat_leaves, with_steady_bodies};
 use elasticity::{Cells, Compliance};
 use scene::Scene;
+use scene::message::Number;
 
 /// Steady state of a scene with its heat.
 #[derive(Clone, PartialEq, Debug)]
@@ -88,6 +89,26 @@ pub struct Accuracy {
     /// Speed over the critical speed of thermoelastic instability; 0: there is none. Above 1 time stepping may depart from this
     /// state.
     pub speed_ratio: f64,
+}
+
+impl HotState {
+    /// Warning that the state is above the critical speed of thermoelastic instability, where it exists and time integration departs
+    /// from it.
+    pub fn instability(&self) -> Option<String> {
+        let (distance, duration) = (self.state.strokes.iter())
+            .fold((0.0, 0.0), |(s, t), stroke| (s + stroke.velocity.abs() * stroke.duration, t + stroke.duration));
+        let state =
+            "the steady state is thermoelastically unstable, and a perturbed contact departs from it towards hot spots";
+        instability(state, distance / duration, self.heat.accuracy.speed_ratio)
+    }
+}
+
+/// `what`, where the ratio of a speed (m/s) to the critical one is above 1, with the numbers.
+pub fn instability(what: &str, speed: f64, ratio: f64) -> Option<String> {
+    let [speed_text, critical] = [speed, speed / ratio].map(Number);
+    (ratio > 1.0).then(|| {
+        format!("{what}: the sliding speed {speed_text} m/s is {ratio:.2} times the critical speed {critical} m/s")
+    })
 }
 
 /// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.

@@ -59,6 +59,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             print_line!("drawn in {}", path.display());
         }
     }
+    if let Some(warning) = &course.warning {
+        eprintln!("warning: {warning}");
+    }
     Ok(())
 }
 

@@ -78,7 +78,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             print_line!("drawn in {}", path.display());
         }
     }
-    if let Some(warning) = analyses::steady::heat::above_limit(&solved) {
+    for warning in analyses::steady::heat::warnings(&solved) {
         eprintln!("warning: {warning}");
     }
     solved.check()

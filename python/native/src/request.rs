@@ -1,6 +1,7 @@
 //! Requests, and how each is answered.
 
 use crate::{Answer, Control, Status, c_text};
+use analyses::convergence::Convergence;
 use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
 use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
@@ -87,6 +88,15 @@ pub enum Request {
         text: String,
         difference: bool,
     },
+    /// A number beside that on half the cells, less `offset`.
+    Convergence {
+        value: f64,
+        cells: usize,
+        coarser: f64,
+        coarser_cells: usize,
+        offset: f64,
+        scale: f64,
+    },
     /// Inputs over time as a simulation takes them, by default nominal: times, then every input.
     Trajectory {
         scene: Option<String>,
@@ -161,6 +171,9 @@ impl Request {
                 let value = quantity::text(&text, unit, absolute && !difference);
                 json!(value.map_err(|wrong| anyhow!("{name}: {wrong}"))?)
             }
+            Self::Convergence { value, cells, coarser, coarser_cells, offset, scale } => {
+                json!(Convergence { value, cells, coarser, coarser_cells }.text(offset, scale))
+            }
             Self::Trajectory { scene, scenes, set, inputs } => {
                 let file = Selection { scene, scenes, set }.load()?;
                 let table = inputs.as_ref().map(Source::inputs).transpose()?;
@@ -187,7 +200,7 @@ impl Request {
                 let solved = steady::solve(&file, &steady::Options { cells, return_speed, cold })?;
                 solved.check()?;
                 let warnings: Vec<String> =
-                    shipped::warnings(&file).into_iter().chain(steady::heat::above_limit(&solved)).collect();
+                    shipped::warnings(&file).into_iter().chain(steady::heat::warnings(&solved)).collect();
                 with_warnings(solved.record(), &warnings)
             }
             Self::Cycles { scene, scenes, set, cycles, tolerance, cells, cold } => {
@@ -196,7 +209,9 @@ impl Request {
                 let course = cycles::advance(&file, &options, &mut |passed, _| {
                     control.reached((1.0 + passed).ln() / (1.0 + cycles).ln());
                 })?;
-                with_warnings(course.record(), &shipped::warnings(&file))
+                let warnings: Vec<String> =
+                    shipped::warnings(&file).into_iter().chain(course.warning.clone()).collect();
+                with_warnings(course.record(), &warnings)
             }
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;

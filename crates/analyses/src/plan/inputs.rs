@@ -112,14 +112,6 @@ pub fn compare(
     tolerance: f64,
     progress: &mut dyn FnMut(usize, f64),
 ) -> Result<Levels> {
-    if trajectory.file.is_some()
-        && !trajectory
-            .inputs
-            .iter()
-            .any(|(input, _)| [find("sliding_velocity"), find("angular_velocity")].contains(&Some(*input)))
-    {
-        bail!("the inputs have neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]");
-    }
     let ambient = file.packaged.starts[const { reference("ambient_temperature") } as usize];
     let (first, last) = trajectory.span();
     let mut on = |number: usize, level: ModelLevel, tolerance: f64| -> Result<Recording> {

@@ -22,14 +22,9 @@ pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
     pressures(hot).iter().zip(&pressures(cold)).map(one).fold(0.0, f64::max)
 }
 
-/// Highest temperature of either surface in a cycle, K.
-pub fn hottest(hot: &HotState) -> f64 {
-    hot.heat.range[1].iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
 /// Reason why a state that solves the equations is unphysical: temperatures beyond the model's validity.
 pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
-    let kelvin = hottest(hot);
+    let kelvin = hot.heat.highest;
     // A number that is none is beyond too.
     if kelvin <= HIGHEST_VALID_TEMPERATURE {
         return None;
@@ -46,7 +41,7 @@ pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
 
 /// A warning where the state is above the scene's own limit.
 pub fn above_limit(solved: &Solved) -> Option<String> {
-    let (kelvin, limit) = (hottest(known(solved)?), solved.scene.temperature_limit);
+    let (kelvin, limit) = (known(solved)?.heat.highest, solved.scene.temperature_limit);
     (limit > 0.0 && kelvin > limit).then(|| {
         format!(
             "the steady state is above contact.temperature_limit = {} degC: the highest surface temperature is {} degC",
@@ -54,6 +49,20 @@ pub fn above_limit(solved: &Solved) -> Option<String> {
             number(kelvin - ZERO_CELSIUS)
         )
     })
+}
+
+/// What a reader of the state should know: a state that is unstable, beyond the scene's own limit or not converged.
+pub fn warnings(solved: &Solved) -> Vec<String> {
+    let Some(hot) = known(solved) else { return Vec::new() };
+    let unconverged = solved.highest.as_ref().and_then(|highest| {
+        highest.warning("the highest surface temperature", "degC", ZERO_CELSIUS, rise(solved, hot))
+    });
+    [hot.instability(), above_limit(solved), unconverged].into_iter().flatten().collect()
+}
+
+/// Rise of the highest surface temperature above the ambient, K.
+pub fn rise(solved: &Solved, hot: &HotState) -> f64 {
+    hot.heat.highest - solved.scene.ambient_temperature
 }
 
 /// The state with heat as JSON.
@@ -80,12 +89,13 @@ pub fn record(solved: &Solved) -> Value {
         })
     });
     let [least, mean, most] = hot.heat.contact_temperature;
+    let on_half = solved.highest.map(|highest| json!({ "cells": highest.coarser_cells, "value": highest.coarser }));
     json!({
         "strokes": strokes.collect::<Vec<_>>(),
         "shape": hot.state.shape,
         "groove": hot.state.groove,
         "pressure_difference": difference(&solved.cells, &hot.state, &solved.state),
-        "contact_temperature": { "least": least, "mean": mean, "largest": most },
+        "contact_temperature": { "least": least, "mean": mean, "largest": most, "highest": hot.heat.highest, "highest_on_half": on_half },
         "surface_temperature": { "least": hot.heat.range[0], "largest": hot.heat.range[1] },
         "heat_flow": {
             "friction": flows.friction,
@@ -100,6 +110,7 @@ pub fn record(solved: &Solved) -> Value {
         "volume_rates": hot.state.volume_rates,
         "wear_dissipation_power": hot.state.dissipation_power,
         "friction_power": hot.state.friction_power,
+        "warnings": warnings(solved),
         "speed_over_critical_speed": hot.heat.accuracy.speed_ratio,
         "cycles_computed": hot.heat.accuracy.iterations,
         "change_of_shape": hot.heat.accuracy.shape,

@@ -2,6 +2,7 @@
 
 pub mod heat;
 
+use crate::convergence::{Convergence, half};
 use ::steady::relative_velocity::{RelativeVelocity, assess};
 use ::steady::states::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
 use ::steady::thermal::{HotState, has_hot_state, hot_state};
@@ -40,6 +41,8 @@ pub struct Solved {
     pub velocity: RelativeVelocity,
     /// With heat, or the reason why there is none; `None`: nothing is heated, or without heat.
     pub hot: Option<Result<HotState, String>>,
+    /// Highest surface temperature (K) of the state with heat, beside that on half the cells; `None` where they would be too few.
+    pub highest: Option<Convergence>,
     /// Reason why the state with heat is beyond the model's validity; it is then refused.
     pub too_hot: Option<String>,
 }
@@ -77,12 +80,22 @@ pub fn solve(file: &SceneFile, options: &Options) -> Result<Solved> {
     let velocity = assess(&scene, &cells, &bodies, &state)?;
     let warm = !options.cold && has_hot_state(&scene);
     let hot = warm.then(|| hot_state(&scene, &cells, &bodies, &sliding).map_err(|error| error.to_string()));
+    let highest = hot.as_ref().and_then(|hot| hot.as_ref().ok()).and_then(|hot| on_half(&scene, &cells, &sliding, hot));
     let too_hot = hot.as_ref().and_then(|hot| hot.as_ref().ok()).and_then(|hot| heat::beyond_validity(&scene, hot));
     let hot = match &too_hot {
         Some(reason) => Some(Err(reason.clone())),
         None => hot,
     };
-    Ok(Solved { name, scene, cells, state, velocity, hot, too_hot })
+    Ok(Solved { name, scene, cells, state, velocity, hot, highest, too_hot })
+}
+
+/// The highest surface temperature beside that of the same state on half the cells.
+fn on_half(scene: &Scene, cells: &Cells, sliding: &Sliding, hot: &HotState) -> Option<Convergence> {
+    let coarser_cells = half(cells.count());
+    let cells_of_half = cells_for(scene, coarser_cells).ok()?;
+    let bodies = compliances(scene, &cells_of_half).ok()?;
+    let coarser = hot_state(scene, &cells_of_half, &bodies, sliding).map_or(f64::NAN, |hot| hot.heat.highest);
+    Some(Convergence { value: hot.heat.highest, cells: cells.count(), coarser, coarser_cells })
 }
 
 /// Direction of a half-stroke.

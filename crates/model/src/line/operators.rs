@@ -14,6 +14,7 @@ use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
+use scene::message::Number;
 use scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
 use std::sync::Arc;
 
@@ -362,6 +363,17 @@ impl LineOperators {
                  bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
+        }
+        let (friction, speed) = (scene.friction_coefficient, scene.nominal_velocity.abs());
+        let critical = self.mean.critical_speed.modelled(friction);
+        if scene.initial_shape == InitialShape::RunIn && self.heat.is_some() && critical > 0.0 && speed > critical {
+            warnings.push(format!(
+                "contact.initial_shape = run_in is the shape of an unstable steady state: nominal.velocity = {} m/s is {:.2} times the \
+                 critical speed {} m/s",
+                Number(speed),
+                speed / critical,
+                Number(critical)
+            ));
         }
         let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot

@@ -1,7 +1,7 @@
 //! The steady state with heat: table and drawing of `cargo fmu steady`.
 
 use crate::plot::{Axis, Mark, Panel, Series};
-use analyses::steady::heat::{difference, hottest, known};
+use analyses::steady::heat::{difference, known, rise};
 use analyses::steady::{Solved, direction, largest, number};
 use steady::thermal::HotState;
 
@@ -29,13 +29,17 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
         ]);
     }
     let off = difference(&solved.cells, &hot.state, &solved.state) / solved.mean_pressure();
-    let celsius = |kelvin: f64| number(kelvin - 273.15);
+    let celsius = |kelvin: f64| number(kelvin - ZERO_CELSIUS);
     let [least, mean, most] = heat.contact_temperature;
+    let highest = match &solved.highest {
+        Some(highest) => highest.text(ZERO_CELSIUS, rise(solved, hot)),
+        None => celsius(heat.highest),
+    };
     lines.extend([
         ("  difference of the pressures, rms over the mean".into(), number(off)),
         ("  contact temperature, degC".into(), celsius(mean)),
         ("  its range in a cycle, K".into(), number(most - least)),
-        ("  highest surface temperature, degC".into(), celsius(heat.highest)),
+        ("  highest surface temperature, degC".into(), highest),
         ("  contact.temperature_limit, degC".into(), limit(solved, hot)),
         ("  range of the punch's shape, µm".into(), number(1e6 * range(&hot.state.shape))),
         ("  friction heat, W".into(), number(flows.friction)),
@@ -53,7 +57,7 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
 fn limit(solved: &Solved, hot: &HotState) -> String {
     match solved.scene.temperature_limit {
         0.0 => "none".to_owned(),
-        limit if hottest(hot) > limit => format!("{}, exceeded", number(limit - ZERO_CELSIUS)),
+        limit if hot.heat.highest > limit => format!("{}, exceeded", number(limit - ZERO_CELSIUS)),
         limit => number(limit - ZERO_CELSIUS),
     }
 }
@@ -75,7 +79,7 @@ pub fn series(solved: &Solved, over: &Course<'_>, curve: &Course<'_>) -> [Vec<Se
 /// Temperatures of the surfaces.
 pub fn panel(solved: &Solved, axis: Axis, curve: &Course<'_>) -> Option<Panel> {
     let hot = known(solved)?;
-    let celsius = |values: &[f64]| curve(&values.iter().map(|t| t - 273.15).collect::<Vec<f64>>(), 1.0);
+    let celsius = |values: &[f64]| curve(&values.iter().map(|t| t - ZERO_CELSIUS).collect::<Vec<f64>>(), 1.0);
     let mut series = Vec::new();
     for (side, name) in ["punch", "strip"].into_iter().enumerate() {
         for (index, stroke) in hot.heat.strokes.iter().enumerate() {

@@ -266,6 +266,19 @@ impl CycleMap {
         temperature
     }
 
+    /// Temperatures of punch and strip (N values, K above the reference) in the present state.
+    fn temperature(&self) -> [Vec<f64>; 2] {
+        let (Some(own), Some(heat)) = (&self.line.heat, &self.line.state.heat) else { return Default::default() };
+        let mut temperature = heat.temperature.clone();
+        for (side, values) in temperature.iter_mut().enumerate() {
+            if let Some(body) = self.body(side) {
+                let (state, around) = (&heat.bodies[side], &own.surroundings[side]);
+                body.temperature_at_frozen_state(state, around, &heat.flux[side], self.strokes[1].0, values);
+            }
+        }
+        temperature
+    }
+
     fn body(&self, side: usize) -> Option<&dyn ThermalBody> {
         self.line.heat.as_ref()?.bodies[side].as_deref()
     }
@@ -302,6 +315,9 @@ impl CycleMap {
         let before = self.totals();
         let count = self.operators().count();
         let mut extremes = Extremes::new(count);
+        if self.line.heat.is_some() {
+            extremes.record(&self.temperature(), &self.line.operators, 0.0);
+        }
         let mut tangent = WearJacobian::new(count);
         let strokes = self.strokes.clone();
         let mut passed = Vec::with_capacity(2);
@@ -365,9 +381,14 @@ impl CycleMap {
             }
             if let (Some(own), Some(heat)) = (&self.line.heat, &state.heat) {
                 for (stage, weight) in [(1.0 - GAMMA) * step, GAMMA * step].into_iter().enumerate() {
-                    for side in 0..2 {
-                        add(&mut passage.temperature[side], weight / duration, &own.temperature[stage][side]);
-                        add(&mut passage.flux[side], weight / duration, &own.flux[stage][side]);
+                    for (mean, flux) in passage.flux.iter_mut().zip(&own.flux[stage]) {
+                        add(mean, weight / duration, flux);
+                    }
+                }
+                // By the trapezoidal rule: the stages have temperatures only where something depends on them.
+                for side in 0..2 {
+                    for values in [&extremes.last[side], &heat.temperature[side]] {
+                        add(&mut passage.temperature[side], 0.5 * step / duration, values);
                     }
                 }
                 extremes.record(&heat.temperature, &self.line.operators, step);

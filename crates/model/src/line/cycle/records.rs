@@ -48,7 +48,9 @@ pub(super) struct Extremes {
     /// Minimum, time integral and maximum of the mean contact temperature.
     pub contact: [f64; 3],
     pub highest: f64,
-    last: Option<f64>,
+    /// Temperatures of punch and strip recorded last, and their mean.
+    pub last: [Vec<f64>; 2],
+    mean: f64,
 }
 
 impl Extremes {
@@ -59,29 +61,31 @@ impl Extremes {
             range: [all(f64::INFINITY), all(f64::NEG_INFINITY)],
             contact: [f64::INFINITY, 0.0, f64::NEG_INFINITY],
             highest: f64::NEG_INFINITY,
-            last: None,
+            last: all(0.0),
+            mean: 0.0,
         }
     }
 
-    /// Adds the temperatures of punch and strip at the end of a step of `step` s.
+    /// Adds the temperatures of punch and strip at the end of a step of `step` s; 0: the start of the cycle.
     pub fn record(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
-        let widths = operators.cells.widths();
+        let areas = &operators.weights;
         let highest = operators.hottest.of(temperature);
         if highest > self.highest || highest.is_nan() {
             self.highest = highest;
         }
-        let width: f64 = widths.iter().sum();
+        let area: f64 = areas.iter().sum();
         let mut mean = 0.0;
         for (side, values) in temperature.iter().enumerate() {
             for (i, &t) in values.iter().enumerate() {
                 self.range[0][side][i] = self.range[0][side][i].min(t);
                 self.range[1][side][i] = self.range[1][side][i].max(t);
-                mean += 0.5 * widths[i] / width * t;
+                mean += 0.5 * areas[i] / area * t;
             }
         }
         self.contact[0] = self.contact[0].min(mean);
-        self.contact[1] += step * 0.5 * (mean + self.last.unwrap_or(mean));
+        self.contact[1] += step * 0.5 * (mean + self.mean);
         self.contact[2] = self.contact[2].max(mean);
-        self.last = Some(mean);
+        self.mean = mean;
+        self.last.iter_mut().zip(temperature).for_each(|(last, now)| last.copy_from_slice(now));
     }
 }
