@@ -6,6 +6,7 @@ use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
 use model::plan::course::Course;
 use model::plan::distance::LevelDistance;
+use scene::message::Number;
 use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 
@@ -222,7 +223,16 @@ impl Snapshot {
         }
         let numbers: Vec<f64> =
             bytes.chunks_exact(8).map(|chunk| f64::from_le_bytes(std::array::from_fn(|i| chunk[i]))).collect();
-        Snapshot::from_numbers(&mut numbers.iter()).ok_or_else(|| "the saved state is cut short or damaged".into())
+        let snapshot = Snapshot::from_numbers(&mut numbers.iter()).ok_or("the saved state is cut short or damaged")?;
+        let parallel = snapshot.parallel.iter().find_map(|parallel| parallel.larger_than(LARGEST_STATE));
+        let state = snapshot.state.iter().find_map(|state| state.larger_than(LARGEST_STATE));
+        match state.or(parallel) {
+            None => Ok(snapshot),
+            Some((name, value)) => Err(format!(
+                "the saved state is damaged or out of range: {name} is {}, its magnitude must be at most {LARGEST_STATE:e}",
+                Number(value)
+            )),
+        }
     }
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
@@ -278,10 +288,6 @@ impl Snapshot {
             *slot = next()?;
         }
         let kind = next()?;
-        // NaN stands for a number that is not known yet; where none may stand, the model refuses it.
-        if numbers.as_slice().iter().any(|number| number.abs() > LARGEST_STATE) {
-            return None;
-        }
         match kind {
             0.0 => {}
             1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
