@@ -1,13 +1,13 @@
 //! Settings of the host's thread: floating-point traps, rounding, sticky flags and cancellation. A trap that fires inside a call, or a
 //! cancellation that unwinds out of it, ends the process of this test.
 
-use core::ffi::{c_int, c_void};
+use core::ffi::{c_char, c_int, c_void};
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use sliding_contact::fmi2::exports::*;
-use sliding_contact::fmi2::types::Status;
-use test_support::importer::{Importer, references};
+use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, Status};
+use test_support::importer::{Importer, as_logger, guid, references};
 
 #[link(name = "m")]
 unsafe extern "C" {
@@ -130,6 +130,73 @@ unsafe extern "C-unwind" {
     fn pthread_cancel(thread: libc::pthread_t) -> c_int;
 }
 
+/// A logger with a cancellation point, as every one that prints has, and whether it came to its end.
+unsafe extern "C" fn wait_in_logger(
+    environment: ComponentEnvironment,
+    _: types::String,
+    _: Status,
+    _: types::String,
+    _: types::String,
+    _: *const c_char,
+) {
+    // SAFETY: the environment is the flag of the test.
+    unsafe {
+        pthread_testcancel();
+        (*environment.cast::<AtomicBool>()).store(true, Ordering::Release);
+    }
+}
+
+unsafe extern "C-unwind" fn fail_with_a_message(component: *mut c_void) -> *mut c_void {
+    // SAFETY: the caller waits for the end of this thread.
+    unsafe {
+        pthread_cancel(libc::pthread_self());
+        fmi2DoStep(component, 0.0, 0.1, 0);
+        loop {
+            pthread_testcancel();
+        }
+    }
+}
+
+#[test]
+fn a_host_thread_cancelled_before_it_is_told_of_an_error_ends_after_the_call() {
+    let logged = AtomicBool::new(false);
+    let callbacks = CallbackFunctions {
+        logger: Some(as_logger(wait_in_logger)),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: ptr::from_ref(&logged).cast_mut().cast(),
+    };
+    // SAFETY: strings, structure and flag live through the calls.
+    unsafe {
+        let (name, guid) = (c"host".as_ptr(), guid());
+        let component = fmi2Instantiate(name, types::CO_SIMULATION, guid.as_ptr(), ptr::null(), &callbacks, 0, 0);
+        assert_eq!(run_cancelled(fail_with_a_message, component, |_| ()), CANCELLED);
+        assert!(logged.load(Ordering::Acquire));
+        assert_eq!(fmi2Reset(component), Status::Ok);
+        fmi2FreeInstance(component);
+    }
+}
+
+/// `PTHREAD_CANCELED`
+const CANCELLED: isize = -1;
+
+type Start = unsafe extern "C-unwind" fn(*mut c_void) -> *mut c_void;
+
+/// Result of a thread of the system that was ended by `end`.
+unsafe fn run_cancelled(start: Start, argument: *mut c_void, end: impl FnOnce(libc::pthread_t)) -> isize {
+    let mut thread = core::mem::MaybeUninit::uninit();
+    let mut result = ptr::null_mut();
+    // SAFETY: the thread is joined; unwinding ends in the C library's start of the thread.
+    unsafe {
+        let start = core::mem::transmute::<Start, extern "C" fn(*mut c_void) -> *mut c_void>(start);
+        assert_eq!(libc::pthread_create(thread.as_mut_ptr(), ptr::null(), start, argument), 0);
+        end(thread.assume_init());
+        assert_eq!(libc::pthread_join(thread.assume_init(), &raw mut result), 0);
+    }
+    result as isize
+}
+
 /// What a host thread shares with the one that cancels it.
 struct Shared {
     component: *mut c_void,
@@ -155,7 +222,6 @@ unsafe extern "C-unwind" fn initialise(shared: *mut c_void) -> *mut c_void {
 #[test]
 fn a_host_thread_cancelled_while_it_initialises_a_line_ends_after_the_call() {
     const PENDING: usize = usize::MAX;
-    type Start = extern "C" fn(*mut c_void) -> *mut c_void;
     for delay in [0, 200, 2_000, 20_000] {
         let importer = Importer::new();
         assert_eq!(importer.set_integer("solver.fidelity", LINE), Status::Ok);
@@ -164,23 +230,18 @@ fn a_host_thread_cancelled_while_it_initialises_a_line_ends_after_the_call() {
         assert_eq!(importer.enter(), Status::Ok);
         let shared =
             Shared { component: importer.component, begun: AtomicBool::new(false), status: AtomicUsize::new(PENDING) };
-        let mut thread = core::mem::MaybeUninit::uninit();
-        let mut result = ptr::null_mut();
-        // SAFETY: `shared` outlives the thread, which is joined; unwinding ends in the C library's start of the thread.
-        unsafe {
-            let start =
-                core::mem::transmute::<unsafe extern "C-unwind" fn(*mut c_void) -> *mut c_void, Start>(initialise);
-            let argument = ptr::from_ref(&shared).cast_mut().cast();
-            assert_eq!(libc::pthread_create(thread.as_mut_ptr(), ptr::null(), start, argument), 0);
-            while !shared.begun.load(Ordering::Acquire) {
-                std::thread::yield_now();
-            }
-            usleep(delay);
-            assert_eq!(pthread_cancel(thread.assume_init()), 0);
-            assert_eq!(libc::pthread_join(thread.assume_init(), &raw mut result), 0);
-        }
-        // PTHREAD_CANCELED
-        assert_eq!(result as isize, -1);
+        let argument = ptr::from_ref(&shared).cast_mut().cast();
+        // SAFETY: `shared` outlives the thread.
+        let result = unsafe {
+            run_cancelled(initialise, argument, |thread| {
+                while !shared.begun.load(Ordering::Acquire) {
+                    std::thread::yield_now();
+                }
+                usleep(delay);
+                assert_eq!(pthread_cancel(thread), 0);
+            })
+        };
+        assert_eq!(result, CANCELLED);
         assert_eq!(shared.status.load(Ordering::Acquire), Status::Ok as usize, "{delay} us");
         assert_eq!(importer.step(0.0, 0.1), Status::Ok);
     }
