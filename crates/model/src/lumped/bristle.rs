@@ -218,10 +218,12 @@ impl Bristle {
             return (side * limit.at(time) / k, side * limit.rate / k);
         }
         let x = k * time / c;
-        let (first, second) = averages(x, (-x).exp());
-        let goal = side * limit.start / k;
-        let z = z + (goal - z) * x * first + side * limit.rate / k * time * x * second;
-        (z, (side * limit.at(time) - k * z) / c)
+        let decay = (-x).exp();
+        let (first, second) = averages(x, decay);
+        let (goal, drift) = (side * limit.start / k, side * limit.rate / k);
+        // Not (L sgn - k z)/c, which for a weak damper is the rounding error of z.
+        let rate = drift * (1.0 - decay) + (goal - z) * k / c * decay;
+        (z + (goal - z) * x * first + drift * time * x * second, rate)
     }
 
     /// Duration of sticking, and the side to which the bristle then slips.
