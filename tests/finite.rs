@@ -121,7 +121,7 @@ fn sweep(level: &[(&'static str, f64)], count: u32) {
     println!("failed steps: {} of {steps}\n{}", failures.len(), failures.join("\n"));
     assert!(failed.is_empty(), "{} of {count}:\n{}", failed.len(), failed.join("\n"));
     assert!(4 * refused.len() < count as usize, "{} of {count} refused", refused.len());
-    assert!(failures.len() <= steps / 100, "{} of {steps} steps fail", failures.len());
+    assert!(failures.len() <= steps / 200, "{} of {steps} steps fail", failures.len());
 }
 
 #[test]

@@ -173,8 +173,17 @@ impl Stages {
         strip.flux[0] = fluxes.map(|flux| flux.1);
         let fades = !stepper.friction.fade.flat;
         if self.bristle.is_some() && fades {
-            self.kinetic_coefficient =
-                self.temperature.map(|rise| stepper.friction.kinetic_coefficient(rise + self.reference));
+            // In slip the heat of a stage is proportional to its friction coefficient: the consistent one of both is the next iterate.
+            let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
+            for stage in 0..2 {
+                let unit = [0, 1].map(|other| f64::from(u8::from(other == stage)));
+                let gain = (self.partition.temperatures(&self.partition.fluxes(unit))[stage] - none[stage]).max(0.0);
+                let (heat, coefficient) = (self.heat[stage], self.kinetic_coefficient[stage]);
+                let per_coefficient = if coefficient > 0.0 { gain * heat / coefficient } else { 0.0 };
+                let level = self.temperature[stage] + self.reference - per_coefficient * coefficient;
+                let temperature = agree(stepper.friction, level, per_coefficient);
+                self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
+            }
         }
         let caliper = stepper.operators.series_stiffness > 0.0;
         if caliper {
