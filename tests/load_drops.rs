@@ -128,3 +128,21 @@ fn a_bristle_returns_to_a_limit_that_drops_on_the_contact_line() {
         compare(&[("solver.fidelity", 3.0), ("solver.cells", 9.0)], count, damping);
     }
 }
+
+#[test]
+fn a_load_that_drops_from_2600_to_1000_n_leaves_the_force_at_the_limit() {
+    for level in [2.0, 3.0] {
+        let mut drive =
+            Drive::stock(&[("solver.fidelity", level), ("solver.cells", 9.0), ("contact.stick_stiffness", STIFFNESS)]);
+        drive.set("sliding_velocity", 10.0).set("normal_load", 2600.0).step(0.1);
+        let before = drive.get("dissipated_energy");
+        drive.set("normal_load", 1000.0).step(0.1);
+        assert!((drive.get("friction_force") / (LIMIT_PER_LOAD * 1000.0) - 1.0).abs() < 1e-9);
+        // The work over a metre, and what the spring gave back.
+        let exact =
+            LIMIT_PER_LOAD * 1000.0 + 0.5 * LIMIT_PER_LOAD.powi(2) * (2600_f64.powi(2) - 1000_f64.powi(2)) / STIFFNESS;
+        let heat = drive.get("dissipated_energy") - before;
+        assert!((heat / exact - 1.0).abs() < 1e-9, "level {level}: {heat} J, {exact} J");
+        assert!(drive.imbalance() < 1e-12);
+    }
+}
