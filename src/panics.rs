@@ -1,4 +1,4 @@
-//! Panics: caught, kept off the error stream, and told with their place; and work on a thread of its own.
+//! Panics: caught, kept off the error stream, and told with their place; work on a thread of its own, and code of the importer.
 //!
 //! A panic is a defect of this library. Panics are kept off stderr by a hook that reads a thread-local flag, set only here, and
 //! passes every other panic on to the previous hook. (Inside an importer the library has a standard library, and so a hook, of its
@@ -73,19 +73,23 @@ pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// Runs code of the importer. Panics in it, if it is written in Rust, are not silenced.
+/// Runs code of the importer. Panics in it, if it is written in Rust, are not silenced. A cancellation acts after the call: a thread that
+/// is unwound out of it would leave an instance half changed.
 pub fn outside(body: impl FnOnce()) {
+    let _uncancelled = cancellation::Disabled::new();
     let before = INSIDE.replace(false);
     body();
     INSIDE.set(before);
 }
 
-/// Runs `body` on a thread that has ended when this returns; in place where the system gives none. A panic goes on here.
+/// Runs `body` on a thread that has ended when this returns; in place where the system gives none. A panic goes on here, a
+/// cancellation does not act before the end: the other thread writes to the stack of this one.
 ///
 /// The dense products of the operators keep buffers in thread-local values with destructors. As long as such a value lives in a
 /// thread of the importer, the library stays mapped although it was unloaded. (`std::thread` leaves such values in the thread that
 /// calls it, too, hence the thread of the system.) Elsewhere than on Unix they are lost with the library.
 pub fn on_own_thread<T: Send>(body: impl FnOnce() -> T + Send) -> T {
+    let _uncancelled = cancellation::Disabled::new();
     let is_inside = INSIDE.get();
     let outcome = system::run(move || {
         INSIDE.set(is_inside);
@@ -97,6 +101,50 @@ pub fn on_own_thread<T: Send>(body: impl FnOnce() -> T + Send) -> T {
         (Err(payload), place) => {
             PLACE.set(place);
             panic::resume_unwind(payload)
+        }
+    }
+}
+
+#[cfg(any(target_os = "linux", target_vendor = "apple", target_os = "freebsd"))]
+mod cancellation {
+    use core::ffi::c_int;
+
+    unsafe extern "C" {
+        fn pthread_setcancelstate(state: c_int, old: *mut c_int) -> c_int;
+    }
+
+    /// `PTHREAD_CANCEL_DISABLE`
+    const DISABLE: c_int = if cfg!(target_vendor = "apple") { 0 } else { 1 };
+
+    /// While this lives `pthread_cancel` of this thread does not act. What may wait stands behind it: the importer's functions, and the
+    /// end of another thread.
+    pub struct Disabled(c_int);
+
+    impl Disabled {
+        pub fn new() -> Disabled {
+            let mut before = DISABLE;
+            // SAFETY: the value of the platform, and a place for the old one.
+            unsafe { pthread_setcancelstate(DISABLE, &raw mut before) };
+            Disabled(before)
+        }
+    }
+
+    impl Drop for Disabled {
+        fn drop(&mut self) {
+            // SAFETY: the state was given by this function, which is no cancellation point.
+            unsafe { pthread_setcancelstate(self.0, &raw mut self.0) };
+        }
+    }
+}
+
+#[cfg(not(any(target_os = "linux", target_vendor = "apple", target_os = "freebsd")))]
+mod cancellation {
+    /// Threads of these platforms cannot be cancelled.
+    pub struct Disabled;
+
+    impl Disabled {
+        pub fn new() -> Disabled {
+            Disabled
         }
     }
 }

@@ -11,7 +11,7 @@ use serde::Deserialize;
 const WORKSPACES: [&str; 2] = ["Cargo.toml", "tests/importers/Cargo.toml"];
 
 /// Files outside of tests that contain `unsafe`, and why they must.
-const UNSAFE: [(&str, &str); 18] = [
+const UNSAFE: [(&str, &str); 19] = [
     ("python/native/src/lib.rs", "functions of the C interface of the Python package"),
     ("crates/scene/src/slot.rs", "volatile read of the scene that packaging writes into the library"),
     ("crates/numerics/src/cache.rs", "allocator that counts, of a unit test"),
@@ -20,8 +20,9 @@ const UNSAFE: [(&str, &str); 18] = [
     ("src/fmi2/exports.rs", "functions of the C interface"),
     ("src/fmi2/arguments.rs", "arrays of the importer"),
     ("src/fmi2/registry.rs", "instances behind their handles"),
-    ("src/panics.rs", "a thread of the system, on which operators are built"),
+    ("src/panics.rs", "a thread of the system, on which operators are built, and cancellation"),
     ("src/fmi2/log.rs", "the importer's logger"),
+    ("src/fmi2/floating_point.rs", "floating-point registers"),
     ("src/fmi2/gate.rs", "the importer's logger, of unit tests"),
     ("src/fmi2/types.rs", "types of the importer's functions"),
     ("fmu-build/host/src/timing.rs", "calls of a loaded FMU"),

@@ -1,6 +1,6 @@
 //! Range checks of the inputs of a step. Inputs are stored unchecked; a step with an invalid one is rejected.
 
-use super::Component;
+use super::{Component, Phase};
 use model::INPUTS;
 use scene::message::{self, Number};
 use scene::variables::{ValueReference, lookup, reference, unit_of};
@@ -35,6 +35,17 @@ fn name_of(index: usize) -> (&'static str, &'static str) {
 }
 
 impl Component {
+    /// Checks parameters that are to be changed together while the model runs: what a step would refuse is refused before.
+    ///
+    /// # Errors
+    /// A text with variable, value and limit.
+    pub fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
+        let Some(model) = self.model.as_ref().filter(|_| self.phase == Phase::Running) else { return Ok(()) };
+        let mut values = *self.values;
+        changes.for_each(|(reference, value)| values[reference as usize] = value);
+        model.check_tunables(&super::tunables_of(&values))
+    }
+
     /// Checks the inputs at the beginning and at the end of a step of `step` s.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
 use model::plan::distance::Distance;
 use model::run_error::{RunError, SavedRunError};
+use scene::message::Number;
 use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 
@@ -204,7 +205,15 @@ impl Snapshot {
         }
         let numbers: Vec<f64> =
             bytes.chunks_exact(8).map(|chunk| f64::from_le_bytes(std::array::from_fn(|i| chunk[i]))).collect();
-        Snapshot::from_numbers(&mut numbers.iter()).ok_or_else(|| "the saved state is cut short or damaged".into())
+        let snapshot = Snapshot::from_numbers(&mut numbers.iter()).ok_or("the saved state is cut short or damaged")?;
+        let states = [&snapshot.state, &snapshot.run_error.companion];
+        match states.into_iter().flatten().find_map(|state| state.larger_than(LARGEST_STATE)) {
+            None => Ok(snapshot),
+            Some((name, value)) => Err(format!(
+                "the saved state is damaged or out of range: {name} is {}, its magnitude must be at most {LARGEST_STATE:e}",
+                Number(value)
+            )),
+        }
     }
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
@@ -240,10 +249,6 @@ impl Snapshot {
             *slot = next().filter(|number| (0.0..=LARGEST_STATE).contains(number))?;
         }
         snapshot.run_error.distance = is_measured.then_some(distance);
-        // NaN stands for a number that is not known yet; where none may stand, the model refuses it.
-        if numbers.as_slice().iter().any(|number| number.abs() > LARGEST_STATE) {
-            return None;
-        }
         snapshot.state = model_state(numbers)?;
         snapshot.run_error.companion = model_state(numbers)?;
         numbers.next().is_none().then_some(snapshot)

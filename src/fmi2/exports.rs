@@ -19,6 +19,7 @@ use core::ffi::{CStr, c_char};
 use core::ptr;
 
 use super::arguments::{MOST_VARIABLES, Sink, Source};
+use super::floating_point::Environment;
 use super::gate;
 use super::instance::{Instance, free};
 use super::log::Category;
@@ -115,6 +116,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     if functions.is_null() {
         return ptr::null_mut();
     }
+    let _environment = Environment::enter();
     panics::install_hook();
     let instance = panics::catch(|| {
         // SAFETY: not NULL, so the importer vouches for the structure; it vouches for the strings.
@@ -127,6 +129,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// Allowed in every phase. NULL, a freed instance and one in use by another call are ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2FreeInstance(component: Component) {
+    let _environment = Environment::enter();
     if let Ok(instance) = gate::INSTANCES.remove(component) {
         free(instance);
     }

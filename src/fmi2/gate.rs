@@ -1,10 +1,12 @@
-//! Entry and exit of every call on an instance: handle lookup, busy flag, phase check, panic barrier, log, status.
+//! Entry and exit of every call on an instance: floating-point environment, handle lookup, busy flag, phase check, panic barrier, log,
+//! status.
 //!
 //! A panic is a defect of this library and must not end the importer's process: the message goes to the instance's log, the
 //! instance to the error phase, and the call returns `fmi2Error`.
 
 use core::ffi::c_void;
 
+use super::floating_point::Environment;
 use super::instance::Instance;
 use super::policy::{Fault, Function};
 use super::problem::{Outcome, Problem};
@@ -21,6 +23,7 @@ pub static INSTANCES: Registry<Instance> = Registry::new(1);
 /// without a message, because the logger belongs to the instance that cannot be accessed.
 #[inline(always)]
 pub fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
+    let _environment = Environment::enter();
     let Ok(mut guard) = INSTANCES.acquire(component) else { return Status::Error };
     let instance = &mut *guard;
     let result = catch(|| {

@@ -8,6 +8,7 @@
 //! | [`types`] | the C types of the standard, declared by hand |
 //! | [`exports`] | the exported functions: raw arguments in, one call into the instance |
 //! | `arguments` | arrays and strings of the importer, checked before they are read |
+//! | `floating_point` | floating-point environment of the calling thread |
 //! | `gate` | entry and exit of every call: handle, busy flag, phase, panic, log, status |
 //! | `registry` | handles instead of pointers: invalid, busy and freed ones are refused |
 //! | [`policy`] | call sequences, settable variables and statuses, as tables |
@@ -24,6 +25,7 @@
 
 mod arguments;
 pub mod exports;
+mod floating_point;
 mod gate;
 mod instance;
 mod log;

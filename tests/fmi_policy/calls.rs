@@ -361,3 +361,38 @@ fn every_phase_is_reached_and_distinct() {
         assert!(bytes[..index].iter().all(|other| one != other));
     }
 }
+
+/// What would make every later step fail is refused where it is set.
+#[test]
+fn wear_accelerated_against_growth_is_refused_at_initialisation_and_while_stepping() {
+    let line = || {
+        let importer = Importer::new();
+        assert_eq!(importer.set_integer("solver.fidelity", 3), Status::Ok);
+        assert_eq!(importer.set_integer("solver.cells", 9), Status::Ok);
+        importer
+    };
+    let names_limit = |importer: &Importer| {
+        let log = importer.take_log();
+        let text = &log.last().unwrap().2;
+        assert!(text.contains("wear_acceleration = 1000 ") && text.contains("the limit is 0.5"), "{text}");
+    };
+    let importer = line();
+    assert_eq!(importer.set_real(&["wear_acceleration"], &[1e3]), Status::Ok);
+    assert_eq!(importer.setup(None, 0.0, None), Status::Ok);
+    assert_eq!(importer.enter(), Status::Ok);
+    assert_eq!(importer.exit(), Status::Error);
+    names_limit(&importer);
+    let importer = line();
+    assert_eq!(importer.setup(None, 0.0, None), Status::Ok);
+    assert_eq!(importer.enter(), Status::Ok);
+    assert_eq!(importer.exit(), Status::Ok);
+    importer.take_log();
+    let names = ["sliding_velocity", "normal_load"];
+    assert_eq!(importer.set_real(&names, &[1.0, 1e3]), Status::Ok);
+    assert_eq!(importer.set_real(&["wear_acceleration"], &[1e3]), Status::Discard);
+    names_limit(&importer);
+    assert_eq!(importer.get_real("wear_acceleration"), 1.0);
+    assert_eq!(importer.step(0.0, 0.1), Status::Ok);
+    assert_eq!(importer.set_real(&["wear_acceleration"], &[10.0]), Status::Ok);
+    assert_eq!(importer.step(0.1, 0.1), Status::Ok);
+}

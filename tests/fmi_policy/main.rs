@@ -5,6 +5,8 @@
 
 mod calls;
 mod handles;
+#[cfg(all(target_os = "linux", target_env = "gnu", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod host;
 mod instantiation;
 mod messages;
 mod sequences;

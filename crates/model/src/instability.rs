@@ -50,6 +50,8 @@ use waves::{Families, Least};
 const SLOWEST: f64 = 1e-5;
 const PER_DECADE: f64 = 4.0;
 const SPEEDS: usize = 37;
+/// Decades of speeds above, one speed each, up to 1e12 m/s: no input is larger, and what grows only above it does not grow.
+const FAST_DECADES: usize = 8;
 
 /// Number of speeds from one comparison of all waves to the next; between, the minimum is followed from neighbour to neighbour.
 const COMPARED: usize = 6;
@@ -93,6 +95,10 @@ impl CriticalSpeed {
             let near = if k % COMPARED == 0 { None } else { points.last().map(|point| &point.least) };
             points.push(Point::new(&families, (SLOWEST * 10f64.powf(k as f64 / PER_DECADE)).ln(), near));
         }
+        for decade in 1..=FAST_DECADES {
+            let speed = points[SPEEDS - 1].speed + decade as f64 * 10f64.ln();
+            points.push(Point::new(&families, speed, None));
+        }
         let range = REFINED.map(|part| (part * scene.friction_coefficient).ln());
         let interval = |left: &Point, right: &Point| Interval::new(&families, range, left.clone(), right.clone());
         let mut intervals: Vec<Interval> = points.windows(2).map(|pair| interval(&pair[0], &pair[1])).collect();
@@ -112,7 +118,7 @@ impl CriticalSpeed {
         CriticalSpeed { all, modelled: table(Point::modelled), alone: families.alone(), least_product }
     }
 
-    /// Critical speed at this friction coefficient, m/s; 0: nothing grows. Relative error of the table: 5e-3 within a
+    /// Critical speed at this friction coefficient, m/s; 0: nothing grows below 1e12 m/s. Relative error of the table: 5e-3 within a
     /// factor of three of the scene's friction coefficient, none for one conductor on an insulator.
     pub fn at<S: Scalar>(&self, friction: S) -> S {
         self.all.at(friction)
@@ -254,9 +260,13 @@ impl Table {
             return S::from(0.0);
         }
         let wanted = friction.value().ln();
-        // Outside the table the last slope is extrapolated.
         let (first, last) = (self.0.partition_point(|[_, value]| !value.is_finite()), self.0.len() - 1);
-        let above = self.0.partition_point(|&[_, value]| value > wanted).clamp((first + 1).min(last), last);
+        let above = self.0.partition_point(|&[_, value]| value > wanted);
+        if above > last {
+            return S::from(0.0);
+        }
+        // Below the lowest speed the first slope is extrapolated.
+        let above = above.max((first + 1).min(last));
         let ([slow, left], [fast, right]) = (self.0[above - 1], self.0[above]);
         // Flat piece: a wave that appears at this speed.
         let fall = (left - right).max(1e-9);

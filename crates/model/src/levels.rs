@@ -31,6 +31,18 @@ pub enum ModelState {
     Line(lumped::state::LumpedState, Vec<f64>),
 }
 
+impl ModelState {
+    /// Name and value of a number larger than `most` in magnitude, if any.
+    pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
+        match self {
+            ModelState::Lumped(mean) => mean.larger_than(most),
+            ModelState::Line(mean, numbers) => {
+                mean.larger_than(most).or_else(|| line::saved::larger_than(numbers, most))
+            }
+        }
+    }
+}
+
 /// Instance of a scene at its level. The lumped level, the more frequent one, is stored in place, so that its step follows no
 /// pointer.
 #[derive(Clone, Debug)]
@@ -220,6 +232,19 @@ impl Model {
     /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         each!(self, model => model.set_tunables(tunables));
+    }
+
+    /// Checks tunable parameters that are to hold from here on.
+    ///
+    /// # Errors
+    /// A text with variable, value and limit, where the model refuses a step with them.
+    pub fn check_tunables(&self, tunables: &Tunables) -> Result<(), String> {
+        match self {
+            Model::Lumped(_) => Ok(()),
+            Model::Line(line) => {
+                line.operators().check_acceleration(tunables.friction_coefficient, tunables.wear_acceleration)
+            }
+        }
     }
 
     /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails.

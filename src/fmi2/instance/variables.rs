@@ -27,6 +27,7 @@ impl Instance {
         references: Source<'_, ValueReference>,
         values: Source<'_, T>,
     ) -> Outcome {
+        let mut tunes = false;
         for index in 0..references.count() {
             let reference = references.at(index);
             let access = policy::access(reference);
@@ -34,11 +35,18 @@ impl Instance {
                 return Err(reference_problem(reference, Some(kind), Some(self.phase)));
             }
             if !access.is_input() {
+                tunes = true;
                 let value = values.at(index).into();
                 if variables::check_parameter(reference, value).is_err() {
                     return Err(self.refused_values(kind, references, values));
                 }
             }
+        }
+        if tunes {
+            let changes = (0..references.count()).map(|index| (references.at(index), values.at(index).into()));
+            self.component
+                .check_tuning(changes)
+                .map_err(|text| Problem { fault: Fault::Value, text: format!("{text}; the old value stays") })?;
         }
         for index in 0..references.count() {
             let (reference, value) = (references.at(index), values.at(index).into());

@@ -17,7 +17,7 @@ pub mod hottest;
 pub mod operators;
 mod outputs;
 pub mod profile;
-mod saved;
+pub mod saved;
 mod stages;
 mod staggered;
 pub mod state;
@@ -391,8 +391,10 @@ impl Line {
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
             let work = (state.dissipated - dissipated) * self.operators.mean.area;
             let impulse = 0.5 * length * (inputs[1].max(0.0) + carried.max(0.0));
-            let heat_per_pressure = if impulse > 0.0 { work / impulse } else { 0.0 };
-            Slipped { distance: state.distance - distance, ratio, heat_per_pressure }
+            let distance = state.distance - distance;
+            let (heat_per_pressure, released) =
+                if impulse > 0.0 { (work / impulse, 0.0) } else { (0.0, work / (length * self.operators.mean.area)) };
+            Slipped { distance, ratio, heat_per_pressure, released }
         });
         Ok(LumpedTemperature {
             temperature: [temperature, state.end_temperature + state.reference],

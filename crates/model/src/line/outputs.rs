@@ -60,6 +60,7 @@ impl Line {
                 + self.mean.state().reference,
             expansion: self.expansion(),
             heat_per_pressure: None,
+            released: 0.0,
         }
     }
 

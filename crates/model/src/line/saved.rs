@@ -8,6 +8,18 @@ use super::state::LineState;
 use crate::INPUTS;
 use numerics::maximum::all_finite;
 
+/// Name and value of a number of a state written by [`LineState::save`] that is larger than `most` in magnitude, if any.
+pub fn larger_than(numbers: &[f64], most: f64) -> Option<(&'static str, f64)> {
+    let (index, &value) = numbers.iter().enumerate().find(|(_, number)| number.abs() > most)?;
+    let count = numbers[0] as usize;
+    let rows = ["the wear depth of the punch (m)", "the wear depth of the strip (m)", "the pressure (Pa)"];
+    let name = match index {
+        0 => "the number of cells",
+        _ => rows.get((index - 1) / count.max(1)).copied().unwrap_or("a temperature, flux, displacement or energy"),
+    };
+    Some((name, value))
+}
+
 impl LineState {
     /// Copies `other` without allocating.
     pub fn copy_from(&mut self, other: &LineState) {

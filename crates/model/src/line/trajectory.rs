@@ -26,6 +26,8 @@ pub struct Slipped {
     pub ratio: f64,
     /// Mean friction heat flux over the pressure, m/s.
     pub heat_per_pressure: f64,
+    /// Heat flux that the bristle leaves where the contact opens at once, W/m2.
+    pub released: f64,
 }
 
 impl LumpedTemperature {
@@ -54,6 +56,8 @@ pub struct StageConditions {
     pub expansion: f64,
     /// Friction heat flux over the pressure, m/s, where a bristle determines it.
     pub heat_per_pressure: Option<f64>,
+    /// Heat flux into open surfaces, W/m2: see [`Slipped::released`].
+    pub released: f64,
 }
 
 impl StageConditions {
@@ -162,6 +166,7 @@ impl InputTrajectory {
         };
         let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
+        let released = self.heat.slipped.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);
         StageConditions {
             sign,
@@ -172,6 +177,7 @@ impl InputTrajectory {
             temperature,
             expansion,
             heat_per_pressure,
+            released,
         }
     }
 

@@ -39,12 +39,25 @@ pub struct Moved {
     pub power: [f64; 3],
     /// Slip speed at these points, m/s, >= 0.
     pub speed: [f64; 3],
+    /// What of the above is released at the start of the step.
+    pub released: Released,
+}
+
+/// Heat and slip by which the spring returns to a limit that is below its force when the step starts, as after a jump of the load:
+/// `(k z^2 - L^2/k)/2` and `|z| - L/k`. It takes the time c/k. Nothing where that is so long that the points of the step see it.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Released {
+    /// Part of the friction heat, J.
+    pub heat: f64,
+    /// Part of the distance slipped, m.
+    pub slipped: f64,
 }
 
 impl Moved {
     /// Bristle at rest at the deflection `z` (m).
     pub fn none(z: f64) -> Moved {
-        Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3] }
+        let released = Released::default();
+        Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3], released }
     }
 }
 
@@ -90,6 +103,10 @@ impl Line {
 
 /// Relative distance to the limit within which a bristle without damper that is loaded further counts as slipping.
 const MEETING: f64 = 1e-4;
+
+/// Part of the deflection beyond the limit, as the exponent of e, that is left at the first point of a step after a return that the
+/// points do not see: rounding.
+const RETURNED: f64 = 36.0;
 
 /// Largest number of transitions between sticking and slipping in a step; linear velocity and limit cause fewer.
 const MOST_CHANGES: usize = 16;
@@ -149,14 +166,10 @@ impl Bristle {
             let trial = k * moved.deflection + self.damping * v.start;
             if change == 0 && trial.abs() > limit.start {
                 slipping = Some(1.0_f64.copysign(trial));
-            }
-            if let Some(side) = slipping.filter(|_| self.damping == 0.0) {
-                // Without a damper the deflection follows a decreasing limit instantly.
-                let held = side * limit.start.max(0.0) / k;
-                let z = moved.deflection;
-                moved.heat += (0.5 * k * (z * z - held * held)).max(0.0);
-                moved.slipped += (z - held).abs();
-                moved.deflection = held;
+                let (z, held) = (moved.deflection.abs(), limit.start.max(0.0) / k);
+                if now == 0.0 && z > held && k * POINTS[0] * step >= RETURNED * self.damping {
+                    moved.released = Released { heat: 0.5 * k * (z - held) * (z + held), slipped: z - held };
+                }
             }
             let (length, next) = match slipping {
                 None => {
@@ -205,10 +218,12 @@ impl Bristle {
             return (side * limit.at(time) / k, side * limit.rate / k);
         }
         let x = k * time / c;
-        let (first, second) = averages(x, (-x).exp());
-        let goal = side * limit.start / k;
-        let z = z + (goal - z) * x * first + side * limit.rate / k * time * x * second;
-        (z, (side * limit.at(time) - k * z) / c)
+        let decay = (-x).exp();
+        let (first, second) = averages(x, decay);
+        let (goal, drift) = (side * limit.start / k, side * limit.rate / k);
+        // Not (L sgn - k z)/c, which for a weak damper is the rounding error of z.
+        let rate = drift * (1.0 - decay) + (goal - z) * k / c * decay;
+        (z + (goal - z) * x * first + drift * time * x * second, rate)
     }
 
     /// Duration of sticking, and the side to which the bristle then slips.

@@ -71,6 +71,40 @@ impl LumpedState {
     }
 }
 
+impl LumpedState {
+    /// Name and value of a number larger than `most` in magnitude, if any.
+    pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
+        let LumpedState { punch, strip, .. } = self;
+        let mut track = Vec::new();
+        self.track.iter().for_each(|own| own.save(&mut track));
+        let rows: [(&str, &[f64]); 19] = [
+            ("punch: a temperature (K above the reference)", &punch.heat),
+            ("strip: a temperature (K above the reference)", &strip.heat),
+            ("punch: heat received by a surface (J/m2)", &punch.received),
+            ("strip: heat received by a surface (J/m2)", &strip.received),
+            ("punch: heat from its neighbour (J/m2)", &[punch.external]),
+            ("strip: heat from its neighbour (J/m2)", &[strip.external]),
+            ("punch: wear depth (m)", &[punch.depth, punch.worn]),
+            ("strip: wear depth (m)", &[strip.depth, strip.worn]),
+            ("the local temperature rise under the punch (K)", &self.flash),
+            ("the position on the track (m)", &[self.position]),
+            ("the sliding distance (m)", &[self.distance]),
+            ("the dissipated energy (J/m2)", &[self.dissipated]),
+            ("the bristle's deflection (m)", &[self.bristle]),
+            (
+                "the largest rise, flux or wear rate so far (K, W/m2, m/s)",
+                &[self.peak_rise, self.peak_flux, self.peak_wear],
+            ),
+            ("the step error so far", &[self.error]),
+            ("the contact temperature (K above the reference)", &[self.reference, self.end_temperature]),
+            ("the friction force (N)", &[self.end_force]),
+            ("a depth or place of the worn track (m)", &track),
+            ("a far face's temperature (K)", &[self.far_start[0], self.far_start[1], self.far[0], self.far[1]]),
+        ];
+        rows.into_iter().find_map(|(name, row)| row.iter().find(|value| value.abs() > most).map(|value| (name, *value)))
+    }
+}
+
 /// Writes a row without its trailing zeros.
 fn write_row(out: &mut Vec<f64>, values: &[f64]) {
     let count = values.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);

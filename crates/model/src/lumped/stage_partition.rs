@@ -37,7 +37,7 @@ impl StageHeatPartition {
                 matrix[i][j] = if closed {
                     punch_gain[i][j] + strip_gain[i][j] + own
                 } else {
-                    // Open contact: no exchange, the flux into the punch is 0.
+                    // Open contact: no exchange, the flux into the punch is half of the heat that a bristle leaves.
                     f64::from(u8::from(i == j))
                 };
             }
@@ -72,12 +72,14 @@ impl StageHeatPartition {
             (true, true) if self.conductance > 0.0 => {
                 let mut right = [0.0; 2];
                 for i in 0..2 {
-                    if self.closed {
-                        right[i] = self.strip_level[i] - self.punch_level[i]
+                    right[i] = if self.closed {
+                        self.strip_level[i] - self.punch_level[i]
                             + self.strip_gain[i][0] * heat[0]
                             + self.strip_gain[i][1] * heat[1]
-                            + self.half_resistance * heat[i];
-                    }
+                            + self.half_resistance * heat[i]
+                    } else {
+                        0.5 * heat[i]
+                    };
                 }
                 [0, 1].map(|i| {
                     let into_punch = self.inverse[i][0] * right[0] + self.inverse[i][1] * right[1];

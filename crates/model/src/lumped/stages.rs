@@ -25,12 +25,14 @@ pub struct Stages {
     pub kinetic_coefficient: [f64; 2],
     /// Wear rates of punch and strip at the stages.
     pub rates: [[f64; 2]; 2],
+    /// Wear depths by the slip that a bristle without damper releases at the start of the step, m.
+    pub released_wear: [f64; 2],
     /// Gain of the strip's contact temperature including its moving source.
     strip_gain: [[f64; 2]; 3],
     partition: StageHeatPartition,
     /// s v Stribeck at the stages: heat per kinetic friction coefficient and pressure.
     driver: [f64; 2],
-    /// Sliding speed in the wear law.
+    /// Sliding speed in the wear law, without what a bristle releases.
     speed: [f64; 2],
     pub bristle: Option<Bristle>,
     deflection_at_start: f64,
@@ -71,6 +73,7 @@ impl Stages {
             temperature: [0.0; 2],
             kinetic_coefficient: [stepper.friction.kinetic_coefficient(state.end_temperature + state.reference); 2],
             rates: [[0.0; 2]; 2],
+            released_wear: [0.0; 2],
             strip_gain,
             partition,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
@@ -99,8 +102,10 @@ impl Stages {
         const STAGE: [[f64; 2]; 2] = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
         let coverage = operators.scene.coverage();
         for stage in 0..2 {
-            let worn =
-                |body: usize| step * (STAGE[stage][0] * self.rates[body][0] + STAGE[stage][1] * self.rates[body][1]);
+            let worn = |body: usize| {
+                step * (STAGE[stage][0] * self.rates[body][0] + STAGE[stage][1] * self.rates[body][1])
+                    + self.released_wear[body]
+            };
             let expansion = |body: &StageBody, state: &BodyState| match (body.propagator, &body.body.heat) {
                 (Some(propagator), Some(heat)) => {
                     body.body.expansion
@@ -168,8 +173,17 @@ impl Stages {
         strip.flux[0] = fluxes.map(|flux| flux.1);
         let fades = !stepper.friction.fade.flat;
         if self.bristle.is_some() && fades {
-            self.kinetic_coefficient =
-                self.temperature.map(|rise| stepper.friction.kinetic_coefficient(rise + self.reference));
+            // In slip the heat of a stage is proportional to its friction coefficient: the consistent one of both is the next iterate.
+            let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
+            for stage in 0..2 {
+                let unit = [0, 1].map(|other| f64::from(u8::from(other == stage)));
+                let gain = (self.partition.temperatures(&self.partition.fluxes(unit))[stage] - none[stage]).max(0.0);
+                let (heat, coefficient) = (self.heat[stage], self.kinetic_coefficient[stage]);
+                let per_coefficient = if coefficient > 0.0 { gain * heat / coefficient } else { 0.0 };
+                let level = self.temperature[stage] + self.reference - per_coefficient * coefficient;
+                let temperature = agree(stepper.friction, level, per_coefficient);
+                self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
+            }
         }
         let caliper = stepper.operators.series_stiffness > 0.0;
         if caliper {
@@ -185,7 +199,7 @@ impl Stages {
 
     /// Advances the bristle over the whole step, with its limit linear through both stages: in continuous sliding its heat equals
     /// that of the friction law without a bristle. Heat and slip speed at the stages are those of the instants, scaled to the
-    /// heat and the slip over the step.
+    /// heat and the slip over the step; what is released at once is spread over the step.
     fn slide_bristle(&mut self, stepper: &Stepper) {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
@@ -194,13 +208,11 @@ impl Stages {
         });
         let limit = Line::through_stages(limits, step);
         self.moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
+        let (moved, released) = (&self.moved, &self.moved.released);
         let flux = 1.0 / (operators.scene.faces * operators.area);
-        self.heat = if self.pressure == [0.0; 2] {
-            [0.0; 2]
-        } else {
-            scaled([self.moved.power[0], self.moved.power[2]], self.moved.heat / step).map(|power| power * flux)
-        };
-        self.speed = scaled([self.moved.speed[0], self.moved.speed[2]], self.moved.slipped / step);
+        self.heat = scaled([moved.power[0], moved.power[2]], (moved.heat - released.heat).max(0.0) / step)
+            .map(|power| (power + released.heat / step) * flux);
+        self.speed = scaled([moved.speed[0], moved.speed[2]], (moved.slipped - released.slipped).max(0.0) / step);
     }
 
     /// Limit force of the bristle, N, all faces together.
@@ -209,20 +221,41 @@ impl Stages {
         kinetic_coefficient * stribeck * pressure * operators.power_factor * operators.scene.faces * operators.area
     }
 
-    /// Deviation of the bristle's heat from the quadrature of its powers at the stages, as a flux (W/m2); it is nonzero at
-    /// transitions between sticking and slipping.
-    fn unevenness(&self, stepper: &Stepper) -> f64 {
-        if self.bristle.is_none() || self.pressure == [0.0; 2] {
-            return 0.0;
+    /// Deviation of the bristle's heat from the quadrature of its powers at the stages, as a flux (W/m2): by transitions between
+    /// sticking and slipping, and by what is released at the start of the step.
+    fn unevenness(&self, stepper: &Stepper) -> [f64; 2] {
+        if self.bristle.is_none() {
+            return [0.0; 2];
         }
         let operators = stepper.operators;
-        let (power, mean) = (self.moved.power, self.moved.heat / stepper.propagators.step);
-        (QUADRATURE[0] * power[0] + QUADRATURE[1] * power[2] - mean).abs() / (operators.scene.faces * operators.area)
+        let (moved, step) = (&self.moved, stepper.propagators.step);
+        let mean = (moved.heat - moved.released.heat) / step;
+        let transitions = (QUADRATURE[0] * moved.power[0] + QUADRATURE[1] * moved.power[2] - mean).abs();
+        [transitions, moved.released.heat / step].map(|power| power / (operators.scene.faces * operators.area))
     }
 
-    /// Wear rates at the stages.
+    /// Largest friction heat flux of the stages, W/m2. What is released at the start counts as spread over the whole piece: in a short
+    /// step its flux is large, and says nothing about the heat of the piece.
+    pub fn largest_heat(&self, stepper: &Stepper) -> f64 {
+        let [_, released] = self.unevenness(stepper);
+        let largest = maximum(self.heat[0].abs(), self.heat[1].abs());
+        largest - released + released / stepper.cut
+    }
+
+    /// Wear rates at the stages. The slip that a bristle releases at once wears as if it took the whole piece: the law knows no wear
+    /// at infinite speed.
     pub fn wear(&mut self, stepper: &Stepper) {
         let operators = stepper.operators;
+        let released = self.moved.released.slipped;
+        if self.bristle.is_some() {
+            let length = stepper.cut * stepper.propagators.step;
+            let pressure = (1.5 * self.pressure[0] - 0.5 * self.pressure[1]).max(0.0);
+            self.released_wear = [&operators.punch, &operators.strip].map(|body| {
+                let temperature = self.temperature[0] + self.reference;
+                let rate = body.wear.rate(pressure, released / length, self.kinetic_coefficient[0], temperature);
+                length * rate * (body.wear_factor * stepper.tunables.wear_acceleration)
+            });
+        }
         // Where all arguments agree one rate is valid for both stages.
         let same = self.pressure[0] == self.pressure[1]
             && self.speed[0] == self.speed[1]
@@ -260,7 +293,7 @@ impl Stages {
             return f64::INFINITY;
         }
         let partition = (punch.flux[0][1] - punch.flux[0][0]).abs();
-        let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper);
+        let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper).iter().sum::<f64>();
         let scale = self.flux_scale(stepper, state, punch);
         let exchange = if self.partition.closed && operators.scene.conductance > 0.0 {
             // The resistance increases during the step: at its end it bounds that at the point 2/3.
@@ -280,7 +313,7 @@ impl Stages {
 
     /// Scale of errors of the flux, W/m2.
     fn flux_scale(&self, stepper: &Stepper, state: &LumpedState, punch: &StageBody) -> f64 {
-        let heat = maximum(self.heat[0].abs(), self.heat[1].abs());
+        let heat = self.largest_heat(stepper);
         let exchanged = 0.1 * maximum(punch.flux[0][0].abs(), punch.flux[0][1].abs());
         maximum(heat, exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
     }
@@ -337,11 +370,11 @@ impl Stages {
             );
             let excess = (limit(kinetic_coefficient, middle.stribeck, pressure) - straight) * self.moved.speed[1];
             let power = self.moved.power;
-            let bent = power[1] + excess - between([power[0], power[2]]);
-            let bent = if self.partition.closed { bent / (operators.scene.faces * operators.area) } else { 0.0 };
+            let bent = (power[1] + excess - between([power[0], power[2]])) / (operators.scene.faces * operators.area);
             // A transition between sticking and slipping only affects its own part: relative to the heat of the whole piece, it
-            // is weighted by duration.
-            defect += (bent.abs() + self.unevenness(stepper)) / stepper.cut;
+            // is weighted by duration. A release has the same heat in a part of any duration, and is displaced within it.
+            let [transitions, released] = self.unevenness(stepper);
+            defect += (bent.abs() + transitions + released / stepper.cut) / stepper.cut;
         } else {
             let heat = kinetic_coefficient * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
@@ -380,7 +413,7 @@ impl Stages {
         if self.bristle.is_some() {
             let [first, second, last] = self.moved.speed;
             speeds = [(2.0 * first - second).max(0.0), self.speed[0], second, self.speed[1]];
-            let mean = self.moved.slipped / stepper.propagators.step;
+            let mean = (self.moved.slipped - self.moved.released.slipped) / stepper.propagators.step;
             let left = (QUADRATURE[0] * first + QUADRATURE[1] * last - mean).abs();
             uneven = left / mean.max(first).max(last).max(f64::MIN_POSITIVE) * rates[0].max(rates[1]);
         }

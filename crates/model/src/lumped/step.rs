@@ -105,7 +105,7 @@ impl Stepper<'_> {
             travel,
             dissipated: state.dissipated + step * mean(stages.heat),
             distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
-            worn: [step * mean(stages.rates[0]), step * mean(stages.rates[1])],
+            worn: [0, 1].map(|body| step * mean(stages.rates[body]) + stages.released_wear[body]),
             end_temperature: stages.temperature[1],
             end_force: stages.kinetic_coefficient[1]
                 * last.stribeck
@@ -125,7 +125,7 @@ impl Stepper<'_> {
         for rise in stages.temperature {
             state.peak_rise = state.peak_rise.max(rise.abs());
         }
-        state.peak_flux = state.peak_flux.max(stages.heat[0]).max(stages.heat[1]);
+        state.peak_flux = state.peak_flux.max(stages.largest_heat(self));
         state.peak_wear = state.peak_wear.max(stages.rates[0][1].max(stages.rates[1][1]));
         Attempt { error, hottest }
     }

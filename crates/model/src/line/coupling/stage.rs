@@ -241,6 +241,9 @@ impl ThermalCoupling {
             let change = Change { pressure, contact_temperature, interface };
             if convergence.reached(change, self.exact[s]) && settled {
                 self.iterations = self.iterations.max(iteration);
+                if moment.released > 0.0 {
+                    self.release(stage, moment.released);
+                }
                 self.write_wear_rates(stage, given, stages);
                 return Ok(());
             }
@@ -252,6 +255,18 @@ impl ThermalCoupling {
             }
         }
         Err(StageError::NotConverged { stage: motion.tau, iterations: MAXIMUM_ITERATIONS })
+    }
+
+    /// Gives the open surfaces the heat of a bristle that the contact no longer holds, W/m2, half to each body that conducts.
+    fn release(&mut self, stage: Stage, heat: f64) {
+        let conducts = self.conducts();
+        let s = stage as usize;
+        self.friction[s].fill(heat);
+        let part = if conducts == [true, true] { 0.5 * heat } else { heat };
+        for (flux, conducts) in self.flux[s].iter_mut().zip(conducts) {
+            flux.fill(if conducts { part } else { 0.0 });
+        }
+        self.iterate.temperatures_current = false;
     }
 
     /// Sets contact temperature and friction of the cells by the surface temperatures of the iterate; returns the largest relative
