@@ -207,13 +207,13 @@ impl Snapshot {
             bytes.chunks_exact(8).map(|chunk| f64::from_le_bytes(std::array::from_fn(|i| chunk[i]))).collect();
         let snapshot = Snapshot::from_numbers(&mut numbers.iter()).ok_or("the saved state is cut short or damaged")?;
         let states = [&snapshot.state, &snapshot.run_error.companion];
-        match states.into_iter().flatten().find_map(|state| state.larger_than(LARGEST_STATE)) {
-            None => Ok(snapshot),
-            Some((name, value)) => Err(format!(
+        if let Some((name, value)) = states.into_iter().flatten().find_map(|state| state.larger_than(LARGEST_STATE)) {
+            return Err(format!(
                 "the saved state is damaged or out of range: {name} is {}, its magnitude must be at most {LARGEST_STATE:e}",
                 Number(value)
-            )),
+            ));
         }
+        Ok(snapshot)
     }
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
