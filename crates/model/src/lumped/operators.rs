@@ -4,7 +4,7 @@
 
 use super::air::{Air, BESIDE, FACES, FAR};
 use super::state::BodyState;
-use crate::instability::CriticalSpeed;
+use crate::growth::PerturbationGrowth;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
@@ -145,10 +145,8 @@ pub struct LumpedOperators {
     pub half_resistance: f64,
     /// Fraction of a closed path covered by the punches.
     pub strip_coverage: f64,
-    /// Critical speed of thermoelastic instability.
-    pub critical_speed: CriticalSpeed,
-    /// The nominal velocity is above the critical speed, which is reported at initialisation.
-    pub unstable_at_nominal: bool,
+    /// Critical speed of thermoelastic instability, and growth above it.
+    pub growth: PerturbationGrowth,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
@@ -161,7 +159,7 @@ impl LumpedOperators {
         Self::with_heat_of(scene, None)
     }
 
-    /// Builds the lumped level with the reduced bodies, the moving source, the compliance and the critical speed of `known`, whose scene has the
+    /// Builds the lumped level with the reduced bodies, the moving source, the compliance and the growth of perturbations of `known`, whose scene has the
     /// same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may differ.
     pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
@@ -203,7 +201,7 @@ impl LumpedOperators {
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
-        let critical_speed = known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone());
+        let growth = known.map_or_else(|| PerturbationGrowth::new(scene), |known| known.growth.clone());
         let mut operators = LumpedOperators {
             fast_path: false,
             fast_path_bounds: FastPathBounds::new(scene),
@@ -221,8 +219,7 @@ impl LumpedOperators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
-            unstable_at_nominal: critical_speed.is_exceeded(scene.friction_coefficient, scene.nominal_velocity),
-            critical_speed,
+            growth,
             compliance,
             series_stiffness,
             scene: scene.clone(),

@@ -170,7 +170,7 @@ impl Lumped {
             "friction_coefficient" = point.friction_coefficient,
             "friction_force_kinetic" = kinetic,
             "friction_force_limit" = limit,
-            "critical_speed" = operators.critical_speed.at(point.friction_coefficient),
+            "critical_speed" = operators.growth.critical.at(point.friction_coefficient),
             "pressure_mean" = point.pressure,
             "pressure_max" = point.pressure,
             "contact_fraction" = S::from(carries),

@@ -1,22 +1,10 @@
-//! Growth of pressure perturbations over a run: above the critical speed of thermoelastic instability the differences between levels
-//! grow with them.
-//!
-//! A perturbation that grows at the rate b (1/s) is larger by `exp(g)` at the end of a run, with the exponent
-//!
-//! ```text
-//! g = integral of b dt over the time above the critical speed.
-//! ```
-//!
-//! b is the upper bound of [`crate::fastest_growth`] over all waves between the contact's width and its smallest cell. A short time
-//! above the critical speed changes little: near it, a wave takes longer to grow by a factor e than it would take to fade without friction.
+//! Growth of pressure perturbations over the planned run: above the critical speed of thermoelastic instability the differences between
+//! levels grow with them.
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-use super::MOST_IN_VAIN;
 use super::trajectory::{NominalTrajectory, Segment};
-use crate::fastest_growth::FastestGrowth;
-use crate::instability::CriticalSpeed;
-use numerics::maximum::maximum;
+use crate::growth::PerturbationGrowth;
 use scene::Scene;
 
 /// Exponent from which on cells have to be seen to converge.
@@ -46,57 +34,33 @@ impl Growth {
     }
 }
 
-/// Growth of the perturbations of a scene.
-#[derive(Clone, Debug)]
-pub struct PerturbationGrowth {
-    critical: CriticalSpeed,
-    bound: FastestGrowth,
+/// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s): infinite where only a mode grows that no
+/// level contains.
+pub fn rate(growth: &PerturbationGrowth, friction: f64, speed: f64) -> f64 {
+    if !growth.critical.is_exceeded(friction, speed) {
+        return 0.0;
+    }
+    let critical = growth.critical.modelled(friction);
+    if critical > 0.0 && speed > critical { growth.modelled_rate(friction, speed) } else { f64::INFINITY }
 }
 
-impl PerturbationGrowth {
-    /// Growth in a scene with this critical speed.
-    pub fn new(scene: &Scene, critical: &CriticalSpeed) -> PerturbationGrowth {
-        let smallest = scene.width / MOST_IN_VAIN as f64;
-        PerturbationGrowth { critical: critical.clone(), bound: FastestGrowth::new(scene, smallest) }
-    }
-
-    /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s), of the modes that a contact line
-    /// contains; 0 up to their critical speed.
-    fn modelled_rate(&self, friction: f64, speed: f64) -> f64 {
-        let critical = self.critical.modelled(friction);
-        if !(critical > 0.0 && speed > critical) {
-            return 0.0;
-        }
-        [0, 1].map(|body| self.bound.of_body(body, friction, speed)).into_iter().fold(0.0, maximum)
-    }
-
-    /// The same of all modes: infinite where only one grows that no level contains.
-    pub fn rate(&self, friction: f64, speed: f64) -> f64 {
-        if !self.critical.is_exceeded(friction, speed) {
-            return 0.0;
-        }
-        let critical = self.critical.modelled(friction);
-        if critical > 0.0 && speed > critical { self.modelled_rate(friction, speed) } else { f64::INFINITY }
-    }
-
-    /// Exponents at the friction coefficient of `scene`: the one that a comparison over the trajectory contains, and that of the modes
-    /// of a contact line over the nominal duration, of which a reciprocating trajectory is a part. The first is infinite where what
-    /// exceeds it has no meaning: a mode grows that no level contains, or waves may be at rest in neither body, for which the bound is
-    /// far above the rate.
-    pub fn over(&self, course: &NominalTrajectory, scene: &Scene) -> [f64; 2] {
-        let exponent = |rate: &dyn Fn(f64) -> f64| {
-            let of_segment = |segment: &Segment| {
-                let [start, end] = segment.velocity;
-                segment.duration * rate((0.5 * (start + end)).abs())
-            };
-            course.segments[..course.loaded].iter().map(of_segment).sum::<f64>()
+/// Exponents at the friction coefficient of `scene`: the one that a comparison over the trajectory contains, and that of the modes
+/// of a contact line over the nominal duration, of which a reciprocating trajectory is a part. The first is infinite where what
+/// exceeds it has no meaning: a mode grows that no level contains, or waves may be at rest in neither body, for which the bound is
+/// far above the rate.
+pub fn over(growth: &PerturbationGrowth, course: &NominalTrajectory, scene: &Scene) -> [f64; 2] {
+    let exponent = |rate: &dyn Fn(f64) -> f64| {
+        let of_segment = |segment: &Segment| {
+            let [start, end] = segment.velocity;
+            segment.duration * rate((0.5 * (start + end)).abs())
         };
-        let friction = scene.friction_coefficient;
-        let modelled = exponent(&|speed| self.modelled_rate(friction, speed));
-        let all = exponent(&|speed| self.rate(friction, speed));
-        let contained = if all > 0.0 && self.bound.has_free_waves() { f64::INFINITY } else { all };
-        [contained, course.repeats * modelled]
-    }
+        course.segments[..course.loaded].iter().map(of_segment).sum::<f64>()
+    };
+    let friction = scene.friction_coefficient;
+    let modelled = exponent(&|speed| growth.modelled_rate(friction, speed));
+    let all = exponent(&|speed| rate(growth, friction, speed));
+    let contained = if all > 0.0 && growth.has_free_waves() { f64::INFINITY } else { all };
+    [contained, course.repeats * modelled]
 }
 
 #[cfg(test)]

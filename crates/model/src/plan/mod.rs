@@ -40,13 +40,13 @@ pub mod prepared;
 mod text;
 pub mod trajectory;
 
-use crate::instability::CriticalSpeed;
+use crate::growth::PerturbationGrowth;
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
 use comparison::{Comparison, compare};
 use effects::Effect;
 use groups::Groups;
-use growth::{Growth, PerturbationGrowth};
+use growth::Growth;
 use model_level::ModelLevel;
 use numerics::maximum::maximum;
 use scene::{HeatResolution, Scene};
@@ -126,7 +126,7 @@ pub struct Plan {
     /// The same two errors of the lumped level, where those of the chosen one are known.
     pub lumped_errors: Option<[f64; 2]>,
     /// Exponents of the growth of perturbations: the one that the comparison contains, and that over the nominal duration; see
-    /// [`PerturbationGrowth::over`].
+    /// [`growth::over`].
     pub growth: [f64; 2],
     /// See [`Candidate::step_ratios`].
     pub step_ratios: [f64; 2],
@@ -175,8 +175,8 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
         );
         return lumped(reason, Some(UNKNOWN));
     };
-    let growth = PerturbationGrowth::new(scene, &CriticalSpeed::new(scene));
-    let exponents = growth.over(&course, scene);
+    let growth = PerturbationGrowth::new(scene);
+    let exponents = growth::over(&growth, &course, scene);
     let planned = choose(scene, &course, Growth::by(exponents[1]), run_in)?;
     Ok(Planned { plan: Plan { growth: exponents, ..planned.plan }, growth: Some(growth), ..planned })
 }
@@ -244,7 +244,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
         ModelLevel::Lumped => uniform.clone(),
         line => run(line).map_or_else(|| uniform.line_beside(&line.apply(scene), run_in), Ok)?,
     };
-    let groups = Groups::new(scene, &operators.mean().critical_speed, comparison.rise);
+    let groups = Groups::new(scene, &operators.mean().growth.critical, comparison.rise);
     let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
     let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
@@ -292,7 +292,7 @@ fn uncompared(
         meets: estimated_error.is_none(),
         reason,
         effects: Vec::new(),
-        groups: Groups::new(scene, &operators.mean().critical_speed, 0.0),
+        groups: Groups::new(scene, &operators.mean().growth.critical, 0.0),
         candidates: Vec::new(),
         states,
         order,

@@ -3,11 +3,11 @@
 //! Theory: docs/theory.md, section 8.2.
 
 use super::course::Course;
-use super::growth::PerturbationGrowth;
 use super::model_level::ModelLevel;
 use super::parallel::ParallelLumped;
 use super::{Plan, UNKNOWN};
 use crate::INPUTS;
+use crate::growth::PerturbationGrowth;
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::expands;
 use crate::line::operators::RunIn;
@@ -88,9 +88,9 @@ impl Prepared {
         self.plan.as_ref().map_or(0.0, |plan| plan.growth[0])
     }
 
-    /// Upper bound of the rate (1/s) at which perturbations grow; see [`PerturbationGrowth::rate`].
+    /// Upper bound of the rate (1/s) at which perturbations grow; see [`super::growth::rate`].
     pub fn growth_rate(&self, friction: f64, speed: f64) -> f64 {
-        self.growth.as_ref().map_or(0.0, |growth| growth.rate(friction, speed))
+        self.growth.as_ref().map_or(0.0, |growth| super::growth::rate(growth, friction, speed))
     }
 
     /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`], after this `course`; `step_error` is
