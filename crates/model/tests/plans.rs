@@ -1,8 +1,6 @@
 //! Choice of the automatic model level, and cost of the levels compared.
 
 use model::INPUTS;
-use model::growth::PerturbationGrowth;
-use model::instability::CriticalSpeed;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::plan::course::Course;
@@ -10,7 +8,7 @@ use model::plan::prepared::Prepared;
 use model::plan::trajectory::NominalTrajectory;
 use model::plan::{self, model_level::ModelLevel};
 use scene::variables::{STARTS, reference};
-use scene::{Fidelity, Geometry, HeatResolution, Scene, ThermalBoundary};
+use scene::{Fidelity, HeatResolution, Scene};
 use test_support::{changed_scene, scene};
 use verification::planning::runs;
 use verification::planning::scenes::{Group, generate};
@@ -237,31 +235,6 @@ fn the_error_of_the_lumped_level_follows_temperature_over_load() {
     let at = |relative_bow: f64| prepared.estimated_error(0.0, &Course { relative_bow, ..Course::default() });
     assert!(at(1.0) == plan.estimated_error.unwrap() && at(1.0) < plan::UNKNOWN, "{plan:#?}");
     assert_eq!([at(0.5), at(0.0)], [0.5 * at(1.0), 0.25 * at(1.0)]);
-}
-
-/// The bound of the growth rate vanishes below the critical speed and rises above it; a mode of a strip between two faces, which no
-/// level contains, counts.
-#[test]
-fn perturbations_grow_above_the_critical_speed_only() {
-    let starts = scene("hot_spots");
-    let scene = changed_scene(&starts, &[]);
-    let critical = CriticalSpeed::new(&scene);
-    let growth = PerturbationGrowth::new(&scene);
-    let friction = scene.friction_coefficient;
-    let speed = critical.at(friction);
-    let [below, above, twice] = [0.99, 1.1, 2.0].map(|ratio| growth.rate(friction, ratio * speed));
-    assert!(below == 0.0 && above > 0.0 && twice > above && twice.is_finite(), "{below} {above} {twice}");
-    // A thin ring of iron between two pads bends.
-    let mut ring = changed_scene(&self::scene("disc_brake"), &[]);
-    (ring.geometry, ring.faces, ring.smooth_base) = (Geometry::Periodic, 2.0, true);
-    (ring.width, ring.length, ring.punch.height, ring.strip.height) = (0.7, 0.7, 0.02, 0.0055);
-    (ring.strip.far_thermal, ring.punch.thermal_expansion) = (ThermalBoundary::Insulated, 0.0);
-    let critical = CriticalSpeed::new(&ring);
-    let growth = PerturbationGrowth::new(&ring);
-    let (all, modelled) = (critical.at(friction), critical.modelled(friction));
-    assert!(all > 0.0 && all < 0.9 * modelled, "{all} {modelled}");
-    let rates = [0.99 * all, 1.01 * all].map(|speed| growth.rate(friction, speed));
-    assert!(rates[0] == 0.0 && rates[1] > 0.0 && rates[1].is_finite(), "{rates:?}");
 }
 
 /// A tolerance at which even a coarse contact line is too costly to compare calls for resolved cells, not for the lumped level.
