@@ -21,8 +21,8 @@ use std::f64::consts::PI;
 /// loose.
 const PRESSURE_TOLERANCE: f64 = 1e-3;
 
-/// Tolerance of the elements of the mean compliance, which has an error of 1.4e-4 with it, and height over width of the contact of the blocks whose mean compliance is found by finite
-/// elements: within, the edges reach each other or the top.
+/// Tolerance of the finite elements for a mean compliance, which then has an error of 1.4e-4, and heights over the width of the
+/// contact between which the edges of a block reach each other or its top.
 const MEAN_TOLERANCE: f64 = 1e-1;
 const MEAN_PROPORTIONS: [f64; 2] = [0.1, 2.0];
 
