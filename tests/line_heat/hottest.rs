@@ -49,6 +49,45 @@ fn the_temperature_limit_is_that_of_the_highest_temperature() {
     assert_eq!(run(highest - 1e-6).1, 2);
 }
 
+/// A stop within one communication step: the contact is hottest half-way, and cooler than its limit when the step ends. The limit is
+/// one of the temperature of the level that runs.
+#[test]
+fn a_peak_within_a_communication_step_exceeds_the_limit() {
+    let stop = |level: f64, limit: f64, parts: u32| {
+        let mut drive = Drive::stock(&[
+            ("solver.fidelity", level),
+            ("solver.cells", 17.0),
+            ("solver.tolerance", 1e-3),
+            ("contact.temperature_limited", 1.0),
+            ("contact.temperature_limit", limit),
+        ]);
+        let (speed, duration) = (15.0, 6.0);
+        drive.set("normal_load", 5e3).set("sliding_velocity", speed);
+        let mut highest: f64 = 0.0;
+        for _ in 0..parts {
+            drive.slope("sliding_velocity", -speed / duration).step(duration / f64::from(parts));
+            highest = highest.max(drive.get("contact_temperature_max"));
+        }
+        (highest, drive.get("contact_temperature_max"), drive.get("limit_reached") as u8 & 2)
+    };
+    let both = [2.0, 3.0].map(|level| (level, stop(level, 2000.0, 600)));
+    let between = 0.5 * (both[0].1.0 + both[1].1.0);
+    for (level, (highest, last, _)) in both {
+        assert!(highest > last + 10.0 && (highest - between).abs() > 1.0, "{highest} {last} {between}");
+        let beyond = highest + 0.02 * (highest - 293.15);
+        for limit in [0.3 * last + 0.7 * highest, beyond, between] {
+            let reached = if highest > limit { 2 } else { 0 };
+            for parts in [1, 2, 600] {
+                assert_eq!(
+                    stop(level, limit, parts).2,
+                    reached,
+                    "level {level}, {parts} steps, {limit} K, {highest} K"
+                );
+            }
+        }
+    }
+}
+
 /// A body of uniform temperature on an insulator, in partial contact or in none: the contact temperature is that of the body, as
 /// an insulator has no temperature field of its own.
 #[test]

@@ -1,7 +1,7 @@
 //! Heat loss of convecting tops and bases: constant and forced convection and radiation, as on every free face.
 
 use crate::slab::Slab;
-use test_support::{CONVECTING, Drive, INSULATED};
+use test_support::{CONVECTING, Drive, HELD, INSULATED};
 
 const AREA: f64 = 0.1;
 const AMBIENT: f64 = 300.0;
@@ -163,5 +163,85 @@ fn cooling_of_the_far_face_is_of_second_order_in_time() {
         let order = (changes[0] / changes[2]).log2() / 2.0;
         println!("{body} {level}: order {order}, {values:?}");
         assert!(order > 1.85 && changes[2] < 1e-2, "{body} {level}: {order} {values:?}");
+    }
+}
+
+/// A hot punch out of contact, its top insulated: all round it has no sides and keeps its heat; the given area cools it at
+/// `h A/(rho c V)`, and of the two sides of a block it is 2 height x depth.
+#[test]
+fn a_punch_all_round_has_no_sides_to_cool() {
+    let (width, height, depth) = (0.2, 0.01, 0.05);
+    for level in [2.0, 3.0] {
+        for (geometry, given, area) in
+            [(3.0, 0.0, 0.0), (3.0, 2e-3, 2e-3), (1.0, 0.0, 2.0 * height * depth), (1.0, 2e-3, 2e-3)]
+        {
+            let mut drive = Drive::stock(&[
+                ("solver.fidelity", level),
+                ("solver.cells", 9.0),
+                ("solver.tolerance", 1e-4),
+                ("contact.geometry", geometry),
+                ("punch.width", width),
+                ("punch.height", height),
+                ("depth", depth),
+                ("strip.path", 2.0),
+                ("strip.length", if geometry == 3.0 { width } else { 1.0 }),
+                ("punch.conductivity", 400.0),
+                ("punch.density", 8000.0),
+                ("punch.specific_heat", 400.0),
+                ("punch.convection", 20.0),
+                ("punch.convection_forced", 0.0),
+                ("punch.emissivity", 0.0),
+                ("punch.cooled_area", given),
+                ("punch.top_thermal", INSULATED),
+                ("punch.initial_at_ambient", 0.0),
+                ("punch.initial_temperature", AMBIENT + 100.0),
+                ("ambient_temperature", AMBIENT),
+                ("nominal.duration", 1000.0),
+            ]);
+            drive.set("sliding_velocity", 1.0).step(1000.0);
+            let exact = 100.0 * f64::exp(-20.0 * area * 1000.0 / (8000.0 * 400.0 * width * height * depth));
+            let found = drive.get("punch.mean_temperature") - AMBIENT;
+            // The block is not quite uniform across.
+            assert!(
+                (found - exact).abs() < 5e-3 * 100.0,
+                "level {level}, geometry {geometry}, {given} m2: {found} {exact}"
+            );
+            assert!(given > 0.0 || geometry == 1.0 || (found - 100.0).abs() < 1e-9, "{found}");
+        }
+    }
+}
+
+/// Bodies as warm as the faces that are held, in surroundings as warm: nothing flows, and every temperature stays.
+#[test]
+fn a_body_as_warm_as_its_held_face_has_that_mean_temperature() {
+    for level in [2.0, 3.0] {
+        let hot = AMBIENT + 350.0;
+        let mut drive = Drive::stock(&[
+            ("solver.fidelity", level),
+            ("solver.cells", 9.0),
+            ("punch.top_thermal", HELD),
+            ("punch.top_at_ambient", 0.0),
+            ("punch.top_temperature", hot),
+            ("punch.initial_at_ambient", 0.0),
+            ("punch.initial_temperature", hot),
+            ("strip.base_thermal", HELD),
+            ("strip.base_at_ambient", 0.0),
+            ("strip.base_temperature", hot),
+            ("strip.initial_at_ambient", 0.0),
+            ("strip.initial_temperature", hot),
+            ("punch.convection", 0.0),
+            ("strip.convection", 0.0),
+            ("strip.convection_forced", 0.0),
+            ("strip.emissivity", 0.0),
+            ("ambient_temperature", AMBIENT),
+        ]);
+        drive.set("normal_load", 1e3);
+        for _ in 0..3 {
+            for body in ["punch.mean_temperature", "strip.mean_temperature", "contact_temperature"] {
+                let found = drive.get(body);
+                assert!((found - hot).abs() < 1e-6 * 350.0, "level {level}: {body} {found}");
+            }
+            drive.step(100.0);
+        }
     }
 }

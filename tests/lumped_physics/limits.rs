@@ -1,7 +1,7 @@
 //! Limits, life, parameters that may change during a run, and bodies worn through.
 
 use sliding_contact::component::Snapshot;
-use test_support::{Drive, reference};
+use test_support::{Drive, LUMPED, reference};
 
 #[test]
 fn life_and_the_wear_limit() {
@@ -50,6 +50,56 @@ fn far_from_nominal_is_outside_the_validity() {
     drive.set("normal_load", 49e3).set("sliding_velocity", 0.1).step(0.1);
     assert_eq!(drive.get("limit_reached"), 0.0);
     drive.set("normal_load", 51e3).step(0.1);
+    assert_eq!(drive.get("limit_reached"), 4.0);
+}
+
+/// The middle of a stroke wears most, and a communication step of half a stroke ends where it wears least: every pass of the whole
+/// contact takes k p W.
+#[test]
+fn the_limit_of_a_worn_track_is_that_of_its_deepest_place() {
+    let (stroke, speed) = (0.3, 0.1);
+    let wear = 1e-12;
+    for level in [LUMPED, 3.0] {
+        for parts in [1, 40] {
+            let changes = |limit: f64| {
+                [
+                    ("solver.fidelity", level),
+                    ("solver.cells", 9.0),
+                    ("solver.tolerance", 1e-2),
+                    ("contact.geometry", 1.0),
+                    ("strip.path", 1.0),
+                    ("nominal.stroke", stroke),
+                    ("punch.width", 0.06),
+                    ("strip.body", 1.0),
+                    ("punch.body", 2.0),
+                    ("contact.friction_coefficient", 1e-6),
+                    ("punch.thermal_expansion", 0.0),
+                    ("strip.thermal_expansion", 0.0),
+                    ("punch.wear_coefficient", 0.0),
+                    ("strip.wear_coefficient", wear),
+                    ("strip.wear_limit", limit),
+                ]
+            };
+            let mut drive = Drive::stock(&changes(1.0));
+            let pass = wear * 5e3 / drive.area() * 0.06;
+            let mut drive = Drive::stock(&changes(4.5 * pass));
+            drive.set("normal_load", 5e3);
+            for number in 1..=6 {
+                let velocity = if number % 2 == 1 { speed } else { -speed };
+                drive.set("sliding_velocity", velocity);
+                (0..parts).for_each(|_| {
+                    drive.step(stroke / speed / f64::from(parts));
+                });
+                assert_eq!(drive.get("limit_reached") as u8 & 1, u8::from(number >= 5), "{level} {parts} {number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_load_far_above_nominal_counts_where_a_step_begins_too() {
+    let mut drive = Drive::stock(&[("nominal.load", 5e3), ("nominal.velocity", 10.0)]);
+    drive.set("normal_load", 51e3).slope("normal_load", -50e3 / 0.1).set("sliding_velocity", 0.1).step(0.1);
     assert_eq!(drive.get("limit_reached"), 4.0);
 }
 

@@ -125,3 +125,63 @@ fn expansion_loads_a_caliper() {
     assert!((before / exact - 1.0).abs() < 1e-6, "{before} {exact}");
     assert!(drive.imbalance() < 1e-9);
 }
+
+/// Warm layers in full periodic contact behind a caliper, at both levels: without ends they cannot expand sideways, whatever their
+/// base, so per kelvin they grow by alpha (1 + nu)/(1 - nu) of their height, and give way by their height over lambda + 2G.
+#[test]
+fn periodic_layers_load_a_caliper_alike_at_both_levels() {
+    let (width, depth, stiffness, rise) = (0.5, 0.02, 3e8, 10.0);
+    let punch = [1e9, 0.25, 0.012, 1.5e-5];
+    let strip = [1.1e9, 0.3, 0.05, 1.1e-5];
+    let layer = |[e, nu, height, alpha]: [f64; 4]| {
+        let confined = height * (1.0 + nu) * (1.0 - 2.0 * nu) / (e * (1.0 - nu));
+        [confined, alpha * (1.0 + nu) / (1.0 - nu) * height]
+    };
+    let [one, other] = [layer(punch), layer(strip)];
+    let compliance = (one[0] + other[0]) / (width * depth);
+    let exact = 4e3 + rise * (one[1] + other[1]) / (1.0 / stiffness + compliance);
+    for base in [1.0, 2.0] {
+        // Elastic layers have the closed form; the levels agree with every body.
+        for body in [4.0, 3.0, 2.0] {
+            let load = |level: f64| {
+                let mut drive = Drive::stock(&[
+                    ("solver.fidelity", level),
+                    ("solver.cells", 9.0),
+                    ("solver.tolerance", 1e-4),
+                    ("contact.geometry", 3.0),
+                    ("contact.faces", 1.0),
+                    ("punch.width", width),
+                    ("strip.path", 2.0),
+                    ("strip.length", width),
+                    ("depth", depth),
+                    ("punch.body", body),
+                    ("punch.youngs_modulus", punch[0]),
+                    ("punch.poissons_ratio", punch[1]),
+                    ("punch.height", punch[2]),
+                    ("punch.thermal_expansion", punch[3]),
+                    ("strip.body", 4.0),
+                    ("strip.youngs_modulus", strip[0]),
+                    ("strip.poissons_ratio", strip[1]),
+                    ("strip.height", strip[2]),
+                    ("strip.thermal_expansion", strip[3]),
+                    ("strip.base", base),
+                    ("punch.top_thermal", 3.0),
+                    ("strip.base_thermal", 3.0),
+                    ("punch.initial_at_ambient", 0.0),
+                    ("strip.initial_at_ambient", 0.0),
+                    ("punch.initial_temperature", 293.15 + rise),
+                    ("strip.initial_temperature", 293.15 + rise),
+                    ("holder.stiffness", stiffness),
+                    ("punch.wear_coefficient", 0.0),
+                    ("strip.wear_coefficient", 0.0),
+                ]);
+                drive.set("normal_load", 4e3).step(1.0);
+                drive.get("pressure_mean") * width * depth
+            };
+            let [lumped, line] = [2.0, 3.0].map(load);
+            println!("base {base}, punch {body}: {lumped} N, {line} N");
+            assert!((line / lumped - 1.0).abs() < 1e-4, "base {base}, punch {body}: {lumped} {line}");
+            assert!(body != 4.0 || (line / exact - 1.0).abs() < 1e-4, "base {base}: {line} {exact}");
+        }
+    }
+}

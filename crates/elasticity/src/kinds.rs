@@ -21,8 +21,24 @@ use std::f64::consts::PI;
 /// loose.
 const PRESSURE_TOLERANCE: f64 = 1e-3;
 
+/// Tolerance of the finite elements for a mean compliance, which then has an error of 1.4e-4, and heights over the width of the
+/// contact between which the edges of a block reach each other or its top.
+const MEAN_TOLERANCE: f64 = 1e-1;
+const MEAN_PROPORTIONS: [f64; 2] = [0.1, 2.0];
+
 /// Compliance of a body on the cells; see [`crate::discretization::compliances`].
 pub(crate) fn compliance(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
+    compliance_within(scene, cells, body, punch, scene.tolerance.min(PRESSURE_TOLERANCE))
+}
+
+/// [`compliance`] with finite elements of this tolerance.
+fn compliance_within(
+    scene: &Scene,
+    cells: &Cells,
+    body: &Body,
+    punch: bool,
+    tolerance: f64,
+) -> Result<Compliance, BodyReason> {
     if body.mechanical == MechanicalBody::Rigid {
         return Ok(Rigid.compliance(cells));
     }
@@ -48,7 +64,7 @@ pub(crate) fn compliance(scene: &Scene, cells: &Cells, body: &Body, punch: bool)
             Strip::new(material, body.height, base, extent)?.try_compliance(cells)?
         }
         (MechanicalBody::Elastic, _) => {
-            let compliance = block(scene, cells, body)?.compliance(cells.edges())?;
+            let compliance = block(scene, cells, body, tolerance)?.compliance(cells.edges())?;
             Compliance { normal: compliance.normal, shear: compliance.shear }
         }
     };
@@ -69,14 +85,13 @@ fn check_proportions(scene: &Scene, body: &Body, punch: bool) -> Result<(), Body
 }
 
 /// The finite-element block of the punch.
-fn block(scene: &Scene, cells: &Cells, body: &Body) -> Result<Block, BodyReason> {
+fn block(scene: &Scene, cells: &Cells, body: &Body, tolerance: f64) -> Result<Block, BodyReason> {
     let properties = BlockProperties {
         width: scene.width,
         height: body.height,
         youngs_modulus: body.youngs_modulus,
         poissons_ratio: body.poissons_ratio,
     };
-    let tolerance = scene.tolerance.min(PRESSURE_TOLERANCE);
     let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
     Ok(Block::new(properties, discretization)?)
 }
@@ -87,7 +102,7 @@ fn periodic_half_plane(material: Material, period: f64, cells: &Cells) -> Result
     // exp(-2 q h) of the longest wave is below 1e-16 from q h = 19.
     let height = 4.0 * period;
     let mut compliance = Strip::new(material, height, Base::Smooth, Extent::Closed(period))?.try_compliance(cells)?;
-    let uniform = (3.0 * period / PI - height) / (period * material.plane_strain_modulus());
+    let uniform = 3.0 / (PI * material.plane_strain_modulus()) - height / (period * material.uniaxial_modulus());
     let count = cells.count();
     compliance.normal += scale_columns(DMatrix::repeat(count, count, uniform), 1.0, cells.widths());
     Ok(compliance)
@@ -108,7 +123,7 @@ pub(crate) fn tangential_by_shear(
         MechanicalBody::Rigid | MechanicalBody::Winkler => DMatrix::zeros(count, count),
         MechanicalBody::HalfPlane => compliance.normal,
         MechanicalBody::Elastic if punch && !periodic => {
-            block(scene, cells, body)?.tangential_by_shear(cells.edges())?
+            block(scene, cells, body, scene.tolerance.min(PRESSURE_TOLERANCE))?.tangential_by_shear(cells.edges())?
         }
         MechanicalBody::Elastic => {
             let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
@@ -121,28 +136,40 @@ pub(crate) fn tangential_by_shear(
     })
 }
 
-/// Mean normal displacement per uniform pressure over the contact width, m/Pa, and mean displacement out of the body per
-/// kelvin of uniform temperature, m/K.
+/// Mean normal displacement per uniform pressure over the contact width, m/Pa: the compliance on a single cell, so that the
+/// lumped level has that of the contact line.
 ///
-/// Winkler: 1/k_w, by default h/(lambda + 2G). Elastic block (sides free): h (1 - nu^2)/E. Elastic layer (`wide`: much
-/// longer than the contact): between h/(lambda + 2G) for thin layers and the half-plane for thick ones: the smaller
-/// compliance of both limits. Half-plane: the approach is defined up to a constant; with the logarithm scaled with the
-/// contact width the mean over a uniform pressure p on the width W is 3 p W/(pi E*). Expansion: alpha (1 + nu) h for a block
-/// free at its sides, alpha (1 + nu)/(1 - nu) h for a layer.
-pub fn mean_compliance(body: &Body, width: f64, wide: bool) -> (f64, f64) {
-    let (e, nu, h) = (body.youngs_modulus, body.poissons_ratio, body.height);
-    let plane = e / (1.0 - nu * nu);
-    let half_plane = 3.0 * width / (PI * plane);
-    let expansion = body.thermal_expansion * (1.0 + nu) * h / if wide { 1.0 - nu } else { 1.0 };
-    let compliance = match body.mechanical {
-        MechanicalBody::Rigid => 0.0,
-        MechanicalBody::Winkler if body.foundation_stiffness > 0.0 => 1.0 / body.foundation_stiffness,
-        MechanicalBody::Winkler => confined(body),
-        MechanicalBody::HalfPlane => half_plane,
-        MechanicalBody::Elastic if wide => confined(body).min(half_plane),
-        MechanicalBody::Elastic => h / plane,
+/// A block flatter or more slender than [`MEAN_PROPORTIONS`] differs from one of these proportions by a plate that cannot expand
+/// sideways, or by a column under uniaxial stress: beyond, its edges and its held top do not interact.
+pub fn mean_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
+    let is_block = punch && scene.geometry != Geometry::Periodic && body.mechanical == MechanicalBody::Elastic;
+    let [least, largest] = if is_block { MEAN_PROPORTIONS } else { [1.0 / FLATTEST, f64::INFINITY] };
+    let height = body.height.clamp(least * scene.width, largest * scene.width);
+    let resolved = Body { height, ..body.clone() };
+    let cell = Cells::uniform(0.5 * scene.width, 1).expect("a scene has a width");
+    let on_cell = compliance_within(scene, &cell, &resolved, punch, MEAN_TOLERANCE);
+    let resolved = confined(&resolved);
+    let beside = on_cell.expect("within the proportions").normal[(0, 0)];
+    if body.height < height {
+        // A plate, and the edges, whose part falls as the square of the height.
+        let ratio = body.height / height;
+        return resolved * ratio + (beside - resolved) * ratio * ratio;
+    }
+    beside + (body.height - height) * plane_strain_compliance(body)
+}
+
+/// Mean displacement out of the body per kelvin of uniform temperature, m/K: alpha (1 + nu) h where it is free along the contact (a
+/// block, a column, a layer on a smooth base with free ends), alpha (1 + nu)/(1 - nu) h of a layer that is bonded or all round.
+pub fn mean_expansion(scene: &Scene, body: &Body, punch: bool) -> f64 {
+    let nu = body.poissons_ratio;
+    let is_free = match (punch, scene.geometry) {
+        (true, Geometry::Periodic) => body.mechanical == MechanicalBody::Winkler,
+        (true, _) => true,
+        (false, Geometry::Annular) => scene.smooth_base,
+        (false, _) => scene.smooth_base && scene.path == Path::Straight,
     };
-    (compliance, expansion)
+    let restrained = if is_free { 1.0 } else { 1.0 - nu };
+    body.thermal_expansion * (1.0 + nu) * body.height / restrained
 }
 
 /// Condition at the far face of a layer under a wave of pressure.
@@ -195,5 +222,73 @@ pub fn plane_strain_compliance(body: &Body) -> f64 {
     match body.mechanical {
         MechanicalBody::Rigid => 0.0,
         _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::variables::STARTS;
+
+    /// Bodies of the widths and heights of brakes, pins and seals.
+    fn scene(geometry: Geometry, punch: f64, strip: f64) -> Scene {
+        let mut scene = Scene::new(&STARTS, Some(1e-4)).unwrap();
+        (scene.geometry, scene.path, scene.width) = (geometry, Path::Closed, 0.06);
+        scene.length = if geometry == Geometry::Periodic { scene.width } else { 0.7 };
+        (scene.punch.height, scene.strip.height) = (punch, strip);
+        scene.punch.mechanical = MechanicalBody::Elastic;
+        scene.strip.mechanical = MechanicalBody::Elastic;
+        scene
+    }
+
+    /// Mean displacement under uniform pressure on many cells.
+    fn on_cells(scene: &Scene, body: &Body, punch: bool) -> f64 {
+        let cells = crate::discretization::cells_for(scene, 33).unwrap();
+        let by_pressure = compliance(scene, &cells, body, punch).unwrap().normal.column_sum();
+        cells.integral(by_pressure.as_slice()) / scene.width
+    }
+
+    #[test]
+    fn the_mean_compliance_is_that_of_the_contact_line_under_a_uniform_pressure() {
+        for geometry in [Geometry::Line, Geometry::Annular, Geometry::Periodic] {
+            for (punch, strip) in [(0.1, 0.08), (0.012, 0.0055), (0.06, 0.06), (0.0005, 0.3), (0.5, 1.0), (0.003, 1e-5)]
+            {
+                for kind in
+                    [MechanicalBody::Rigid, MechanicalBody::Winkler, MechanicalBody::HalfPlane, MechanicalBody::Elastic]
+                {
+                    for smooth in [false, true] {
+                        let mut scene = scene(geometry, punch, strip);
+                        (scene.punch.mechanical, scene.strip.mechanical, scene.smooth_base) = (kind, kind, smooth);
+                        for (body, is_punch) in [(&scene.punch, true), (&scene.strip, false)] {
+                            let (lumped, line) =
+                                (mean_compliance(&scene, body, is_punch), on_cells(&scene, body, is_punch));
+                            assert!(
+                                (lumped - line).abs() <= 2e-4 * line,
+                                "{geometry:?} {kind:?} {is_punch} {smooth} {punch} {strip}: {lumped:e} {line:e}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Closed form: a layer all round cannot expand sideways, whatever its base, since it has no ends.
+    #[test]
+    fn a_layer_in_periodic_contact_has_the_compliance_of_a_layer() {
+        for smooth in [false, true] {
+            let mut scene = scene(Geometry::Periodic, 0.012, 0.02);
+            scene.smooth_base = smooth;
+            let [punch, strip] = [&scene.punch, &scene.strip];
+            let confined = |body: &Body| {
+                let (e, nu) = (body.youngs_modulus, body.poissons_ratio);
+                body.height * (1.0 + nu) * (1.0 - 2.0 * nu) / (e * (1.0 - nu))
+            };
+            let found = [mean_compliance(&scene, punch, true), mean_compliance(&scene, strip, false)];
+            let exact = [punch, strip].map(confined);
+            for (found, exact) in found.into_iter().zip(exact) {
+                assert!((found / exact - 1.0).abs() < 1e-9, "{smooth}: {found:e} {exact:e}");
+            }
+        }
     }
 }

@@ -89,7 +89,9 @@ impl Strip {
         let (g, nu) = (self.material.shear_modulus(), self.material.poissons_ratio());
         let kernel = StripKernel::new(self.base, nu);
         let logarithm = PeriodicLogarithm::new(cells, period);
-        let uniform = PI * self.height / period * kernel.normal_at_zero();
+        // Long waves let a layer on a smooth base expand sideways; all round it cannot on the mean.
+        let sideways = kernel.normal_at_zero() - StripKernel::new(Base::Bonded, nu).normal_at_zero();
+        let uniform = PI * self.height / period * kernel.normal_at_zero() - PI * self.height / length * sideways;
         let mut normal = fill(cells.count(), 1.0, |i, j| uniform + logarithm.mean(i, j));
         // Mean of (sign(r) - 2 r/P)/2, and the far field that the period cuts off.
         let far_field = kernel.shear_at_zero() * (1.0 - period / length);

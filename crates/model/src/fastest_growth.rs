@@ -32,10 +32,12 @@
 //!
 //! Theory: docs/theory.md, section 7.5.
 
+use super::instability::FarFaces;
 use super::instability::layer::{FarFace, Layer, half_resistance};
 use elasticity::Base;
 use elasticity::kinds::plane_strain_compliance;
 use nalgebra::Complex;
+use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene};
 use std::f64::consts::PI;
 
@@ -48,7 +50,7 @@ const DECAY_RATIO: f64 = 2.0;
 const DECAYS: usize = 10;
 
 /// Conducting body of the pair.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 struct Conductor {
     /// K, W/(m K); rho c, J/(m3 K); alpha (1 + nu), 1/K.
     conductivity: f64,
@@ -76,7 +78,7 @@ impl Conductor {
 }
 
 /// Two bodies as half-planes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 struct Pair {
     bodies: [Conductor; 2],
     /// E*, Pa.
@@ -94,15 +96,14 @@ impl Pair {
         }
     }
 
-    /// Largest ratio l/y of layers to half-planes for waves at rest in this body, at least 1.
-    fn lift_of_layers(&self, scene: &Scene, body: usize, wave: f64) -> f64 {
+    /// Largest ratio l/y of layers to half-planes for waves at rest in this body, at least 1; `far`: far face of the strip.
+    fn lift_of_layers(&self, scene: &Scene, body: usize, far: FarFace, wave: f64) -> f64 {
         let own = &self.bodies[body];
         if own.expansion == 0.0 || !self.modulus.is_finite() {
             return 1.0;
         }
-        let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
         let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
-        let strip = Layer::new(&scene.strip, FarFace::Held(base), wave);
+        let strip = Layer::new(&scene.strip, far, wave);
         // Stiffness of the layers relative to half-planes.
         let stiffness = 2.0 / (self.modulus * wave) / (punch.compliance() + strip.compliance());
         let layer = if body == 0 { punch } else { strip };
@@ -121,7 +122,7 @@ impl Pair {
 }
 
 /// Pair of bodies and range of waves resolved by the cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct FastestGrowth {
     pair: Pair,
     /// Largest thermal lift of layers relative to half-planes for waves at rest in punch and strip, at the wave numbers of the
@@ -138,6 +139,11 @@ pub struct FastestGrowth {
 impl FastestGrowth {
     /// Growth bound for cells of which the smallest is `smallest` m wide.
     pub fn new(scene: &Scene, smallest: f64) -> FastestGrowth {
+        Self::of_mode(scene, FarFaces::of(scene).own, smallest)
+    }
+
+    /// The same for the mode of the strip with this far face.
+    pub fn of_mode(scene: &Scene, far: FarFace, smallest: f64) -> FastestGrowth {
         let width = match scene.geometry {
             Geometry::Periodic => 0.5 * scene.width,
             Geometry::Line => scene.width,
@@ -154,13 +160,19 @@ impl FastestGrowth {
         let range = [PI / width, (PI / smallest).max(PI / width)];
         let pair = Pair::of(scene);
         let numbers = numbers(range);
-        let layers = [0, 1].map(|body| numbers.clone().map(|wave| pair.lift_of_layers(scene, body, wave)).collect());
+        let layers =
+            [0, 1].map(|body| numbers.clone().map(|wave| pair.lift_of_layers(scene, body, far, wave)).collect());
         FastestGrowth { pair, layers, range, heated, free }
     }
 
     /// Whether waves may also be at rest in neither body, for which the mate is taken as an insulator.
     pub fn has_free_waves(&self) -> bool {
         self.free
+    }
+
+    /// Fastest growth rate (1/s) of all waves at this friction coefficient and sliding speed (m/s).
+    pub fn fastest(&self, friction: f64, speed: f64) -> f64 {
+        maximum(self.of_body(0, friction, speed), self.of_body(1, friction, speed))
     }
 
     /// Fastest growth rate (1/s) of the waves at rest in the punch (0) or strip (1) at this friction coefficient and sliding

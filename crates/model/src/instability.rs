@@ -44,6 +44,7 @@ use numerics::scalar::Scalar;
 use scene::message::Number;
 use scene::{Body, Scene};
 use std::fmt;
+pub use waves::FarFaces;
 use waves::{Families, Least};
 
 /// First speeds of the table, m/s: the lowest, and number per decade; with the number of speeds they end at 1e4 m/s.
@@ -140,22 +141,27 @@ impl CriticalSpeed {
         critical > 0.0 && speed > critical
     }
 
-    /// Writes the message that `what` at this speed, m/s, is above the critical one. `resolved`: the level has the temperature along the
-    /// contact.
+    /// Whether nothing grows at any speed.
+    pub fn is_neutral(&self) -> bool {
+        self.all.0.is_empty()
+    }
+
+    /// Writes the message that perturbations have grown by `exp(exponent)`, at this speed, m/s. `resolved`: the level has the
+    /// temperature along the contact.
     ///
     /// # Errors
     /// Those of `text`.
     pub fn write_message(
         &self,
         text: &mut dyn fmt::Write,
-        what: &str,
+        exponent: f64,
         friction: f64,
         speed: f64,
         resolved: bool,
     ) -> fmt::Result {
         let own = self.modelled(friction);
         let grows = if own > 0.0 && speed > own {
-            "the critical speed, above which pressure perturbations grow"
+            "the critical speed"
         } else {
             "the critical speed of an antisymmetric mode, which bends the strip between its two faces; the contact line \
              models one face and does not contain that mode"
@@ -164,7 +170,8 @@ impl CriticalSpeed {
             if resolved { "" } else { "; this level has one temperature along the contact and does not show them" };
         write!(
             text,
-            "thermoelastically unstable: {what} {} m/s is above {} m/s, {grows}{missing}",
+            "thermoelastically unstable: pressure perturbations may have grown by exp({exponent:.1}) since the start of the run, \
+             sliding at {} m/s now; {} m/s is {grows}{missing}",
             Number(speed),
             Number(self.at(friction))
         )

@@ -126,14 +126,6 @@ impl ModelOperators {
             ModelOperators::Line(operators) => operators.warnings(),
         };
         let scene = self.scene();
-        let mean = self.mean();
-        if mean.unstable_at_nominal {
-            let resolved = matches!(self, ModelOperators::Line(line) if line.heat.is_some());
-            let (friction, speed) = (scene.friction_coefficient, scene.nominal_velocity);
-            let mut text = String::new();
-            let _ = mean.critical_speed.write_message(&mut text, "nominal.velocity =", friction, speed, resolved);
-            warnings.push(text);
-        }
         if scene.stick_stiffness > 0.0 && scene.regularization_velocity > 0.0 {
             warnings.push(format!(
                 "contact.stick_stiffness = {} N/m activates the bristle model, so contact.regularization_velocity = {} m/s \
@@ -222,11 +214,6 @@ impl Model {
             Model::Lumped(model) => model.friction_work(),
             Model::Line(model) => model.friction_work(),
         }
-    }
-
-    /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
-    pub fn friction_at(&self, speed: f64) -> f64 {
-        each!(self, model => model.end_friction(speed))
     }
 
     /// Sets the parameters that may change between steps.

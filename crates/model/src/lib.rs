@@ -7,6 +7,7 @@
 pub mod budget;
 pub mod events;
 pub mod fastest_growth;
+pub mod growth;
 pub mod instability;
 pub mod levels;
 pub mod line;

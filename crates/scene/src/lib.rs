@@ -477,6 +477,15 @@ impl Scene {
         [self.contact_area() * self.count * self.faces, self.length * across * self.faces]
     }
 
+    /// Cooled area of the punches beside the contact, m2: as given, or their sides, which a punch all round does not have.
+    pub fn punch_cooled_area(&self) -> f64 {
+        match (self.punch.cooled_area, self.geometry) {
+            (0.0, Geometry::Periodic) => 0.0,
+            (0.0, _) => 2.0 * self.punch.height * self.depth * self.count,
+            (given, _) => given,
+        }
+    }
+
     /// Fraction of the strip's length covered by all punches of a face; 0 for a straight path.
     pub fn coverage(&self) -> f64 {
         match (self.path, self.geometry) {

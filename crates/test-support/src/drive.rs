@@ -61,7 +61,8 @@ impl Drive {
         let terms =
             ["dissipated_energy", "stored_heat", "heat_lost_ambient", "heat_lost_punch_top", "heat_lost_strip_base"]
                 .map(|name| self.get(name));
-        let moved = terms.iter().fold(0.0, |largest: f64, term| largest.max(term.abs()));
+        let passed = ["heat_received_punch", "heat_received_strip"].map(|name| self.get(name));
+        let moved = terms.iter().chain(&passed).fold(0.0, |largest: f64, term| largest.max(term.abs()));
         if moved == 0.0 { 0.0 } else { (terms[0] - terms[1..].iter().sum::<f64>()).abs() / moved }
     }
 }

@@ -88,6 +88,24 @@ fn inputs_are_driven_as_they_stand_and_energy_and_distance_follow() {
     assert!(wear > 1e-8 && (wear / end("wear_depth") - 1.0).abs() < 1e-14, "{wear} {}", end("wear_depth"));
 }
 
+/// Heat that only passes from a hot disc into its pads, at rest and insulated: nothing is made or lost, and the sum stored is rounding.
+#[test]
+fn the_balance_closes_where_heat_only_passes_between_the_bodies() {
+    let folder = Folder::new("pass");
+    folder.file("in.csv", "time [s],sliding_velocity [km/h],normal_load [kN]\n0,0,4\n20,0,4\n");
+    let insulated = ["punch.top_thermal=insulated", "punch.convection=0", "strip.convection=0", "strip.emissivity=0"];
+    let hot = ["strip.initial_at_ambient=false", "strip.initial_temperature=120 degC"];
+    let settings: Vec<&str> = insulated.iter().chain(&hot).flat_map(|one| ["--set", *one]).collect();
+    for level in [&["--set", "solver.fidelity=lumped"][..], &LINE] {
+        let result = folder.json(&[&["disc_brake", "-i", "in.csv", "--step", "1 s"], level, &settings[..]].concat());
+        let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
+        assert!(end("heat_received_punch") > 1e3 && end("dissipated_energy") == 0.0, "{}", end("heat_received_punch"));
+        assert!(result["energy_residual"].as_f64().unwrap() < 1e-11, "{}", result["energy_residual"]);
+        let cold = folder.json(&[&["disc_brake", "-i", "in.csv", "--step", "1 s"], level].concat());
+        assert!(cold["energy_residual"].as_f64().unwrap() == 0.0, "{}", cold["energy_residual"]);
+    }
+}
+
 #[test]
 fn an_input_that_acts_on_nothing_is_told_and_folders_are_made() {
     let folder = Folder::new("idle");

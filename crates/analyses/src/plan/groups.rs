@@ -44,8 +44,7 @@ impl Groups {
         let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
         let diffusivity = |body: &Body| body.conductivity / body.capacity();
         let [soft_punch, soft_strip] = bodies.map(plane_strain_compliance);
-        let compliances =
-            [mean_compliance(&scene.punch, scene.width, false).0, mean_compliance(&scene.strip, scene.width, true).0];
+        let compliances = [mean_compliance(scene, &scene.punch, true), mean_compliance(scene, &scene.strip, false)];
         let approach = (compliances[0] + compliances[1]) * pressure;
         let over = |value: f64| if approach > 0.0 { value / approach } else { 0.0 };
         let expansion: f64 = bodies

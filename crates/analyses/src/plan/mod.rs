@@ -36,7 +36,7 @@ pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
     let prepared = Prepared::new(&free, run_in).map_err(|text| anyhow!(text))?;
     let choice = prepared.choice.clone().ok_or_else(|| anyhow!("no level was chosen"))?;
     let rise = choice.comparison.as_ref().map_or(0.0, |comparison| comparison.rise);
-    let groups = Groups::new(&scene, &prepared.operators.mean().critical_speed, rise);
+    let groups = Groups::new(&scene, &prepared.operators.mean().growth.critical, rise);
     let effects = match &prepared.operators {
         ModelOperators::Line(line) => effects(&scene, &groups, line, true),
         _ if scene.has_rigid_bodies() => Vec::new(),

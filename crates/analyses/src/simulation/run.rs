@@ -254,13 +254,15 @@ fn level(operators: &ModelOperators) -> (String, bool) {
     }
 }
 
-/// Largest magnitude of the energy balance's residual over the dissipated energy at the end, from the outputs alone.
+/// Largest magnitude of the energy balance's residual over the largest energy that has moved: dissipated, stored, lost, or passed
+/// through the contact from one body to the other. From the outputs alone; 0 where nothing has moved.
 pub fn energy_residual(recording: &Recording) -> f64 {
-    let energy =
+    let balance =
         ["dissipated_energy", "stored_heat", "heat_lost_ambient", "heat_lost_punch_top", "heat_lost_strip_base"]
             .map(|name| recording.values(name));
+    let passed = ["heat_received_punch", "heat_received_strip"].map(|name| recording.values(name));
     let rows = 0..recording.times.len();
-    let residuals = rows.clone().map(|row| energy[0][row] - energy[1..].iter().map(|part| part[row]).sum::<f64>());
-    let moved = largest(rows.flat_map(|row| energy.iter().map(move |part| part[row])));
+    let residuals = rows.map(|row| balance[0][row] - balance[1..].iter().map(|part| part[row]).sum::<f64>());
+    let moved = largest(balance.iter().chain(&passed).flat_map(|part| part.iter().copied()));
     if moved == 0.0 { 0.0 } else { largest(residuals) / moved }
 }

@@ -67,8 +67,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
     let boundaries = cells.edges();
     let coarse = Discretization::for_cells(width, height, boundaries, MESH_TOLERANCE);
     let discretization = Discretization { contact_layers: coarse.contact_layers + EXTRA_LAYERS, ..coarse };
-    let plain = 2.0 * height * scene.depth * scene.count;
-    let cooled = if body.cooled_area > 0.0 { body.cooled_area / plain } else { 1.0 };
+    let cooled = scene.punch_cooled_area() / (2.0 * height * scene.depth * scene.count);
     let properties = ThermalProperties {
         width,
         height,

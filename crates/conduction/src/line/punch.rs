@@ -96,8 +96,7 @@ pub fn reduce_with_mean(
     if body.conductivity == 0.0 {
         return Ok(None);
     }
-    let cooled_area =
-        if body.cooled_area > 0.0 { body.cooled_area } else { 2.0 * body.height * scene.depth * scene.count };
+    let cooled_area = scene.punch_cooled_area();
     let across = Across {
         half_width: cells.half_width(),
         sides: match scene.geometry {
@@ -106,7 +105,7 @@ pub fn reduce_with_mean(
             Geometry::Periodic => Sides::Closed,
         },
         cooled: cooled_area / (body.height * scene.depth * scene.count),
-        transfer: body.convection,
+        transfer: if cooled_area > 0.0 { body.convection } else { 0.0 },
         conductivity: body.conductivity,
     };
     let depth = Depth {

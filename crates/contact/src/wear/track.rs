@@ -150,6 +150,25 @@ impl Track {
         self.mean(x - self.half_length, x + self.half_length)
     }
 
+    /// Largest mean worn depth (m) under a contact anywhere on the track.
+    pub fn deepest(&self) -> f64 {
+        let worn = &self.depth[..self.count];
+        let (length, last) = (2.0 * self.half_length / self.cell, self.count as f64);
+        // Integral over the cells from the first one, in cells; its difference over the contact is largest where an end of the
+        // contact is at an end of a cell.
+        let mut integrals = [0.0; CELLS + 1];
+        for (cell, depth) in worn.iter().enumerate() {
+            integrals[cell + 1] = integrals[cell] + depth;
+        }
+        let until = |x: f64| {
+            let x = x.clamp(0.0, last);
+            let cell = x as usize;
+            integrals[cell] + if cell < self.count { (x - cell as f64) * worn[cell] } else { 0.0 }
+        };
+        let ends = (0..=self.count).flat_map(|cell| [cell as f64, cell as f64 - length]);
+        ends.map(|from| (until(from + length) - until(from)) / length).fold(0.0, f64::max)
+    }
+
     /// Appends the numbers of a saved state, in order; see [`Track::load`].
     pub fn save(&self, out: &mut Vec<f64>) {
         let (below, above) = self.discarded.unwrap_or((i64::MIN, i64::MAX));
@@ -186,6 +205,21 @@ mod tests {
 
     fn volume(track: &Track) -> f64 {
         track.depth[..track.count].iter().sum::<f64>() * track.cell
+    }
+
+    #[test]
+    fn the_deepest_place_is_the_largest_mean_under_a_contact() {
+        let mut track = Track::new(0.5, 3.0);
+        assert_eq!(track.deepest(), 0.0);
+        let (mut x, mut random) = (0.0, test_support::Random(11));
+        for _ in 0..200 {
+            let next = random.between(-1.5, 1.5);
+            track.wear(x, next, random.between(1e-6, 2e-6));
+            x = next;
+            let searched = (0..=20_000).map(|k| track.under(f64::from(k) * 2.5e-4 - 2.5)).fold(0.0, f64::max);
+            let found = track.deepest();
+            assert!(found >= searched * (1.0 - 1e-12) && found < 1.001 * searched, "{found:e} {searched:e}");
+        }
     }
 
     #[test]

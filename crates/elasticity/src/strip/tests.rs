@@ -29,7 +29,9 @@ fn fourier_sum(strip: &Strip, cells: &Cells, period: f64, modes: usize, i: usize
     let nu = strip.material.poissons_ratio();
     let kernel = StripKernel::new(strip.base, nu);
     let (x, c) = (cells.centres(), cells.widths());
-    let (mut normal, mut shear) = (PI * strip.height / period * kernel.normal_at_zero(), 0.0);
+    // All round a layer cannot expand sideways on the mean: its height over lambda + 2G, whatever its base.
+    let confined = 0.5 * (1.0 - 2.0 * nu) / (1.0 - nu).powi(2);
+    let (mut normal, mut shear) = (PI * strip.height / period * confined, 0.0);
     for k in (1..=modes).rev() {
         let q = 2.0 * PI * k as f64 / period;
         let mean = sinc(0.5 * q * c[i]) * sinc(0.5 * q * c[j]) / k as f64;

@@ -51,6 +51,26 @@ pub(super) struct Least {
     waves: Vec<usize>,
 }
 
+/// Far face of the strip in the mode that a contact line contains, and in those that a strip between two faces has beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct FarFaces {
+    pub own: FarFace,
+    pub others: &'static [FarFace],
+}
+
+impl FarFaces {
+    /// Far faces of a scene: an insulated base under two faces is the mid plane of the strip.
+    pub fn of(scene: &Scene) -> FarFaces {
+        let mid_plane = scene.faces == 2.0 && scene.strip.far_thermal == ThermalBoundary::Insulated;
+        let others: &[FarFace] = match (mid_plane, scene.smooth_base) {
+            (false, _) => &[],
+            (true, true) => &[FarFace::Antisymmetric],
+            (true, false) => &[FarFace::Symmetric, FarFace::Antisymmetric],
+        };
+        FarFaces { own: FarFace::Held(if scene.smooth_base { Base::Smooth } else { Base::Bonded }), others }
+    }
+}
+
 /// Admissible waves of a scene.
 #[derive(Debug)]
 pub(super) struct Families {
@@ -63,15 +83,7 @@ impl Families {
     /// Admissible waves for the scene's geometry.
     pub fn of(scene: &Scene) -> Families {
         let mut families = Vec::new();
-        let own = FarFace::Held(if scene.smooth_base { Base::Smooth } else { Base::Bonded });
-        let mid_plane = scene.faces == 2.0 && scene.strip.far_thermal == ThermalBoundary::Insulated;
-        let others: &[FarFace] = if !mid_plane {
-            &[]
-        } else if scene.smooth_base {
-            &[FarFace::Antisymmetric]
-        } else {
-            &[FarFace::Symmetric, FarFace::Antisymmetric]
-        };
+        let FarFaces { own, others } = FarFaces::of(scene);
         let mut add = |numbers: &Numbers, motions: &[Motion]| {
             for (far, modelled) in [(own, true)].into_iter().chain(others.iter().map(|&far| (far, false))) {
                 for &motion in motions {

@@ -36,7 +36,7 @@ impl Line {
         end.clone_from_slice(first);
         stages.begin(&given);
         stages.leave_first_stage(&given, (1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
-        self.accept(path, 0.0, length);
+        self.accept(path, 0.0, length)?;
         self.state.steps += 1;
         // Pressure on the new shape.
         let last = path.at(length);
@@ -44,6 +44,6 @@ impl Line {
         stages.set_gap(&given, last.expansion);
         stages.solve_without_wear(&given, &last).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
-        Ok(())
+        self.watch()
     }
 }

@@ -74,8 +74,8 @@ impl Line {
             limit::UNSTABLE => {
                 let speed = self.speed(inputs);
                 let friction = self.end_friction(speed);
-                let critical = &self.operators.mean.critical_speed;
-                critical.write_message(text, "sliding at", friction, speed, self.heat.is_some())
+                let (critical, growth) = (&self.operators.mean.growth.critical, self.mean.state().growth);
+                critical.write_message(text, growth, friction, speed, self.heat.is_some())
             }
             _ => Ok(()),
         }
@@ -93,11 +93,11 @@ impl Line {
         kinetic_coefficient * self.friction.stribeck(speed)
     }
 
-    /// Sets the warning bits of [`limit`] for the step that begins at `inputs`.
+    /// Sets the warning bit of [`limit`] of accelerated wear.
     ///
     /// # Errors
     /// Wear accelerated too much.
-    pub(super) fn watch_growth(&mut self, inputs: &[f64; INPUTS]) -> Result<(), StepFailure> {
+    pub(super) fn watch_growth(&mut self) -> Result<(), StepFailure> {
         let (operators, tunables) = (&self.operators, &self.tunables);
         if self.heat.is_none() {
             return Ok(());
@@ -108,12 +108,6 @@ impl Line {
             if operators.wear_against_growth(tunables.friction_coefficient, acceleration) > UNNOTICED_WEAR {
                 self.state.limits |= limit::ACCELERATED;
             }
-        }
-        let mean = &self.operators.mean;
-        let is_new = !mean.unstable_at_nominal && inputs[1] > 0.0;
-        let speed = self.speed(inputs);
-        if is_new && mean.critical_speed.is_exceeded(self.end_friction(speed), speed) {
-            self.state.limits |= limit::UNSTABLE;
         }
         Ok(())
     }

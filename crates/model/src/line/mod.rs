@@ -222,8 +222,7 @@ impl Line {
         self.backup.1.copy_contact_from(&self.state);
         self.bodies_kept = false;
         self.stages.budget.start();
-        let outcome =
-            self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
+        let outcome = self.watch_growth().and_then(|()| self.pieces(inputs, slopes, step));
         if outcome.is_err() {
             self.mean.set_state(&self.backup.0);
             self.state.copy_contact_from(&self.backup.1);
@@ -417,7 +416,7 @@ impl Line {
         }
     }
 
-    /// Sets limit bits and checks validity after a step.
+    /// Sets limit bits and checks validity after an internal step.
     fn watch(&mut self) -> Result<(), StepFailure> {
         if let Some(name) = self.state.not_finite() {
             return Err(StepFailure(format!(

@@ -400,7 +400,8 @@ fn mean_scene(scene: &Scene, heat: bool) -> Scene {
     }
     mean.holder_stiffness = 0.0;
     if heat {
-        // The contact line supplies the friction coefficient.
+        // The contact line supplies the friction coefficient, and its temperature is the one that has a limit.
+        mean.temperature_limit = 0.0;
         mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
     }
     mean

@@ -42,7 +42,7 @@ impl Line {
                     )));
                 }
             }
-            self.accept(path, start, step);
+            self.accept(path, start, step)?;
             self.state.steps += 1;
         }
         Ok(())

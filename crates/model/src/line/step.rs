@@ -83,7 +83,7 @@ impl Line {
             self.stages.budget.solutions += self.newton_iterations() - newton;
             let halvings = match outcome {
                 Outcome::Tried(error) if error <= 1.0 => {
-                    self.accept(path, start, step);
+                    self.accept(path, start, step)?;
                     self.state.steps += 1;
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     failures = 0;
@@ -166,14 +166,14 @@ impl Line {
         }
         if !self.operators.decides_load() {
             self.state.current = false;
-            return Ok(());
+            return self.watch();
         }
         let moment = path.at(length);
         let (given, stages, _) = self.parts();
         stages.set_gap(&given, moment.expansion);
         stages.solve_without_wear(&given, &moment).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
-        Ok(())
+        self.watch()
     }
 
     /// Trial step over a part; both stages are left in `stages`.
@@ -259,8 +259,11 @@ impl Line {
         }
     }
 
-    /// Accepts the trial step.
-    pub(super) fn accept(&mut self, path: &InputTrajectory, start: f64, step: f64) {
+    /// Accepts the trial step and compares it with the limits.
+    ///
+    /// # Errors
+    /// Those of [`Line::watch`].
+    pub(super) fn accept(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         let count = operators.count();
         let travel = step * path.velocity(start + 0.5 * step);
@@ -308,6 +311,7 @@ impl Line {
         self.state.position += travel;
         self.accept_heat(path.velocity(start + step));
         self.keep_end();
+        self.watch()
     }
 
     /// Updates the thermal state by the step just accepted.

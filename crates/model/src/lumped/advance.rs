@@ -10,6 +10,7 @@ use super::stepper::{Attempt, Propagators, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;
+use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
@@ -106,13 +107,14 @@ impl Lumped {
         let (state, within) = (&mut self.state, &self.operators.fast_path_bounds);
         state.steps += 1;
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
-        let speed = (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs();
+        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let is_unremarkable = state.punch.depth < within.depth[0]
             && state.strip.depth < within.depth[1]
-            && speed <= within.speed
+            && velocity.abs() <= within.speed
             && (0.0..=within.load).contains(&inputs[1])
             && attempt.hottest + state.reference <= within.temperature;
-        if is_unremarkable && !self.grows(speed, inputs[1]) {
+        if is_unremarkable {
+            self.grow([velocity; 2], inputs[1], step);
             return Ok(());
         }
         if inputs[1] < 0.0 {
@@ -323,29 +325,41 @@ impl Lumped {
             if track.revisited() {
                 self.state.limits |= limit::VALIDITY;
             }
-            let depth = track.under(self.state.position) + scene.strip.initial_wear;
-            if scene.strip.wear_limit > 0.0 && depth >= scene.strip.wear_limit {
+            // Not only where the contact is when the step ends.
+            let most = scene.strip.wear_limit;
+            if most > 0.0 && track.deepest() + scene.strip.initial_wear >= most {
                 self.state.limits |= limit::WEAR;
             }
         }
+        // Inputs are linear within a step: the largest are at one of its ends.
         let last = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step);
-        let (speed, load) = ((last(0) + scene.mean_radius * last(2)).abs(), last(1));
+        let velocities = [inputs[0] + scene.mean_radius * inputs[2], last(0) + scene.mean_radius * last(2)];
+        let speed = velocities[0].abs().max(velocities[1].abs());
+        let load = inputs[1].max(last(1));
         let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
         if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
             self.state.limits |= limit::VALIDITY;
         }
-        if self.grows(speed, load) {
-            self.state.limits |= limit::UNSTABLE;
-        }
+        self.grow(velocities, load, step);
         Ok(())
     }
 
-    /// Whether pressure perturbations grow that nobody has been told of, at the end of a step at this speed, m/s, and load, N.
+    /// Counts the growth of pressure perturbations in a step between these velocities, m/s, under at most this load, N.
     #[inline]
-    fn grows(&self, speed: f64, load: f64) -> bool {
+    fn grow(&mut self, velocities: [f64; 2], load: f64, step: f64) {
         let operators = &self.operators;
-        let is_new = !operators.unstable_at_nominal && self.state.limits & limit::UNSTABLE == 0;
-        is_new && load > 0.0 && operators.critical_speed.is_exceeded(self.end_friction(speed), speed)
+        if load <= 0.0 || self.state.limits & limit::UNSTABLE != 0 {
+            return;
+        }
+        let speed = velocities[0].abs().max(velocities[1].abs());
+        let friction = self.end_friction(speed);
+        if !operators.growth.critical.is_exceeded(friction, speed) {
+            return;
+        }
+        self.state.growth += operators.growth.over(friction, velocities, step);
+        if self.state.growth >= growth::noticeable(operators.scene.tolerance) {
+            self.state.limits |= limit::UNSTABLE;
+        }
     }
 
     /// Friction coefficient at the temperature of the end of the last step, at this speed, m/s.
@@ -364,6 +378,6 @@ impl Lumped {
         }
         let operators = &self.operators;
         let speed = (inputs[0] + operators.scene.mean_radius * inputs[2]).abs();
-        operators.critical_speed.write_message(text, "sliding at", self.end_friction(speed), speed, false)
+        operators.growth.critical.write_message(text, self.state.growth, self.end_friction(speed), speed, false)
     }
 }

@@ -50,7 +50,7 @@ pub mod limit {
     pub const NEGATIVE_LOAD: u8 = 8;
     /// Accelerated wear suppresses thermoelastic instability noticeably (not shown in the output).
     pub const ACCELERATED: u8 = 16;
-    /// The sliding speed is above the critical one (not shown in the output).
+    /// Pressure perturbations may have grown noticeably above the critical speed (not shown in the output).
     pub const UNSTABLE: u8 = 32;
 }
 
@@ -211,8 +211,8 @@ impl Lumped {
 
     /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
     pub fn expansion_of_bodies(&self) -> f64 {
-        self.expansion(&self.operators.punch, &self.state.punch)
-            + self.expansion(&self.operators.strip, &self.state.strip)
+        let LumpedState { punch, strip, far, .. } = &self.state;
+        self.operators.punch.expansion_at(punch, far[0]) + self.operators.strip.expansion_at(strip, far[1])
     }
 
     fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {

@@ -3,15 +3,16 @@
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, BESIDE, FACES, FAR};
-use crate::instability::CriticalSpeed;
+use super::state::BodyState;
+use crate::growth::PerturbationGrowth;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
-use conduction::reduced::{Observation, ReducedBody};
+use conduction::reduced::{Observation, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
-use elasticity::kinds::mean_compliance;
+use elasticity::kinds::{mean_compliance, mean_expansion};
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.
@@ -52,6 +53,24 @@ impl BodyOperators {
     /// Whether any face has cooling beyond the constant heat transfer.
     pub fn is_cooled_variably(&self) -> bool {
         self.air.iter().any(Air::acts)
+    }
+
+    /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
+    /// prescribed. The states hold all of it but the stationary field of that face beyond them, as in the stored heat.
+    pub fn mean_rise(&self, heat: &ReducedBody, state: &BodyState, far: f64) -> f64 {
+        let beyond = match self.far {
+            ThermalBoundary::Held | ThermalBoundary::External => {
+                heat.mean_temperature.direct[Port::Base as usize] * far
+            }
+            ThermalBoundary::Convecting | ThermalBoundary::Insulated => 0.0,
+        };
+        heat.mean_temperature.of_states(&state.heat, heat.count) + beyond
+    }
+
+    /// Mean outward displacement (m) of the contact surface by the temperature of the body in this state; `far` as in
+    /// [`BodyOperators::mean_rise`].
+    pub fn expansion_at(&self, state: &BodyState, far: f64) -> f64 {
+        self.heat.as_ref().map_or(0.0, |heat| self.expansion * self.mean_rise(heat, state, far))
     }
 }
 
@@ -126,10 +145,8 @@ pub struct LumpedOperators {
     pub half_resistance: f64,
     /// Fraction of a closed path covered by the punches.
     pub strip_coverage: f64,
-    /// Critical speed of thermoelastic instability.
-    pub critical_speed: CriticalSpeed,
-    /// The nominal velocity is above the critical speed, which is reported at initialisation.
-    pub unstable_at_nominal: bool,
+    /// Critical speed of thermoelastic instability, and growth above it.
+    pub growth: PerturbationGrowth,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
@@ -142,7 +159,7 @@ impl LumpedOperators {
         Self::with_heat_of(scene, None)
     }
 
-    /// Builds the lumped level with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the
+    /// Builds the lumped level with the reduced bodies, the moving source, the compliance and the growth of perturbations of `known`, whose scene has the
     /// same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may differ.
     pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
@@ -176,14 +193,15 @@ impl LumpedOperators {
             body.cooled_is_contact =
                 body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
         }
-        let (punch_compliance, _) = mean_compliance(&scene.punch, scene.width, false);
-        let (strip_compliance, _) = mean_compliance(&scene.strip, scene.width, true);
-        let compliance = punch_compliance + strip_compliance;
+        let compliance = match known {
+            Some(known) => known.compliance,
+            None => mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false),
+        };
         let series_stiffness =
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
-        let critical_speed = known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone());
+        let growth = known.map_or_else(|| PerturbationGrowth::new(scene), |known| known.growth.clone());
         let mut operators = LumpedOperators {
             fast_path: false,
             fast_path_bounds: FastPathBounds::new(scene),
@@ -201,8 +219,7 @@ impl LumpedOperators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
-            unstable_at_nominal: critical_speed.is_exceeded(scene.friction_coefficient, scene.nominal_velocity),
-            critical_speed,
+            growth,
             compliance,
             series_stiffness,
             scene: scene.clone(),
@@ -278,8 +295,7 @@ fn stroke_cell(scene: &Scene) -> f64 {
     scene.nominal_stroke + scene.width + 8.0 * reach
 }
 
-fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, wide: bool) -> BodyOperators {
-    let (_, expansion) = mean_compliance(body, scene.width, wide);
+fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, punch: bool) -> BodyOperators {
     BodyOperators {
         heat: None,
         coverage,
@@ -301,7 +317,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         worn_area: 0.0,
         initial_wear: body.initial_wear,
         wear_limit: body.wear_limit,
-        expansion,
+        expansion: mean_expansion(scene, body, punch),
     }
 }
 
@@ -315,12 +331,6 @@ fn annular_mean(scene: &Scene, power: f64) -> f64 {
     (outer.powf(power + 1.0) - inner.powf(power + 1.0)) / ((power + 1.0) * 2.0 * half)
 }
 
-/// Cooled area of the punch, m2.
-fn punch_cooled(scene: &Scene) -> f64 {
-    let sides = 2.0 * scene.punch.height * scene.depth * scene.count;
-    if scene.punch.cooled_area > 0.0 { scene.punch.cooled_area } else { sides }
-}
-
 /// Slab model of the punch under the contact's `area`, m2.
 pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
     let body = &scene.punch;
@@ -329,7 +339,7 @@ pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
         conductivity: body.conductivity,
         capacity: body.capacity(),
         surface_transfer: 0.0,
-        volume_transfer: body.convection * punch_cooled(scene) / (area * body.height),
+        volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
         base: body.far_boundary(),
         cooling: CoolingPort::Sides,
     }
@@ -337,7 +347,7 @@ pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
 
 fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
     let body = &scene.punch;
-    let mut operators = body_of(scene, body, area, punch_cooled(scene) / area, 1.0, false);
+    let mut operators = body_of(scene, body, area, scene.punch_cooled_area() / area, 1.0, true);
     operators.worn_area = area;
     operators
 }
@@ -355,7 +365,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
         _ => length * scene.depth,
     };
     // On an endless path the problem is that of the integral over the path: all of it is cooled.
-    let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, reference - area) };
+    let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, (reference - area).max(0.0)) };
     let cooled = if scene.strip.cooled_area > 0.0 { scene.strip.cooled_area } else { free };
     (reference, coverage, cooled)
 }
@@ -381,7 +391,7 @@ pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab
 fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
-    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
+    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, false);
     // A closed path wears over its whole length; a straight one under the contact, with a worn track.
     operators.worn_area = area;
     let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);

@@ -9,6 +9,7 @@ use super::operators::BodyOperators;
 use super::point::{self, Point};
 use super::state::BodyState;
 use crate::{INPUTS, Inputs};
+use conduction::reduced::ReducedBody;
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
 use scene::variables::{COUNT, ValueReference, reference};
@@ -157,9 +158,7 @@ impl Lumped {
             point.kinetic_coefficient * point.load * (faces * operators.power_factor * self.friction.static_ratio());
         let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
         let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
-        let closed = state.punch.depth + self.strip_depth()
-            - self.expansion(&operators.punch, &state.punch)
-            - self.expansion(&operators.strip, &state.strip);
+        let closed = state.punch.depth + self.strip_depth() - self.expansion_of_bodies();
         emit!(
             emit,
             "contact_temperature" = point.contact_temperature + absolute,
@@ -171,7 +170,7 @@ impl Lumped {
             "friction_coefficient" = point.friction_coefficient,
             "friction_force_kinetic" = kinetic,
             "friction_force_limit" = limit,
-            "critical_speed" = operators.critical_speed.at(point.friction_coefficient),
+            "critical_speed" = operators.growth.critical.at(point.friction_coefficient),
             "pressure_mean" = point.pressure,
             "pressure_max" = point.pressure,
             "contact_fraction" = S::from(carries),
@@ -225,7 +224,7 @@ impl Lumped {
             "heat_received_punch" = punch.received,
             "heat_received_strip" = strip.received,
             "stored_heat" = punch.stored + strip.stored,
-            "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, 1.0),
+            "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, self.state.far[0], 1.0),
             "strip.mean_temperature" = self.strip_mean_temperature(),
             "estimated_step_error" = self.estimated_step_error(),
         );
@@ -239,15 +238,10 @@ impl Lumped {
         }
     }
 
-    pub(super) fn expansion(&self, body: &BodyOperators, state: &BodyState) -> f64 {
-        body.heat.as_ref().map_or(0.0, |heat| body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count))
-    }
-
-    fn mean_temperature(&self, body: &BodyOperators, state: &BodyState, share: f64) -> f64 {
+    fn mean_temperature(&self, body: &BodyOperators, state: &BodyState, far: f64, share: f64) -> f64 {
         let ambient = self.tunables.ambient_temperature;
-        body.heat.as_ref().map_or(ambient, |heat| {
-            self.state.reference + share * heat.mean_temperature.of_states(&state.heat, heat.count)
-        })
+        let rise = |heat: &ReducedBody| self.state.reference + share * body.mean_rise(heat, state, far);
+        body.heat.as_ref().map_or(ambient, rise)
     }
 
     /// Mean temperature of a strip in unidirectional sliding on a straight path: over the track swept so far, above the
@@ -255,11 +249,12 @@ impl Lumped {
     fn strip_mean_temperature(&self) -> f64 {
         let operators = &self.operators;
         if operators.strip_remembers {
-            return self.mean_temperature(&operators.strip, &self.state.strip, 1.0);
+            return self.mean_temperature(&operators.strip, &self.state.strip, self.state.far[1], 1.0);
         }
         let swept = operators.scene.sliding_extent();
         let share = swept / (swept + self.state.distance);
-        self.mean_temperature(&operators.strip, &self.state.strip, share) + point::strip_entry(operators, &self.state)
+        self.mean_temperature(&operators.strip, &self.state.strip, 0.0, share)
+            + point::strip_entry(operators, &self.state)
     }
 
     /// Heat account of one body, J, all faces.

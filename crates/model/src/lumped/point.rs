@@ -50,13 +50,9 @@ impl Frozen {
     /// Free responses of `state`.
     pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
         let closed = if operators.series_stiffness > 0.0 {
-            let rise = |body: &BodyOperators, state: &BodyState| match &body.heat {
-                Some(heat) => body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count),
-                None => 0.0,
-            };
             state.punch.depth + state.strip.depth
-                - rise(&operators.punch, &state.punch)
-                - rise(&operators.strip, &state.strip)
+                - operators.punch.expansion_at(&state.punch, state.far[0])
+                - operators.strip.expansion_at(&state.strip, state.far[1])
         } else {
             0.0
         };

@@ -18,7 +18,7 @@ impl LumpedState {
         write_row(&mut out, &self.flash);
         out.extend([self.position, self.distance, self.dissipated, self.bristle]);
         out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
-        out.extend([self.end_temperature, self.end_force]);
+        out.extend([self.end_temperature, self.end_force, self.growth]);
         out.extend(self.far_start);
         out.extend(self.far);
         out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
@@ -54,6 +54,7 @@ impl LumpedState {
         state.error = next()?;
         state.end_temperature = next()?;
         state.end_force = next()?;
+        state.growth = next()?;
         for slot in state.far_start.iter_mut().chain(&mut state.far) {
             *slot = next()?;
         }

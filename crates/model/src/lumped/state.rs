@@ -60,6 +60,8 @@ pub struct LumpedState {
     pub peak_flux: f64,
     /// Largest wear rate so far, m/s.
     pub peak_wear: f64,
+    /// Exponent by which pressure perturbations may have grown so far; see [`crate::growth`].
+    pub growth: f64,
     /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// log2 of the number of parts of the last communication step.
@@ -178,6 +180,7 @@ impl LumpedState {
             peak_rise: 0.0,
             peak_flux: 0.0,
             peak_wear: 0.0,
+            growth: 0.0,
             limits: 0,
             refinement: 0,
             reference: 0.0,

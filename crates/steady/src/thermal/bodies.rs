@@ -45,8 +45,8 @@ fn through_far_face(body: &Body, scene: &Scene, speed: f64) -> bool {
 
 fn leaves_punch(scene: &Scene, speed: f64) -> bool {
     let body = &scene.punch;
-    let sides = scene.geometry != Geometry::Periodic || body.cooled_area > 0.0;
-    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || sides && transfer(body, scene, speed) > 0.0)
+    let by_sides = scene.punch_cooled_area() > 0.0 && transfer(body, scene, speed) > 0.0;
+    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || by_sides)
 }
 
 fn leaves_strip(scene: &Scene, speed: f64) -> bool {

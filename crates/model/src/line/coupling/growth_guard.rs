@@ -56,7 +56,7 @@ impl Solved<'_> {
     ) -> bool {
         let heat = &mut *self.0;
         let step = heat.step;
-        let critical = &operators.mean.critical_speed;
+        let critical = &operators.mean.growth.critical;
         if speed * friction <= 0.0
             || speed <= critical.stable_speed(friction).max(SURELY_STABLE * critical.modelled(friction))
         {

@@ -333,7 +333,7 @@ impl CycleMap {
     /// Nominal speed over the critical speed of thermoelastic instability at the nominal friction; 0: no instability.
     pub fn speed_ratio(&self) -> f64 {
         let scene = &self.operators().scene;
-        let critical = self.operators().mean.critical_speed.modelled(scene.friction_coefficient);
+        let critical = self.operators().mean.growth.critical.modelled(scene.friction_coefficient);
         let speed = self.distance() / self.period();
         if critical > 0.0 { speed / critical } else { 0.0 }
     }

@@ -91,11 +91,7 @@ impl Bodies {
         free: f64,
         waves: usize,
     ) -> Bodies {
-        let cooled = if scene.punch.cooled_area > 0.0 {
-            scene.punch.cooled_area / (scene.depth * scene.count)
-        } else {
-            2.0 * scene.punch.height
-        };
+        let cooled = scene.punch_cooled_area() / (scene.depth * scene.count);
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
