@@ -165,11 +165,6 @@ impl FastestGrowth {
         FastestGrowth { pair, layers, range, heated, free }
     }
 
-    /// Whether waves may also be at rest in neither body, for which the mate is taken as an insulator.
-    pub fn has_free_waves(&self) -> bool {
-        self.free
-    }
-
     /// Fastest growth rate (1/s) of all waves at this friction coefficient and sliding speed (m/s).
     pub fn fastest(&self, friction: f64, speed: f64) -> f64 {
         maximum(self.of_body(0, friction, speed), self.of_body(1, friction, speed))

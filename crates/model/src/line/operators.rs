@@ -365,7 +365,7 @@ impl LineOperators {
             );
         }
         let (friction, speed) = (scene.friction_coefficient, scene.nominal_velocity.abs());
-        let critical = self.mean.critical_speed.modelled(friction);
+        let critical = self.mean.growth.critical.modelled(friction);
         if scene.initial_shape == InitialShape::RunIn && self.heat.is_some() && critical > 0.0 && speed > critical {
             warnings.push(format!(
                 "contact.initial_shape = run_in is the shape of an unstable steady state: nominal.velocity = {} m/s is {:.2} times the \
