@@ -27,7 +27,7 @@ commands! {
     VERIFY = "verify", "Solve problems with a known solution and compare: exact and computed value, error, bound and cost";
     STABILITY = "stability", "Compute stability maps: where each method is accurate, oscillates, grows or is refused, with the theoretical bound";
     CHART = "chart", "Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes";
-    PLAN = "plan", "Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and the error of each";
+    PLAN = "plan", "Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out";
     GOLDEN = "golden", "Record what the golden scenes compute, or compare it with the records to the bit";
     FUZZ = "fuzz", "Call the library, its states, scene files and batch inputs with random values and sequences, and report what breaks";
 }
