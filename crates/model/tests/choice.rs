@@ -1,0 +1,68 @@
+//! Choice of the automatic level: what it costs, and what it depends on.
+
+use model::plan::{Choice, ModelLevel, Prepared};
+use scene::Scene;
+use test_support::{Application, changed, changed_scene, scene};
+
+fn choice(scene: &Scene) -> Choice {
+    Choice::new(scene, steady::run_in).0
+}
+
+/// Steps are counted, so the same scene has the same level everywhere; the coarser pair ends a comparison that it settles.
+#[test]
+fn a_comparison_is_reproducible_and_ends_when_it_is_settled() {
+    let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
+    let brake = changed_scene(&scene("disc_brake"), &auto);
+    let [one, other] = [choice(&brake), choice(&brake)];
+    assert_eq!(one, other);
+    let comparison = one.comparison.unwrap();
+    assert!(one.level == ModelLevel::Line(0) && comparison.error > 1e-2, "{comparison:?}");
+    // At a tolerance that lumped meets the finer line is run as well, which takes more steps.
+    let wide = Scene { tolerance: 0.5, ..brake };
+    let loose = choice(&wide);
+    let all = loose.comparison.unwrap();
+    assert!(
+        loose.level == ModelLevel::Lumped && all.steps > comparison.steps && all.error >= comparison.error,
+        "{all:?}"
+    );
+}
+
+/// No line of a comparison takes more than 300 internal steps; where one would, the run itself measures its error.
+#[test]
+fn a_comparison_is_short() {
+    for name in ["piston_ring", "rod_seal", "slideway", "safety_gear", "pom_bushing", "drum_brake", "fading_pin"] {
+        for tolerance in [1e-1, 1e-2] {
+            let own = Application::read(name).starts;
+            let scene = Scene::new(&changed(&own, &[("solver.tolerance", tolerance)]), None).unwrap();
+            let found = choice(&scene);
+            match found.comparison {
+                Some(comparison) => assert!(comparison.steps < 2500, "{name}: {comparison:?}"),
+                None => {
+                    assert!(found.level == ModelLevel::Line(0) && found.reason.contains("nothing to compare"), "{name}")
+                }
+            }
+        }
+    }
+}
+
+/// Without nominal conditions there is nothing to compare: the line runs, and measures its error.
+#[test]
+fn without_nominal_conditions_the_line_runs() {
+    let starts = changed(&scene("disc_brake"), &[("solver.fidelity", 1.0), ("nominal.load", 0.0)]);
+    let prepared = Prepared::new(&Scene::new(&starts, Some(1e-2)).unwrap(), steady::run_in).unwrap();
+    let choice = prepared.choice.unwrap();
+    assert!(choice.reason.contains("nominal.load = 0 N"), "{}", choice.reason);
+    assert_eq!((prepared.operators.cells(), prepared.companion.unwrap().cells()), (17, 9));
+}
+
+/// Cells follow from the tolerance, at the level `line` as with `auto`.
+#[test]
+fn cells_follow_from_the_tolerance() {
+    for (tolerance, cells) in
+        [(1e-1, 17), (5e-3, 17), (4.9e-3, 33), (5e-4, 33), (4.9e-4, 65), (5e-5, 65), (4.9e-5, 129)]
+    {
+        let line = changed_scene(&scene("disc_brake"), &[("solver.fidelity", 3.0), ("solver.tolerance", tolerance)]);
+        let prepared = Prepared::new(&line, steady::run_in).unwrap();
+        assert_eq!((prepared.operators.cells(), prepared.companion.is_some()), (cells, false), "{tolerance}");
+    }
+}
