@@ -2,7 +2,8 @@
 //!
 //! A step whose error, in units of the tolerance, is above 1 is rejected and halved; after two halves with room to spare the step is
 //! doubled again. Steps are dyadic fractions of the piece, so that operators made for a step size are found again, and n is part of
-//! the state, so that a replay takes the same steps.
+//! the state, so that a replay takes the same steps. The line keeps the step itself instead, so that pieces of other lengths begin with
+//! the same one.
 //!
 //! Theory: docs/theory.md, section 7.3.
 
@@ -27,6 +28,20 @@ impl StepController {
     /// tolerance for an error of order p, with a margin.
     pub fn new(length: f64, level: u8, doubling: f64) -> StepController {
         StepController { length, level, part: 0, doubling }
+    }
+
+    /// For a piece of `length` (s) that begins with a part of at most `step` (s), the last step taken before; 0: the whole piece.
+    pub fn beginning_with(step: f64, length: f64, doubling: f64) -> StepController {
+        let parts = if step > 0.0 { (length / step).max(1.0) } else { 1.0 };
+        // The quotient of a piece and its own part is a power of 2 to rounding.
+        let level = (parts.log2() - 1e-9).ceil().clamp(0.0, f64::from(FINEST)) as u8;
+        StepController::new(length, level, doubling)
+    }
+
+    /// First step (s) of the piece that follows, if `before` was that of this one: a piece that was one part says only that longer
+    /// ones may do.
+    pub fn next_step(&self, before: f64) -> f64 {
+        if self.level == 0 { before.max(self.length) } else { self.step() }
     }
 
     /// Whether the piece is done.
