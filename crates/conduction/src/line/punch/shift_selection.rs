@@ -35,6 +35,13 @@ const LONGEST: usize = 3;
 /// Lowest frequency of the error sweep over 1/duration: the spectrum of a constant flux lies below its own frequency.
 const SLOWEST: f64 = 0.03;
 
+/// What an error of the impedance is relative to: that to a uniform flux at 1/duration, or at the same frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Measure {
+    Overall,
+    Relative,
+}
+
 /// One transverse mode with its current trial functions.
 #[derive(Clone, Debug)]
 pub(super) struct Mode {
@@ -43,7 +50,7 @@ pub(super) struct Mode {
     /// The fastest shape is quasi-static and has no state.
     pub fastest_is_steady: bool,
     /// Largest error over the scale and the weight of the mode.
-    pub error: f64,
+    error: f64,
     /// The same relative to the impedance at 1/duration at all frequencies.
     overall_error: f64,
     /// Tolerance of `error`.
@@ -167,14 +174,17 @@ impl Mode {
     }
 
     /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate of
-    /// the largest error.
-    fn improve(&mut self, points: &Points) {
+    /// the largest error in this measure.
+    fn improve(&mut self, points: &Points, measure: Measure) {
         let last = self.frequency.len() - 1;
         if self.steady && !self.used[last] {
             self.used[last] = true;
             self.basis.add_response(points, 0.0);
         } else {
-            let errors = self.errors(false);
+            let mut errors = self.errors(false);
+            if measure == Measure::Overall {
+                errors.iter_mut().zip(&self.share).for_each(|(error, share)| *error *= self.overall / share);
+            }
             loop {
                 let unused = (0..errors.len()).filter(|&i| !self.used[i]);
                 let Some(worst) = unused.max_by(|&i, &j| errors[i].total_cmp(&errors[j])) else {
@@ -188,6 +198,14 @@ impl Mode {
             }
         }
         self.judge();
+    }
+
+    /// Largest error in this measure.
+    fn error(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Overall => self.overall_error,
+            Measure::Relative => self.error,
+        }
     }
 
     /// Computes the error, and decides whether the fastest shape can be quasi-static.
@@ -250,21 +268,25 @@ impl Selection {
         modes[0].basis.add_means(points);
         modes[0].judge();
         let mut states = modes[0].states();
-        loop {
-            // Errors of modes without states fall with their number, so one of them suffices for the comparison.
-            if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
-                modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
+        // Where the states do not suffice for both, friction heat is followed before exchanged heat.
+        for measure in [Measure::Overall, Measure::Relative] {
+            loop {
+                // Errors of modes without states fall with their number, so one of them suffices for the comparison.
+                if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
+                    modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
+                }
+                let error = |m: usize| modes[m].error(measure);
+                let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
+                // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
+                let long = open().find(|&m| m < LONGEST && error(m) > modes[m].tolerance);
+                let worst = long.or_else(|| open().max_by(|&m, &n| error(m).total_cmp(&error(n))));
+                let Some(worst) = worst.filter(|&m| error(m) > modes[m].tolerance && states < most_states) else {
+                    break;
+                };
+                states -= modes[worst].states();
+                modes[worst].improve(points, measure);
+                states += modes[worst].states();
             }
-            let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
-            // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
-            let long = open().find(|&m| m < LONGEST && modes[m].error > modes[m].tolerance);
-            let worst = long.or_else(|| open().max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error)));
-            let Some(worst) = worst.filter(|&m| modes[m].error > modes[m].tolerance && states < most_states) else {
-                break;
-            };
-            states -= modes[worst].states();
-            modes[worst].improve(points);
-            states += modes[worst].states();
         }
         let error = modes.iter().map(|mode| mode.overall_error).fold(0.0, maximum);
         let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
