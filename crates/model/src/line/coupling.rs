@@ -34,6 +34,7 @@ use contact::wear::line::WearingContact;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
 use scene::Scheme;
+pub(super) use stage::state_of;
 pub use staggered::Refusal;
 
 /// Differences stored for the Anderson acceleration of a stage.

@@ -15,6 +15,7 @@
 //! Theory: docs/theory.md, sections 5.2, 7.1, 7.3.
 
 use super::Line;
+use super::coupling::state_of;
 use super::operators::StripWear;
 use super::stages::ContactStages;
 use super::trajectory::{InputTrajectory, StageMotion};
@@ -248,7 +249,7 @@ impl Line {
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
-                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
+                Outcome::Tried(maximum(wear, solved.error(operators, &state_of(&given).flux, bound)))
             }
             None => Outcome::Tried(wear),
         }

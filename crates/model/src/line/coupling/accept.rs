@@ -35,12 +35,13 @@ const ALLOWANCE: f64 = 2.0;
 
 /// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
 /// deviates by (1/2 - gamma) of its change. A cell that opens or closes between the stages exchanges heat for up to (1 - 2 gamma) of the
-/// step more or less than it should, and deviates by half of its flux. Such a jump, and that of the parts of a cell in contact, does
+/// step more or less than it should, and deviates by half of its flux. Such a jump, one since the flux `before`, and one of the parts in contact, does
 /// not shrink with the step. But the heat it is about has spread by the shortest time of interest, so that of its effect on the
 /// surface a part `lasting` is left.
 fn flux_defect(
     closed: [&[bool]; 2],
     contact_parts: &[ContactParts; 2],
+    before: &[f64],
     flux: [&Vec<f64>; 2],
     lasting: f64,
     defect: &mut [f64],
@@ -49,8 +50,9 @@ fn flux_defect(
     for (i, ((defect, (first, end)), (early, late))) in
         defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status).enumerate()
     {
+        let lasts = (before[i] != 0.0) == *early && contact_parts[0].equals(&contact_parts[1], i);
         let part = match early == late {
-            true if contact_parts[0].equals(&contact_parts[1], i) => 0.5 - GAMMA,
+            true if lasts => 0.5 - GAMMA,
             true => (0.5 - GAMMA) * lasting,
             false => 0.5 * lasting,
         };
@@ -60,7 +62,7 @@ fn flux_defect(
 
 impl Solved<'_> {
     /// Inexpensive upper bound of [`Solved::error`].
-    fn bound_of_error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
+    fn bound_of_error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
         let heat = &mut *self.0;
         let cells = &operators.cells;
         let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, LEAST_RISE);
@@ -69,6 +71,7 @@ impl Solved<'_> {
             flux_defect(
                 closed,
                 &heat.contact_parts,
+                &before[side],
                 [&heat.flux[0][side], &heat.flux[1][side]],
                 lasting,
                 &mut heat.iterate.difference,
@@ -88,13 +91,13 @@ impl Solved<'_> {
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
-    /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
+    /// the tolerance of the displacement, in m, `before` the fluxes at the start of the step. Where the error is small, an upper bound of it.
     ///
     /// The temperatures are those that the interface law leaves: where the deviations change the difference of both surfaces, they
     /// exchange more or less heat, up to their common temperature. Without it the error of a cell that closes would be the
     /// difference of both temperatures however short the step, since its flux goes as the reciprocal root of the time.
-    pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
-        let most = self.bound_of_error(operators, bound);
+    pub fn error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
+        let most = self.bound_of_error(operators, before, bound);
         if most < SMALL {
             return most;
         }
@@ -112,6 +115,7 @@ impl Solved<'_> {
             flux_defect(
                 closed,
                 &heat.contact_parts,
+                &before[side],
                 [&heat.flux[0][side], &heat.flux[1][side]],
                 lasting,
                 &mut heat.iterate.difference,
@@ -137,7 +141,10 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        let error = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
+        // Of a step below `tolerance` of the shortest time of interest, what is left of its effect by then counts: cells that open and
+        // close by turns are not followed to smaller steps.
+        if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error }
     }
 }
 
