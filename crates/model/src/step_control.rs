@@ -133,6 +133,20 @@ mod tests {
     }
 
     #[test]
+    fn pieces_of_every_length_begin_with_the_last_step() {
+        for (step, length, parts) in [(0.25, 1.0, 4), (0.1 / 8.0, 0.1, 8), (0.3, 1.0, 4), (5.0, 1.0, 1), (0.0, 3.0, 1)]
+        {
+            let control = StepController::beginning_with(step, length, 0.2);
+            assert_eq!(control.parts(), (parts, 0), "{step} {length}");
+        }
+        assert_eq!(StepController::beginning_with(1e-300, 1.0, 0.2).level(), FINEST);
+        // What a short piece was done in as a whole says nothing about longer steps; what a piece was cut into is kept.
+        let whole = StepController::beginning_with(2.0, 0.5, 0.2);
+        assert_eq!((whole.next_step(2.0), whole.next_step(0.0)), (2.0, 0.5));
+        assert_eq!(StepController::beginning_with(0.25, 1.0, 0.2).next_step(0.25), 0.25);
+    }
+
+    #[test]
     fn halvings_follow_the_order_and_end_at_the_finest_step() {
         assert_eq!([1.01, 4.0, 4.01, 16.0, 1e30].map(|error| halvings(error, 2)), [1, 1, 2, 2, 10]);
         assert_eq!(

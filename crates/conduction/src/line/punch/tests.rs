@@ -523,3 +523,31 @@ fn what_no_mode_carries_follows_in_its_own_time() {
         }
     }
 }
+
+/// Waves of flux that begin on a deep ring, `erf(sqrt(kd q^2 t))/(K q)`, within the tolerance of the rise by a uniform flux at the same
+/// time and the weight of the wave, from the shortest time on.
+#[test]
+fn a_wave_of_flux_heats_at_every_time_to_the_tolerance() {
+    let changes =
+        [("contact.geometry", 3.0), ("strip.length", 0.06), ("punch.height", 0.3), ("contact.mean_radius", 0.01)];
+    let cells = Cells::uniform(0.03, 128).unwrap();
+    let diffusivity = 55.0 / (7800.0 * 460.0);
+    for tolerance in [1e-2, 1e-3] {
+        let mut run = Run::new(&scene(&changes), &cells, tolerance, 1000.0);
+        for number in [1.0, 2.0, 3.0, 4.0] {
+            let q = 2.0 * std::f64::consts::PI * number / 0.06;
+            let flux: Vec<f64> = cells.centres().iter().map(|x| (q * x).cos()).collect();
+            let square: f64 = flux.iter().map(|f| f * f).sum();
+            for time in [1.0_f64, 3.0, 10.0] {
+                run.state.fill(0.0);
+                run.step(time, &flux, &flux);
+                let found = run.temperature.iter().zip(&flux).map(|(t, f)| t * f).sum::<f64>() / square;
+                let rate = diffusivity * q * q * time;
+                let exact = (1.0 - exact::special::complementary_error(rate.sqrt())) / (55.0 * q);
+                let uniform = 2.0 * (diffusivity * time / std::f64::consts::PI).sqrt() / 55.0;
+                let error = (found - exact).abs() / (uniform * 1.0_f64.hypot(2.0 * number));
+                assert!(error < tolerance, "{tolerance}, wave {number}, {time} s: {error:e}");
+            }
+        }
+    }
+}
