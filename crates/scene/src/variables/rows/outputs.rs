@@ -180,7 +180,7 @@ pub const ROWS: &[Row] = &[
     real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").local(),
     real("estimated_error", &ONE, 1e-3, "Relative error of wear depth, temperature rise and friction force so far, measured against a coarser run; 1: not known")
         .local(),
-    real("estimated_step_error", &ONE, 1e-3, "Relative error bound of the reduction of the bodies and of the time steps alone")
+    real("estimated_step_error", &ONE, 1e-3, "Estimated relative error by the reduction of the bodies and the time steps alone; not a bound")
         .local(),
     limit_reached(),
     discrete(boolean("wear_limit_reached", false, "Whether a wear limit is reached").local()),

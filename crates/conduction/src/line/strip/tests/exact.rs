@@ -231,3 +231,46 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
         }
     }
 }
+
+/// A wave of flux that begins at rest on a half-space, `2 (1 + nu) alpha kd/K` times the heat that its surface is lifted by: with
+/// `a = kd q^2`, `T = erf(sqrt(a t))/(K q)` and `D(q, s)/s = -2 (1 + nu) alpha (kd/K) (1 - q/kappa)/s^2`, inverted.
+#[test]
+fn a_wave_of_flux_heats_and_lifts_no_faster_than_it_is_conducted() {
+    const LENGTH: f64 = 0.4;
+    const TOLERANCE: f64 = 1e-2;
+    let diffusivity = 55.0 / (7800.0 * 460.0);
+    let count = 512;
+    let expansion = expanding(0.3, elasticity::Base::Bonded);
+    let properties = StripProperties { expansion, ..steel(0.1, FarBoundary::Held, SlidingPath::Closed(LENGTH), 0.0) };
+    let cells = Cells::uniform(0.5 * LENGTH, count).unwrap();
+    let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: TOLERANCE };
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    let state = vec![0.0; body.states()];
+    for number in [16.0, 32.0, 48.0, 64.0] {
+        let q = 2.0 * std::f64::consts::PI * number / LENGTH;
+        let flux: Vec<f64> = cells.centres().iter().map(|x| (q * x).cos()).collect();
+        for time in [0.1, 0.2, 0.5, 1.0] {
+            let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
+            body.prepare(time, [0.0; 2]);
+            body.free_response(&state, &Surroundings::default(), Stage::End, &flux, &mut temperature, &mut distortion);
+            let influence = body.influence(Stage::End);
+            let amplitude = |free: &[f64], matrix: &nalgebra::DMatrix<f64>| {
+                let all = matrix * nalgebra::DVector::from_column_slice(&flux);
+                let square: f64 = flux.iter().map(|f| f * f).sum();
+                free.iter().zip(&all).zip(&flux).map(|((free, own), f)| (free + own) * f).sum::<f64>() / square
+            };
+            let rate = diffusivity * q * q * time;
+            let erf = 1.0 - exact::special::complementary_error(rate.sqrt());
+            let rise = erf / (55.0 * q);
+            let uniform = 2.0 * (diffusivity * time / std::f64::consts::PI).sqrt() / 55.0;
+            let found = amplitude(&temperature, &influence.temperature);
+            // The tolerance is that of the mean over the contact.
+            assert!((found - rise).abs() < 4.0 * TOLERANCE * uniform, "{number} {time}: {found:e} K, exact {rise:e}");
+            let heat = 2.0 * 1.3 * 1.1e-5 * diffusivity / 55.0 * time;
+            let spread = (1.0 - 0.5 / rate) * erf + (-rate).exp() / (std::f64::consts::PI * rate).sqrt();
+            let lift = -heat * (1.0 - spread);
+            let found = amplitude(&distortion, &influence.distortion);
+            assert!((found - lift).abs() < 4.0 * TOLERANCE * heat, "{number} {time}: {found:e} m, exact {lift:e}");
+        }
+    }
+}
