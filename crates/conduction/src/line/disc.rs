@@ -21,7 +21,7 @@
 //! Theory: docs/theory.md, section 4.7.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::{Account, FACES, FaceInfluence, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
@@ -243,15 +243,20 @@ impl ThermalBody for DiscHeat {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
+    ) -> [f64; FACES] {
         let (ring, source) = self.split(state);
-        self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
+        let faces = self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
         let weights = &self.stage(stage).weights;
         let left = source.iter().zip(weights).enumerate();
         Self::add(
             temperature,
             left.map(|(k, (state, weights))| weights.decay * state + weights.known * known[k / MAX_FLASH_STATES]),
         );
+        faces
+    }
+
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+        self.ring.face_influence(stage, face, influence);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
@@ -287,12 +292,14 @@ impl ThermalBody for DiscHeat {
         self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion);
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
-        self.ring.cooled_temperature(self.split(state).0, surroundings, flux)
-    }
-
-    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
-        self.ring.cooled_ahead(self.split(state).0, surroundings, first, end)
+    fn cooled_temperature(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+    ) -> [f64; FACES] {
+        self.ring.cooled_temperature(self.split(state).0, surroundings, flux, velocity)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

@@ -25,12 +25,12 @@
 
 mod operators;
 
-use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::{Account, FACES, FaceInfluence, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use elasticity::Cells;
 use elasticity::block::{Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties};
 use faer::Mat;
 use numerics::cache::KeyedCache;
-use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot, extrapolate};
+use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot};
 use scene::{FarBoundary, Scene};
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -136,7 +136,7 @@ impl FieldHeat {
         observe: impl FnOnce(&FieldOperators, &[f64], f64) -> T,
     ) -> T {
         let operators = &*self.operators;
-        let origin = operators.origin(surroundings);
+        let origin = operators.origin(&surroundings.end);
         let room = &mut *self.room.borrow_mut();
         operators.field(state, origin, &mut room.start);
         observe(operators, &room.start, origin)
@@ -172,6 +172,15 @@ impl ThermalBody for FieldHeat {
         &self.prepared().influence
     }
 
+    fn face_influence(&self, _stage: Stage, face: usize, influence: &mut FaceInfluence) {
+        // Both stages share the matrix.
+        let own = &self.prepared().faces[face];
+        influence.temperature.copy_from_slice(&own.temperature);
+        influence.distortion.copy_from_slice(&own.distortion);
+        influence.by_cell.copy_from_slice(&own.by_cell);
+        (influence.faces, influence.mean) = (own.faces, own.mean);
+    }
+
     fn free_response(
         &self,
         state: &[f64],
@@ -180,47 +189,49 @@ impl ThermalBody for FieldHeat {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
+    ) -> [f64; FACES] {
         let (operators, prepared) = (&*self.operators, self.prepared());
-        let origin = operators.origin(surroundings);
+        let around = surroundings.without_fluxes_at(stage, operators.held());
         let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
-        operators.field(state, origin, start);
-        let until = surroundings.until(Stage::First);
+        operators.field(state, operators.origin(&around.first), start);
         if stage == Stage::First || prepared.euler {
-            operators.solve(prepared, start, None, &until, workspace, late);
+            operators.solve(prepared, start, None, around.at(stage), workspace, late);
         } else {
-            operators.solve(prepared, start, Some(known), &until, workspace, early);
-            extrapolate(start, early);
-            operators.solve(prepared, start, None, surroundings, workspace, late);
+            operators.solve(prepared, start, Some(known), &around.first, workspace, early);
+            operators.extrapolate(start, early, &around);
+            operators.solve(prepared, start, None, &around.end, workspace, late);
         }
+        let origin = operators.origin(around.at(stage));
         operators.observe(late, origin, temperature, distortion);
+        operators.cooled_means(late).map(|mean| mean + origin)
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let (operators, prepared) = (&*self.operators, self.prepared());
-        let (origin, step) = (operators.origin(surroundings), prepared.step);
+        let (origin, step) = (operators.origin(&surroundings.end), prepared.step);
         let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         let before = operators.stored(state);
-        operators.field(state, origin, start);
+        operators.field(state, operators.origin(&surroundings.first), start);
         operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [&mut *early, &mut *late]);
-        let flows = [early, &mut *late].map(|field| operators.ambient_flow(field, surroundings));
+        let stages = [(&*early, &surroundings.first), (&*late, &surroundings.end)];
+        let flows = stages.map(|(field, around)| operators.ambient_flow(field, around));
         let ambient = if prepared.euler { flows[1] } else { (1.0 - GAMMA) * flows[0] + GAMMA * flows[1] };
         let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
         let received = step * ((1.0 - GAMMA) * heat(first) + GAMMA * heat(end));
         let length = 2.0 * operators.properties.height * operators.cooled;
-        let lost = step * (ambient - length * surroundings.mean_cooling());
+        let lost = step * (ambient - length * surroundings.mean().cooling);
         let degrees = operators.degrees();
         for ((state, field), uniform) in state.iter_mut().zip(&*late).zip(&operators.uniform) {
             *state = field + origin * uniform;
         }
-        state[degrees + 3] = surroundings.far;
+        state[degrees + 3] = surroundings.end.far;
         let gained = operators.stored(state) - before;
         let tallies = &mut state[degrees..];
         tallies[0] += received;
         tallies[1] += lost;
         // The far-face flow closes the heat balance; at an insulated top, rounding is assigned to the sides.
         let rest = received - gained - lost;
-        let through_top = step * operators.top_width() * surroundings.mean_far();
+        let through_top = step * operators.top_width() * surroundings.mean().far;
         tallies[2] -= through_top;
         tallies[if operators.properties.top == FarBoundary::Insulated { 1 } else { 2 }] += rest + through_top;
     }
@@ -252,25 +263,21 @@ impl ThermalBody for FieldHeat {
         self.of_state(state, surroundings, |operators, field, origin| operators.distort(field, origin, distortion));
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; FACES] {
+    fn cooled_temperature(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        _flux: &[f64],
+        _velocity: f64,
+    ) -> [f64; FACES] {
         let mean =
             |operators: &FieldOperators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
         self.of_state(state, surroundings, mean)
     }
 
-    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
-        let (operators, prepared) = (&*self.operators, self.prepared());
-        let origin = operators.origin(surroundings);
-        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
-        operators.field(state, origin, start);
-        operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
-        let temperature = operators.cooled_means(late).map(|mean| mean + origin);
-        CooledAhead { temperature, rise: prepared.cooled_rise, not_extrapolated: 0.0 }
-    }
-
     fn flows(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; 2] {
         self.of_state(state, surroundings, |operators, field, origin| {
-            let outside = surroundings.ambient - origin;
+            let outside = surroundings.end.ambient - origin;
             let far = match (&operators.outflow, operators.properties.top) {
                 (Some((by_field, by_outside)), _) => dot(by_field, field) - by_outside * outside,
                 (None, FarBoundary::Convecting(transfer)) => {
@@ -278,7 +285,7 @@ impl ThermalBody for FieldHeat {
                 }
                 (None, FarBoundary::Held | FarBoundary::Insulated) => 0.0,
             };
-            [operators.ambient_flow(field, surroundings), far - operators.top_width() * surroundings.far]
+            [operators.ambient_flow(field, &surroundings.end), far - operators.top_width() * surroundings.end.far]
         })
     }
 

@@ -11,7 +11,8 @@
 //! after a jump). In the second stage it is linear through `q_1` at `gamma h` and `q_2` at `h`, extended back to the start
 //! of the step. The heat input over the step is therefore `h [(1 - gamma) q_1 + gamma q_2]`, with the same weights as the
 //! wear. The states are propagated exactly (exponentially) for these fluxes, so no decay rate, however fast, causes
-//! oscillation or instability.
+//! oscillation or instability. The fluxes into the cooled faces are ports like the cells, the temperatures of the surroundings
+//! linear in time in the same way.
 //!
 //! With `e = 0` the first stage would have a constant flux, an error of order `h`: as a conductor responds to fluxes like
 //! the square root of time, temperatures would converge with order 3/2 only.
@@ -30,6 +31,8 @@ pub mod field;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
+#[cfg(test)]
+mod tests;
 
 use contact_parts::ContactParts;
 use nalgebra::DMatrix;
@@ -91,76 +94,125 @@ pub enum Stage {
     End,
 }
 
-/// Number of faces with forced cooling beyond their constant heat transfer: the free surface beside the contact, and the far
-/// face (punch top, strip base) where its temperature is not prescribed.
+/// Number of cooled faces, through which heat flows beyond their constant heat transfer: the free surface beside the contact, and
+/// the far face (punch top, strip base) where its temperature is not prescribed.
 pub const FACES: usize = 2;
 pub const BESIDE: usize = 0;
 pub const FAR: usize = 1;
 
-/// Thermal boundary conditions of a body apart from the contact: constant over a step except for the fluxes by the air,
-/// which are linear.
+/// Boundary values of a body apart from the contact, at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Surroundings {
-    /// Flux into the surface beside the contact beyond its constant convection (forced part, radiation) at the end of the
-    /// step, W/m2 of cooled area.
+pub struct Boundary {
+    /// Flux into the surface beside the contact beyond its constant convection (forced part, radiation), W/m2 of cooled area.
     pub cooling: f64,
-    /// Decrease of `cooling` over the step, W/m2.
-    pub cooling_fall: f64,
     /// Temperature of the air.
     pub ambient: f64,
-    /// Boundary value of the far face at the end of the step: its temperature where the face is held or external; where the
-    /// air takes more than by its constant convection, the flux into it beyond that, W/m2.
+    /// Value of the far face: its temperature where the face is held or external; elsewhere the flux into it beyond its constant
+    /// convection, W/m2.
     pub far: f64,
-    /// Decrease of `far` over the step; 0 for a temperature.
-    pub far_fall: f64,
+}
+
+impl Boundary {
+    /// The same with these fluxes into the cooled faces; `held`: the temperature of the far face is prescribed.
+    pub fn with_fluxes(&self, flux: [f64; FACES], held: bool) -> Boundary {
+        Boundary { cooling: flux[BESIDE], far: if held { self.far } else { flux[FAR] }, ..*self }
+    }
+
+    /// A combination of two, value by value.
+    fn combined(&self, other: &Boundary, of: impl Fn(f64, f64) -> f64) -> Boundary {
+        Boundary {
+            cooling: of(self.cooling, other.cooling),
+            ambient: of(self.ambient, other.ambient),
+            far: of(self.far, other.far),
+        }
+    }
+}
+
+/// Boundary values over a step, linear in time as the fluxes into the cells: see the module documentation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// Deviation at the start of the step from the first stage, known before that is solved.
+    pub deviation: Boundary,
+    /// At the first stage.
+    pub first: Boundary,
+    /// At the end of the step.
+    pub end: Boundary,
 }
 
 impl Surroundings {
-    /// Boundary conditions from the start of the step to the stage.
-    fn until(&self, stage: Stage) -> Surroundings {
-        match stage {
-            Stage::First => Surroundings {
-                cooling: self.cooling + (1.0 - GAMMA) * self.cooling_fall,
-                cooling_fall: GAMMA * self.cooling_fall,
-                far: self.far + (1.0 - GAMMA) * self.far_fall,
-                far_fall: GAMMA * self.far_fall,
-                ..*self
-            },
-            Stage::End => *self,
+    /// Constant over the step.
+    pub fn constant(value: Boundary) -> Surroundings {
+        Surroundings { deviation: Boundary::default(), first: value, end: value }
+    }
+
+    /// Linear over the step.
+    pub fn linear(start: Boundary, end: Boundary) -> Surroundings {
+        Surroundings {
+            deviation: start.combined(&end, |start, end| GAMMA * (start - end)),
+            first: start.combined(&end, |start, end| start + GAMMA * (end - start)),
+            end,
         }
     }
 
-    /// Mean of the cooling over the step.
-    fn mean_cooling(&self) -> f64 {
-        self.cooling + 0.5 * self.cooling_fall
+    /// Values at `stage`.
+    pub fn at(&self, stage: Stage) -> &Boundary {
+        match stage {
+            Stage::First => &self.first,
+            Stage::End => &self.end,
+        }
     }
 
-    /// Mean of the boundary value of the far face over the step.
-    fn mean_far(&self) -> f64 {
-        self.far + 0.5 * self.far_fall
+    /// What is known before `stage`: its deviation at the start in the first stage, the first stage at the end.
+    fn known(&self, stage: Stage) -> &Boundary {
+        match stage {
+            Stage::First => &self.deviation,
+            Stage::End => &self.first,
+        }
     }
 
-    /// Fluxes by the air at the end of the step; `held`: the temperature of the far face is prescribed.
-    pub fn by_air(&self, held: bool) -> [f64; FACES] {
-        [self.cooling, if held { 0.0 } else { self.far }]
+    /// Decrease from the start of the step to `stage`.
+    fn fall(&self, stage: Stage) -> Boundary {
+        match stage {
+            Stage::First => self.deviation,
+            Stage::End => self.first.combined(&self.end, |first, end| (first - end) / (1.0 - GAMMA)),
+        }
     }
 
-    /// The same boundary conditions with these fluxes by the air, constant over the step; `held` as above.
-    pub fn with_air(&self, flux: [f64; FACES], held: bool) -> Surroundings {
-        let far = if held { self.far } else { flux[FAR] };
-        Surroundings { cooling: flux[BESIDE], cooling_fall: 0.0, far, far_fall: 0.0, ..*self }
+    /// Mean over the step.
+    fn mean(&self) -> Boundary {
+        self.first.combined(&self.end, |first, end| (1.0 - GAMMA) * first + GAMMA * end)
+    }
+
+    /// The same without fluxes into the cooled faces at `stage`; `held`: the temperature of the far face is prescribed.
+    fn without_fluxes_at(&self, stage: Stage, held: bool) -> Surroundings {
+        let without = self.at(stage).with_fluxes([0.0; FACES], held);
+        match stage {
+            Stage::First => Surroundings { first: without, ..*self },
+            Stage::End => Surroundings { end: without, ..*self },
+        }
     }
 }
 
-/// Linear prediction of the temperatures of the cooled faces at the end of the prepared step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CooledAhead {
-    /// Mean temperatures at the end of the step.
-    pub temperature: [f64; FACES],
-    /// Their increase (rows) per flux by the air at the end of the step (columns) for fixed fluxes at its start, K m2/W.
-    pub rise: [[f64; FACES]; FACES],
-    /// Part of the first of `temperature` that is not extrapolated but taken at the start of the step.
-    pub not_extrapolated: f64,
+/// Responses of one stage to a unit flux into a cooled face, and of the mean temperature of that face to the fluxes of the stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceInfluence {
+    /// Temperatures (K per W/m2) and distortion (m per W/m2) of the N cells.
+    pub temperature: Vec<f64>,
+    pub distortion: Vec<f64>,
+    /// Mean temperatures of the cooled faces, K per W/m2.
+    pub faces: [f64; FACES],
+    /// Mean temperature of the body, K per W/m2.
+    pub mean: f64,
+    /// Mean temperature of this face per flux into each of the N cells, K per W/m2.
+    pub by_cell: Vec<f64>,
+}
+
+impl FaceInfluence {
+    /// Memory for `cells` cells.
+    pub fn new(cells: usize) -> FaceInfluence {
+        let zeros = || vec![0.0; cells];
+        FaceInfluence { temperature: zeros(), distortion: zeros(), faces: [0.0; FACES], mean: 0.0, by_cell: zeros() }
+    }
 }
 
 /// Surface influence matrices of one stage, N x N: responses of the cells (rows) to a unit flux into each cell (columns).
@@ -230,7 +282,7 @@ pub trait ThermalBody: Debug + Send {
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
     /// [`Self::prepare`] for one implicit Euler step of an operator split: both stages lie at the end of the step and
-    /// respond to a flux that is constant over it, which is passed to [`Self::advance`] twice. The cooling is constant too.
+    /// respond to fluxes that are constant over it, which are passed to [`Self::advance`] twice.
     fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
 
     /// Surface influence matrices of `stage`.
@@ -241,9 +293,13 @@ pub trait ThermalBody: Debug + Send {
         self.influence(stage)
     }
 
-    /// Free response: temperature and distortion of the N cells at `stage` for zero flux of that stage, from the state at
-    /// the start of the step, the surroundings and `known`, W/m2: in the first stage the deviation e of the flux at the
-    /// start from that of the stage, at the end the fluxes of the first stage.
+    /// Responses of `stage` to the fluxes into a cooled face, which is not one of prescribed temperature.
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence);
+
+    /// Free response: temperature and distortion of the N cells at `stage` for zero fluxes of that stage into cells and cooled
+    /// faces, from the state at the start of the step, the surroundings and `known`, W/m2: in the first stage the deviation e of
+    /// the flux at the start from that of the stage, at the end the fluxes of the first stage. Returns the mean temperatures of
+    /// the cooled faces.
     fn free_response(
         &self,
         state: &[f64],
@@ -252,7 +308,7 @@ pub trait ThermalBody: Debug + Send {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    );
+    ) -> [f64; FACES];
 
     /// [`ThermalBody::free_response`] at the end, valid directly after that of the first stage with the same state and
     /// surroundings: reuses their common part.
@@ -263,8 +319,8 @@ pub trait ThermalBody: Debug + Send {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
-        self.free_response(state, surroundings, Stage::End, known, temperature, distortion);
+    ) -> [f64; FACES] {
+        self.free_response(state, surroundings, Stage::End, known, temperature, distortion)
     }
 
     /// Propagates the state over the prepared step with the fluxes of both stages.
@@ -303,11 +359,14 @@ pub trait ThermalBody: Debug + Send {
         distortion: &mut [f64],
     );
 
-    /// Mean temperatures of the cooled faces at frozen state.
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES];
-
-    /// Prediction for the cooled faces at the end of the prepared step, with the predicted fluxes into the cells at both stages.
-    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead;
+    /// Mean temperatures of the cooled faces at frozen state; arguments as in [`ThermalBody::temperature_at_frozen_state`].
+    fn cooled_temperature(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+    ) -> [f64; FACES];
 
     /// Heat flows at frozen state, W/m: to the air beside the contact (without the flux `cooling`), and the total out of the
     /// far face.

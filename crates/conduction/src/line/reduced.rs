@@ -20,7 +20,9 @@ mod weights;
 pub(super) use weights::{first_moment, mean_decay};
 
 use super::contact_parts::ContactParts;
-use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
+use super::{
+    Account, Boundary, FACES, FaceInfluence, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity,
+};
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
@@ -38,8 +40,8 @@ pub(super) const PORTS: usize = 3;
 const COOLING: usize = 0;
 const FAR: usize = 2;
 
-impl Surroundings {
-    /// Values of the ports in their order: cooling (at the end), ambient, far.
+impl Boundary {
+    /// Values of the ports in their order: cooling, ambient, far.
     fn ports(&self) -> [f64; PORTS] {
         [self.cooling, self.ambient, self.far]
     }
@@ -112,6 +114,8 @@ pub(super) struct ReducedOperators {
     pub far_flow: Observation,
     /// Linear forms of the time integrals of ambient and far flow, see `ReducedOperators::passed`.
     pub passed: [Observation; 2],
+    /// The temperature of the far face is prescribed.
+    pub held: bool,
     /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
     pub cooled_length: f64,
     /// Heat stored, J/m.
@@ -136,6 +140,8 @@ pub struct ReducedHeat {
     operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
+    /// Workspace between a free response and the propagation from it.
+    face_scratch: RefCell<Scratch>,
     /// By the bits of the step and whether it is one of implicit Euler. It has no memory until the first step.
     weights: KeyedCache<(u64, bool), Weights>,
     /// Of both stages.
@@ -147,10 +153,10 @@ impl ReducedHeat {
         let sorted = modes::sort(&mut operators);
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
-        let scratch = RefCell::new(modes.scratch());
+        let [scratch, face_scratch] = [0; 2].map(|_| RefCell::new(modes.scratch()));
         let patterns = [Patterns::new(&operators, &modes), Patterns::new(&operators, &modes)];
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns }
+        Self { operators, modes, scratch, face_scratch, weights: KeyedCache::new([]), patterns }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
@@ -165,9 +171,15 @@ impl ReducedHeat {
         self.modes.is_halved()
     }
 
+    /// Whether the temperature of the far face is prescribed.
+    #[cfg(test)]
+    pub fn holds_far_face(&self) -> bool {
+        self.operators.held
+    }
+
     /// Selects the weights of a step size, from the cache or computed.
     fn select(&mut self, step: f64, euler: bool) {
-        let Self { operators, modes, scratch, weights, patterns } = self;
+        let Self { operators, modes, scratch, weights, patterns, .. } = self;
         if weights.capacity() == 0 {
             // The longer step by which growth is looked for is one more.
             let capacity = cache_capacity(operators.widths.len()) + 1;
@@ -189,12 +201,11 @@ impl ReducedHeat {
         &self.weights().stages[stage as usize]
     }
 
-    /// Propagates the states into the scratch up to a stage without its own flux; `until` are the surroundings until then.
-    fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
+    /// Propagates the states into the scratch up to a stage without its own fluxes into the cells.
+    fn carry(&self, scratch: &mut Scratch, state: &[f64], around: &Surroundings, stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
-        modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
-        for (input, fall) in [(&operators.input[COOLING], until.cooling_fall), (&operators.input[FAR], until.far_fall)]
-        {
+        modes::decay(state, weights, &operators.input, &around.at(stage).ports(), &mut scratch.values);
+        for (input, fall) in operators.input.iter().zip(around.fall(stage).ports()) {
             if fall != 0.0 {
                 let values = scratch.values.iter_mut().zip(weights.falling.iter().zip(input));
                 values.for_each(|(value, (falling, input))| *value += falling * input * fall);
@@ -330,27 +341,59 @@ impl ThermalBody for ReducedHeat {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
-        let (scratch, until) = (&mut *self.scratch.borrow_mut(), surroundings.until(stage));
-        self.carry(scratch, state, &until, stage, known);
-        self.observe(scratch, &until.ports(), Some(&mut *temperature), Some(distortion));
+    ) -> [f64; FACES] {
+        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        let around = surroundings.without_fluxes_at(stage, operators.held);
+        self.carry(scratch, state, &around, stage, known);
+        let ports = around.at(stage).ports();
+        let faces = operators.faces().map(|face| dot(&face.states, &scratch.values) + dot(&face.ports, &ports));
+        self.observe(scratch, &ports, Some(&mut *temperature), Some(distortion));
         self.patterns[stage as usize].show(&scratch.surface, temperature);
+        faces
+    }
+
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+        let (operators, weights, patterns) = (&*self.operators, self.stage(stage), &self.patterns[stage as usize]);
+        let (scratch, port) = (&mut *self.face_scratch.borrow_mut(), [COOLING, FAR][face]);
+        for ((value, input), own) in scratch.values.iter_mut().zip(&operators.input[port]).zip(&weights.by_face) {
+            *value = input * own;
+        }
+        influence.faces = operators.faces().map(|other| dot(&other.states, &scratch.values) + other.ports[port]);
+        influence.mean = dot(&operators.uniform, &scratch.values) / operators.heat_capacity;
+        let mut ports = [0.0; PORTS];
+        ports[port] = 1.0;
+        self.observe(scratch, &ports, Some(&mut influence.temperature), Some(&mut influence.distortion));
+        patterns.show(&scratch.surface, &mut influence.temperature);
+        let seen = operators.faces()[face];
+        influence.by_cell.copy_from_slice(&seen.fluxes);
+        self.modes.sum_up(&seen.states, &weights.own, &mut scratch.heat);
+        self.modes.add_by_cell(&scratch.heat, &mut influence.by_cell);
+        patterns.add_by_cell(&scratch.heat, &mut influence.by_cell);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        self.carry(&mut self.scratch.borrow_mut(), state, surroundings, Stage::End, first);
+        let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
+        self.carry(&mut self.scratch.borrow_mut(), state, &around, Stage::End, first);
         self.advance_from_end(state, surroundings, first, end);
     }
 
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let (operators, step) = (&*self.operators, self.weights().step);
-        let ports = [surroundings.mean_cooling(), surroundings.ambient, surroundings.mean_far()];
+        let (mean, last) = (surroundings.mean(), surroundings.end);
+        let ports = mean.ports();
         let (states, tallies) = state.split_at_mut(operators.states());
-        // The scratch holds the states without the last flux, from the preceding free response.
-        let scratch = &mut *self.scratch.borrow_mut();
+        // The scratch holds the states without the last fluxes, from the preceding free response.
+        let (scratch, weights) = (&mut *self.scratch.borrow_mut(), self.stage(Stage::End));
         self.heat(end, Stage::End, scratch);
         states.copy_from_slice(&scratch.values);
-        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
+        self.modes.add_heat(&scratch.heat, &weights.own, states);
+        let far = if operators.held { 0.0 } else { last.far };
+        for (input, flux) in [(&operators.input[COOLING], last.cooling), (&operators.input[FAR], far)] {
+            if flux != 0.0 {
+                let inputs = states.iter_mut().zip(weights.by_face.iter().zip(input));
+                inputs.for_each(|(state, (own, input))| *state += own * input * flux);
+            }
+        }
         // Heat input over the step with the weights of both stages.
         let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
         tallies[Tally::Received as usize] += step * over_step(&operators.widths);
@@ -363,8 +406,8 @@ impl ThermalBody for ReducedHeat {
             tallies[tally as usize] += step * passed;
         }
         // The flux into the cooled surface is heat from the air.
-        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.mean_cooling();
-        tallies[Tally::FarTemperature as usize] = surroundings.far;
+        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * mean.cooling;
+        tallies[Tally::FarTemperature as usize] = last.far;
     }
 
     fn temperature_at_frozen_state(
@@ -377,7 +420,7 @@ impl ThermalBody for ReducedHeat {
     ) {
         let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
         scratch.values.copy_from_slice(&state[..operators.states()]);
-        self.observe(scratch, &surroundings.ports(), Some(temperature), None);
+        self.observe(scratch, &surroundings.end.ports(), Some(temperature), None);
         dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
@@ -391,31 +434,25 @@ impl ThermalBody for ReducedHeat {
     ) {
         let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
         scratch.values.copy_from_slice(&state[..operators.states()]);
-        self.observe(scratch, &surroundings.ports(), None, Some(distortion));
+        self.observe(scratch, &surroundings.end.ports(), None, Some(distortion));
         if self.modes.distorts() {
             dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
         }
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
-        let (operators, ports) = (&*self.operators, surroundings.ports());
+    fn cooled_temperature(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+    ) -> [f64; FACES] {
+        let (operators, ports) = (&*self.operators, surroundings.end.ports());
         operators.faces().map(|face| face.of(&state[..operators.states()], flux, &ports))
     }
 
-    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.carry(scratch, state, surroundings, Stage::End, first);
-        self.heat(end, Stage::End, scratch);
-        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
-        CooledAhead {
-            temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),
-            rise: self.weights().cooled_rise,
-            not_extrapolated: 0.0,
-        }
-    }
-
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
-        let (operators, ports) = (&*self.operators, surroundings.ports());
+        let (operators, ports) = (&*self.operators, surroundings.end.ports());
         let states = &state[..operators.states()];
         [operators.ambient_flow.of(states, flux, &ports), operators.far_flow.of(states, flux, &ports)]
     }

@@ -52,7 +52,7 @@ pub use depth::dilatation;
 pub use depth::{Depth, Expansion};
 pub use properties::{Resolution, SlidingPath, StripProperties};
 
-use super::{Account, BESIDE, CooledAhead, FACES, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::{Account, FACES, FaceInfluence, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
 use numerics::dense;
@@ -146,12 +146,12 @@ impl StripHeat {
         let mean = &self.operators.mean;
         let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
         let states = self.mean_states(self.operators.background(state), surroundings, weights, fluxes);
-        let surroundings = surroundings.until(weights.stage());
+        let around = surroundings.at(weights.stage());
         [&mean.contact_temperature, &mean.mean_temperature].map(|observed| {
             observed.of_states(&states, mean.count)
-                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
-                + observed.direct[AMBIENT] * surroundings.ambient
-                + observed.direct[BASE] * surroundings.far
+                + observed.direct[CONTACT] * (fluxes[OWN] + around.cooling)
+                + observed.direct[AMBIENT] * around.ambient
+                + observed.direct[BASE] * around.far
         })
     }
 
@@ -164,20 +164,14 @@ impl StripHeat {
         fluxes: [f64; 2],
     ) -> [f64; MAX_STATES] {
         let mean = &self.operators.mean;
-        let surroundings = surroundings.until(weights.stage());
+        let (before, now) = (surroundings.known(weights.stage()), surroundings.at(weights.stage()));
         let mut states = [0.0; MAX_STATES];
         for (k, value) in states.iter_mut().enumerate().take(mean.count) {
             let [known, own] = weights.mean_weight[k];
-            let whole = if weights.at_end { known + own } else { own };
-            let falling = weights.falling(known);
-            let constant = mean.input[CONTACT][k] * surroundings.cooling
-                + mean.input[AMBIENT][k] * surroundings.ambient
-                + mean.input[BASE][k] * surroundings.far;
             *value = weights.mean_factor[k] * state[k]
-                + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
-                + whole * constant
-                + falling * mean.input[CONTACT][k] * surroundings.cooling_fall
-                + falling * mean.input[BASE][k] * surroundings.far_fall;
+                + mean.input[CONTACT][k] * (known * (fluxes[0] + before.cooling) + own * (fluxes[1] + now.cooling))
+                + mean.input[AMBIENT][k] * (known * before.ambient + own * now.ambient)
+                + mean.input[BASE][k] * (known * before.far + own * now.far);
         }
         states
     }
@@ -195,7 +189,7 @@ impl StripHeat {
         // The Robin correction raises the temperature that drives it, through the static correction of the mean mode.
         let covered = 1.0 - operators.free_length / operators.period;
         let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
-        let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
+        let returned = operators.convection * (level - surroundings.end.ambient) / (1.0 - feedback);
         [given + covered * returned, returned]
     }
 
@@ -208,7 +202,7 @@ impl StripHeat {
     /// Observation of the mean mode under the contact at frozen state: on fresh material without the heat that the
     /// contact left behind.
     fn held_background(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
-        let seen = if self.operators.fresh { surroundings.cooling } else { flux };
+        let seen = if self.operators.fresh { surroundings.end.cooling } else { flux };
         self.held_observation(observed, self.operators.background(state), surroundings, seen)
     }
 
@@ -217,13 +211,13 @@ impl StripHeat {
         let count = self.operators.mean.count;
         observed.of_states(&padded(state, count), count)
             + observed.direct[CONTACT] * flux
-            + observed.direct[AMBIENT] * surroundings.ambient
-            + observed.direct[BASE] * surroundings.far
+            + observed.direct[AMBIENT] * surroundings.end.ambient
+            + observed.direct[BASE] * surroundings.end.far
     }
 
     /// Cooling flux on the free surface as a mean over the period.
     fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
-        surroundings.cooling * self.operators.free_length / self.operators.period
+        surroundings.end.cooling * self.operators.free_length / self.operators.period
     }
 }
 
@@ -288,6 +282,10 @@ impl ThermalBody for StripHeat {
         &self.step.stage(stage).current_response().influence
     }
 
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+        self.respond_to_face(stage, face, influence);
+    }
+
     fn free_response(
         &self,
         state: &[f64],
@@ -296,20 +294,21 @@ impl ThermalBody for StripHeat {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
+    ) -> [f64; FACES] {
         let scratch = &mut *self.scratch.borrow_mut();
         match stage {
             Stage::First => {
-                let fall = surroundings.until(stage).cooling_fall;
-                scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - fall);
+                let cooling = surroundings.deviation.cooling;
+                scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - cooling);
                 self.deviate_given_back(scratch, state);
             }
             Stage::End => {
                 self.project_first(scratch, state, surroundings);
-                self.effective_first(scratch, surroundings, known);
+                self.effective(scratch, surroundings, Stage::First, known);
             }
         }
-        self.base_from(scratch, state, surroundings, stage, [temperature, distortion]);
+        let around = surroundings.without_fluxes_at(stage, self.operators.held);
+        self.base_from(scratch, state, &around, stage, [temperature, distortion])
     }
 
     fn free_response_at_end(
@@ -319,23 +318,25 @@ impl ThermalBody for StripHeat {
         known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
-    ) {
+    ) -> [f64; FACES] {
         let scratch = &mut *self.scratch.borrow_mut();
-        self.effective_first(scratch, surroundings, known);
-        self.base_from(scratch, state, surroundings, Stage::End, [temperature, distortion]);
+        self.effective(scratch, surroundings, Stage::First, known);
+        let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
+        self.base_from(scratch, state, &around, Stage::End, [temperature, distortion])
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         self.project_first(scratch, state, surroundings);
-        self.effective_first(scratch, surroundings, first);
+        self.effective(scratch, surroundings, Stage::First, first);
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         if operators.robin_correction.is_some() {
             self.wave_amplitudes(scratch, state, &self.step.end);
             self.add_known_flux(scratch, &self.step.end);
             let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-            let [level, _] = self.mean_levels(state, surroundings, &self.step.end, fluxes);
+            let around = surroundings.without_fluxes_at(Stage::End, operators.held);
+            let [level, _] = self.mean_levels(state, &around, &self.step.end, fluxes);
             self.project(scratch, Stage::End, level);
         }
         self.advance_in_place(scratch, state, surroundings, [first, end]);
@@ -395,58 +396,22 @@ impl ThermalBody for StripHeat {
         operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
-        let operators = &*self.operators;
+    fn cooled_temperature(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+    ) -> [f64; FACES] {
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
-        let mean = &operators.mean;
-        let everywhere = self.held_observation(&mean.contact_temperature, state, surroundings, entering);
-        let base = self.held_observation(&mean.base_temperature, state, surroundings, entering);
-        let free = operators.free_length;
-        if operators.fresh {
-            return [everywhere, base];
-        }
-        // The mean of the modes over the period is 0: their rise under the contact is balanced by a deficit beside it.
-        let beside = if free > 1e-9 * operators.period {
-            everywhere - self.held_mean(state) * (operators.period - free) / free
-        } else {
-            everywhere
-        };
+        let mean = &self.operators.mean;
+        let [everywhere, base] = [&mean.contact_temperature, &mean.base_temperature]
+            .map(|observed| self.held_observation(observed, state, surroundings, entering));
+        let mut seen = std::mem::take(&mut self.scratch.borrow_mut().seen);
+        self.temperature_at_frozen_state(state, surroundings, flux, velocity, &mut seen);
+        let beside = self.beside(everywhere, &seen);
+        self.scratch.borrow_mut().seen = seen;
         [beside, base]
-    }
-
-    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
-        let (operators, weights) = (&*self.operators, &self.step.end);
-        let mean = &operators.mean;
-        let free = operators.free_length / operators.period;
-        let [_, returned] = self.held_fluxes(state, surroundings, first);
-        let covered = |stage| (1.0 - free) * (returned - surroundings.until(stage).cooling);
-        let fluxes =
-            [(first, Stage::First), (end, Stage::End)].map(|(flux, stage)| self.mean_flux(flux, covered(stage)));
-        // States of the whole strip, also where the contact is not affected by the heat left behind.
-        let states = self.mean_states(state, surroundings, weights, fluxes);
-        let faces = [&mean.contact_temperature, &mean.base_temperature];
-        let mut temperature = faces.map(|observed| {
-            observed.of_states(&states, mean.count)
-                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
-                + observed.direct[AMBIENT] * surroundings.ambient
-                + observed.direct[BASE] * surroundings.far
-        });
-        // The free surface takes its fraction of the surface of the mean mode.
-        let rise = faces.map(|observed| {
-            [(CONTACT, free), (BASE, 1.0)].map(|(port, part)| {
-                let mut rise = observed.direct[port];
-                for k in 0..mean.count {
-                    let [known, own] = weights.mean_weight[k];
-                    rise += observed.states[k] * mean.input[port][k] * (known + own - weights.falling(known));
-                }
-                part * rise
-            })
-        });
-        // The rise of the modes under the contact is balanced by a deficit beside it: see `cooled_temperature`.
-        let deficit = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
-        let not_extrapolated = -deficit * self.held_mean(state);
-        temperature[BESIDE] += not_extrapolated;
-        CooledAhead { temperature, rise, not_extrapolated }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

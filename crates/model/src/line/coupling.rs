@@ -16,6 +16,7 @@
 
 mod accept;
 mod evaluation;
+mod faces;
 mod growth_guard;
 mod prepare;
 mod stage;
@@ -31,6 +32,7 @@ use crate::fastest_growth::FastestGrowth;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
+use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
 use scene::Scheme;
@@ -155,12 +157,9 @@ pub struct ThermalCoupling {
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
-    /// Ambient, far-face temperatures and cooling of the bodies.
-    pub surroundings: [Surroundings; 2],
-    /// Heat paths to the neighbours: flow out of the body at the end of the step, W/m2, and the heat of the step, J/m2.
-    pub external: [(f64, f64); 2],
-    /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
-    unpredicted_rise: [f64; 2],
+    /// Ambient and far-face temperatures of the bodies, and the fluxes into their cooled faces.
+    surroundings: [Surroundings; 2],
+    faces: Faces,
     /// Largest number of iterations of a stage.
     iterations: usize,
     // Either stage.
@@ -219,8 +218,7 @@ impl ThermalCoupling {
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],
-            external: [(0.0, 0.0); 2],
-            unpredicted_rise: [0.0; 2],
+            faces: Faces::new(&operators.mean, count),
             iterations: 0,
             exact: [false; 2],
             flux: [pair(), pair()],

@@ -8,7 +8,7 @@ use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
 use crate::lumped::point::external_flow;
 use crate::{INPUTS, Inputs};
-use conduction::line::{FAR, Surroundings};
+use conduction::line::{Boundary, FAR, Surroundings};
 use numerics::scalar::Dual;
 use scene::variables::{COUNT, reference};
 use scene::{STATIONS, value};
@@ -23,8 +23,8 @@ impl Line {
         let far = [conditions.punch_far, conditions.strip_far];
         let bodies = [&self.operators.scene.punch, &self.operators.scene.strip];
         std::array::from_fn(|side| {
-            let around = Surroundings { ambient: conditions.ambient, far: far[side], ..Surroundings::default() };
-            around.with_air(cooling[side], bodies[side].far_is_prescribed())
+            let around = Boundary { ambient: conditions.ambient, far: far[side], cooling: 0.0 };
+            Surroundings::constant(around.with_fluxes(cooling[side], bodies[side].far_is_prescribed()))
         })
     }
 
@@ -54,15 +54,17 @@ impl Line {
         let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
         let (mut ambient, mut far, mut external) = (0.0, [0.0; 2], [0.0; 2]);
         let neighbours = self.neighbours(inputs);
+        let velocity = inputs[0] + operators.scene.mean_radius * inputs[2];
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
                 let [air, face] = own.flows(&state.bodies[side], &around[side], &state.flux[side]);
-                ambient += air - bodies.cooled_length[side] * around[side].cooling;
+                ambient += air - bodies.cooled_length[side] * around[side].end.cooling;
                 far[side] = all * face;
                 let (body, path, area) = self.path(side);
                 if path > 0.0 {
                     // The flux of the last step is in the heat flow of the face; it follows the neighbour's temperature instantly.
-                    let t = own.cooled_temperature(&state.bodies[side], &around[side], &state.flux[side])[FAR];
+                    let (body, flux) = (&state.bodies[side], &state.flux[side]);
+                    let t = own.cooled_temperature(body, &around[side], flux, velocity)[FAR];
                     external[side] = area * path * (t - neighbours[side]);
                     far[side] += external[side] - area * state.external[side][0];
                 }
@@ -150,18 +152,20 @@ impl Line {
         for (side, around) in self.around(inputs).iter().enumerate() {
             let Some(own) = &heat.bodies[side] else { continue };
             // Heat flows are affine in these temperatures: a difference is the exact derivative.
-            let moved = Surroundings {
-                ambient: around.ambient + conditions.ambient.derivative,
-                far: around.far + far[side],
-                ..*around
-            };
+            let now = &around.end;
+            let moved = Surroundings::constant(Boundary {
+                ambient: now.ambient + conditions.ambient.derivative,
+                far: now.far + far[side],
+                ..*now
+            });
             let of = |around| own.flows(&state.bodies[side], around, &state.flux[side]);
             let (now, then) = (of(around), of(&moved));
             ambient += all * (then[0] - now[0]);
             faces[side] = all * (then[1] - now[1]);
             let (body, path, area) = self.path(side);
             if path > 0.0 {
-                let of = |around| own.cooled_temperature(&state.bodies[side], around, &state.flux[side])[FAR];
+                let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+                let of = |around| own.cooled_temperature(&state.bodies[side], around, &state.flux[side], velocity)[FAR];
                 external[side] = area * path * (of(&moved) - of(around) - conditions.neighbours[side].derivative);
                 faces[side] += external[side];
             }

@@ -5,6 +5,7 @@
 use super::operators::BodyOperators;
 use super::state::LumpedState;
 use super::stepper::Stepper;
+use numerics::maximum::maximum;
 
 /// Factor by which the residual of the heat exchange between the bodies may exceed the tolerance of the flux `scale` (W/m2) at
 /// constant conditions. There it belongs to the thermal layer of the last jump of the inputs, which hardly outlasts the step: the
@@ -12,6 +13,26 @@ use super::stepper::Stepper;
 #[inline]
 pub fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) -> f64 {
     (state.peak_rise / (resistance * scale)).max(1.0)
+}
+
+/// Least temperature rise to which errors of the cooling are relative, K.
+pub const LEAST_RISE: f64 = 1e-3;
+
+/// Part of the stiffness of a law of cooling by which the residual at the point 2/3 overstates the error at the end of the step: the
+/// largest for which the error of a single decaying temperature is never understated (test).
+const STIFF: f64 = 0.1;
+
+/// Error of the temperatures at the end of a step, K, by a flux into a cooled face that is not linear between the stages, from the
+/// `residual` of its law at the point 2/3, W/m2. `fall` is the decrease of the law with the temperature; `own`, that of the face,
+/// and `others`: temperature per flux that is constant over the step, K m2/W. What reaches the face changes the flux in return.
+#[inline]
+pub fn cooling_error(residual: f64, fall: f64, own: f64, others: [f64; 2]) -> f64 {
+    let damped = |x: f64| {
+        let through = 1.0 + fall * (own - x).max(0.0);
+        x * through / (through + STIFF * fall * x)
+    };
+    let most = maximum(damped(own), maximum(damped(others[0]), damped(others[1])));
+    residual.abs() / (1.0 + fall * own) * most
 }
 
 impl Stepper<'_> {
@@ -46,5 +67,31 @@ impl Stepper<'_> {
         });
         let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
         if third == 0.0 { 0.0 } else { third / (5.0 * self.operators.scene.tolerance * scale) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lumped::stage::{BASIS, POINTS, weights};
+
+    /// A body of one temperature, T' = -z T over a step of 1 by stages with the flux z T, against exp(-z).
+    #[test]
+    fn the_error_of_a_decaying_temperature_is_never_understated() {
+        let mut waste: f64 = 0.0;
+        for k in 0..=80 {
+            let z = 10f64.powf(-3.0 + 0.1 * f64::from(k));
+            let [first, middle, end] = POINTS.map(|c| weights(0.0, 1.0, c, c));
+            let [[a, b], [c, d]] = [[1.0 + z * first[0], z * first[1]], [z * end[0], 1.0 + z * end[1]]];
+            let stages = [(d - b) / (a * d - b * c), (a - c) / (a * d - b * c)];
+            let at_middle = 1.0 - z * (middle[0] * stages[0] + middle[1] * stages[1]);
+            let residual = z * (at_middle - BASIS[1][0] * stages[0] - BASIS[1][1] * stages[1]);
+            let (estimate, error) = (cooling_error(residual, z, 1.0, [1.0; 2]), (stages[1] - (-z).exp()).abs());
+            assert!(estimate >= 0.99 * error, "{z}: {estimate:e} for {error:e}");
+            if z > 1.0 {
+                waste = waste.max(estimate / error);
+            }
+        }
+        assert!(waste < 5.0, "{waste}");
     }
 }

@@ -11,7 +11,7 @@ mod tests;
 
 use super::air::{Air, BESIDE};
 use super::conditions::Conditions;
-use super::estimate::layer_allowance;
+use super::estimate::{LEAST_RISE, cooling_error, layer_allowance};
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
@@ -321,6 +321,24 @@ impl Stepper<'_> {
             let left = surface.left(&operators.strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
             if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
+            }
+        }
+        if cools {
+            // Residual of the law of cooling at the point 2/3.
+            let (air, flux) = (&operators.strip.air[BESIDE], surface.flux(into_strip));
+            let t = strip.contact_at_middle(&state.strip.heat, strip_count)
+                + strip.contact.of_flux(0, 1, into_strip)
+                + strip.contact.of_flux(COOLING, 1, flux);
+            let residual = air_flux(air, reference, t, 0.0, middle.forced) - 0.5 * (flux[0] + flux[1]);
+            let [own, mean] = [&strip.contact, &strip.mean]
+                .map(|observed| observed.gain[COOLING][2][0] + observed.gain[COOLING][2][1]);
+            let slope = cooling_slope(air, reference, t, middle.forced);
+            let hot = surface.temperature(into_strip);
+            let rise = state.peak_rise.max(LEAST_RISE).max(hot[0].abs()).max(hot[1].abs());
+            let own_error = cooling_error(residual, slope, own, [own, mean]) / (operators.scene.tolerance * rise);
+            error = maximum(error, own_error);
+            if error.is_nan() || error > 1.0 {
+                return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
             }
         }
         let punch_surface = sum(punch_level, apply(&punch_gain, into_punch));

@@ -6,6 +6,7 @@ mod advance;
 pub mod air;
 pub mod bristle;
 pub mod conditions;
+mod cooled_faces;
 pub mod error_weights;
 mod estimate;
 mod fast_path;

@@ -3,9 +3,10 @@
 //! Theory: docs/theory.md, sections 6.8, 4.11.
 
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
+use super::estimate::cooling_error;
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_flux, cooling_slope};
-use super::stage::{Observed, Propagator, QUADRATURE};
+use super::stage::{BASIS, Observed, Propagator, QUADRATURE};
 use super::state::{BodyState, NewHeat};
 use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
@@ -22,7 +23,7 @@ pub struct StageBody<'a> {
     pub flux: [[f64; 2]; PORTS],
     pub active: [bool; PORTS],
     /// Faces with cooling that depends on their temperature.
-    cools: [bool; FACES],
+    pub cools: [bool; FACES],
 }
 
 impl<'a> StageBody<'a> {
@@ -124,39 +125,29 @@ impl<'a> StageBody<'a> {
         self.propagator.map_or([0.0; 2], |propagator| propagator.contact.gain[0][point])
     }
 
-    /// Newton step of the cooling fluxes at the current temperatures, linearised in the fluxes of both faces at the same stage;
-    /// returns the largest change of temperature by it.
-    pub fn cool(&mut self, reference: f64, around: &Around) -> f64 {
-        let Around { ambient, forced, neighbour } = around;
-        let Some(propagator) = self.propagator else { return 0.0 };
-        let mut change: f64 = 0.0;
-        for stage in 0..2 {
-            let point = 2 * stage;
-            // Residual of the cooling law at each face, and Jacobian with respect to the fluxes of both faces.
-            let (mut residual, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
-            for face in 0..FACES {
-                if !self.cools[face] {
-                    continue;
-                }
-                let (air, observed) = (&self.body.air[face], &propagator.cooled[face]);
-                let t = self.cooled[face][stage] + self.add_to(observed, point);
-                let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage], neighbour[stage]);
-                let slope = cooling_slope(air, reference, t, forced[stage]);
-                residual[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
-                for (entry, port) in matrix[face].iter_mut().zip(PORTS_OF_FACES) {
-                    *entry += slope * observed.gain[port][point][stage];
-                }
-            }
-            let step = solve(&matrix, residual);
-            for (port, step) in PORTS_OF_FACES.into_iter().zip(step) {
-                // NaN passes this test too.
-                if step != 0.0 {
-                    self.flux[port][stage] += step;
-                    change = maximum(change, (step * propagator.contact.gain[port][2][stage]).abs());
-                }
-            }
+    /// Temperature of a cooled face at a stage.
+    pub fn face(&self, face: usize, stage: usize) -> f64 {
+        let observed = self.propagator.map_or(0.0, |own| self.add_to(&own.cooled[face], 2 * stage));
+        self.cooled[face][stage] + observed
+    }
+
+    /// Error of the step by the cooling, in K, from the residuals of its laws at the point 2/3 with the conditions `middle`, and the
+    /// largest temperature of a cooled face, K.
+    pub fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around) -> [f64; 2] {
+        let (mut error, mut rise) = (0.0, 0.0);
+        let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) else { return [0.0; 2] };
+        let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
+        for face in (0..FACES).filter(|&face| self.cools[face]) {
+            let (air, observed, port) = (&self.body.air[face], &propagator.cooled[face], PORTS_OF_FACES[face]);
+            let t = self.observe(observed, 1, state, heat.count) + self.add_to(observed, 1);
+            let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
+            let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
+            let [own, contact, mean] = [observed, &propagator.contact, &propagator.mean]
+                .map(|observed| observed.gain[port][2][0] + observed.gain[port][2][1]);
+            error += cooling_error(residual, cooling_slope(air, reference, t, forced), own, [contact, mean]);
+            rise = maximum(rise, maximum(self.face(face, 0).abs(), self.face(face, 1).abs()));
         }
-        change
+        [error, rise]
     }
 
     /// Thermal states and received heat of the ports at the end of the step.
@@ -173,7 +164,7 @@ impl<'a> StageBody<'a> {
             let air = &self.body.air[FAR];
             if air.path > 0.0 {
                 for stage in 0..2 {
-                    let t = self.cooled[FAR][stage] + self.add_to(&propagator.cooled[FAR], 2 * stage);
+                    let t = self.face(FAR, stage);
                     let by_air = air_flux(air, reference, t, around.ambient[stage], around.forced[stage]);
                     new.external += step * QUADRATURE[stage] * (by_air - self.flux[PORTS_OF_FACES[FAR]][stage]);
                 }
@@ -183,7 +174,7 @@ impl<'a> StageBody<'a> {
     }
 }
 
-/// Conditions around a body at both stages.
+/// Conditions around a body at both stages, or twice at one point.
 pub struct Around {
     /// Ambient temperature, K above the reference.
     pub ambient: [f64; 2],
@@ -191,13 +182,4 @@ pub struct Around {
     pub forced: [f64; 2],
     /// Temperature of the neighbour behind the heat path, K above the reference.
     pub neighbour: [f64; 2],
-}
-
-/// Solves a system of two equations.
-fn solve(matrix: &[[f64; 2]; 2], right: [f64; 2]) -> [f64; 2] {
-    let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
-    [
-        (right[0] * matrix[1][1] - matrix[0][1] * right[1]) / determinant,
-        (matrix[0][0] * right[1] - matrix[1][0] * right[0]) / determinant,
-    ]
 }

@@ -93,6 +93,12 @@ impl StageHeatPartition {
         }
     }
 
+    /// Change of the fluxes into the punch at both stages per temperature of the strip above the punch, W/(m2 K); `None` where the
+    /// bodies do not exchange heat.
+    pub fn exchange(&self) -> Option<[[f64; 2]; 2]> {
+        (self.conducts == (true, true) && self.conductance > 0.0 && self.closed).then_some(self.inverse)
+    }
+
     /// Contact temperatures at both stages, K above the reference.
     pub fn temperatures(&self, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
         [0, 1].map(|i| {

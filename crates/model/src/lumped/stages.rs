@@ -29,7 +29,7 @@ pub struct Stages {
     pub released_wear: [f64; 2],
     /// Gain of the strip's contact temperature including its moving source.
     strip_gain: [[f64; 2]; 3],
-    partition: StageHeatPartition,
+    pub partition: StageHeatPartition,
     /// s v Stribeck at the stages: heat per kinetic friction coefficient and pressure.
     driver: [f64; 2],
     /// Sliding speed in the wear law, without what a bristle releases.

@@ -161,7 +161,11 @@ impl LumpedState {
         let track = operators
             .tracked
             .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
-        LumpedState { punch, strip, track, reference, ..LumpedState::empty() }
+        // Bodies that start at temperatures of their own have that rise already.
+        let initial = [&operators.punch, &operators.strip].map(|body| body.initial_temperature);
+        let risen = initial.into_iter().filter(|initial| *initial > 0.0).map(|initial| (initial - reference).abs());
+        let peak_rise = risen.fold(0.0, f64::max);
+        LumpedState { punch, strip, track, reference, peak_rise, ..LumpedState::empty() }
     }
 
     /// Zero state without a track.

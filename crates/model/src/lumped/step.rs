@@ -8,6 +8,8 @@
 //! Theory: docs/theory.md, sections 5.4, 7.2.
 
 use super::conditions::Conditions;
+use super::cooled_faces::cool;
+use super::estimate::LEAST_RISE;
 use super::point::strip_entry;
 use super::stage::QUADRATURE;
 use super::stage_body::{Around, StageBody};
@@ -53,18 +55,16 @@ impl Stepper<'_> {
         // Far below the resolution of the error estimate across the small resistance of the interface.
         let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
-        for (body, around) in [&mut punch, &mut strip].into_iter().zip(&around) {
-            if body.cools() {
-                body.cool(state.reference, around);
-            }
+        let cools = punch.cools() || strip.cools();
+        if cools {
+            cool([&mut punch, &mut strip], None, state.reference, &around);
         }
         for _ in 0..40 {
             stages.loads(self, state, &punch, &strip);
             let mut change = stages.solve(self, &mut punch, &mut strip);
-            for (body, around) in [&mut punch, &mut strip].into_iter().zip(&around) {
-                if body.cools() {
-                    change = maximum(change, body.cool(state.reference, around));
-                }
+            if cools {
+                let exchange = stages.partition.exchange();
+                change = maximum(change, cool([&mut punch, &mut strip], exchange, state.reference, &around));
             }
             if change <= enough {
                 converged = true;
@@ -89,6 +89,21 @@ impl Stepper<'_> {
                 stages.take_middle(&strip, self.flash);
             }
             error = stages.error(self, state, conditions, &punch, &strip, constant);
+        }
+        if cools {
+            let middle = &conditions[2];
+            let mut rise = stages.temperature.iter().fold(state.peak_rise.max(LEAST_RISE), |most, t| most.max(t.abs()));
+            let mut wrong = 0.0;
+            for (side, (body, own)) in [(&punch, &state.punch), (&strip, &state.strip)].into_iter().enumerate() {
+                let around = Around {
+                    ambient: [middle.ambient; 2],
+                    forced: [middle.forced; 2],
+                    neighbour: [middle.neighbours[side]; 2],
+                };
+                let [own, face] = body.cooling_error(own, state.reference, &around);
+                (wrong, rise) = (wrong + own, maximum(rise, face));
+            }
+            error = maximum(error, wrong / (scene.tolerance * rise));
         }
         if error.is_nan() || error > 1.0 {
             return Attempt { error, hottest };

@@ -12,7 +12,7 @@ use super::partition::ActivePartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
-use conduction::line::{BESIDE, FACES, FAR, Stage, Surroundings, ThermalBody};
+use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, Stage, Surroundings, ThermalBody};
 use contact::friction::FrictionLaw;
 use contact::wear::law::{REFERENCE_PRESSURE, WearLaw};
 use contact::wear::line::{CellRate, WearTerm};
@@ -172,7 +172,18 @@ impl Problem<'_> {
         for side in 0..2 {
             if let Some(body) = &self.bodies[side] {
                 let still = vec![0.0; body.states()];
-                body.free_response(&still, &surroundings[side], Stage::End, &zero, &mut base[side], &mut moved[side]);
+                let (base, moved) = (&mut base[side], &mut moved[side]);
+                body.free_response(&still, &surroundings[side], Stage::End, &zero, base, moved);
+                let held = [&self.scene().punch, &self.scene().strip][side].far_is_prescribed();
+                let Boundary { cooling, far, .. } = surroundings[side].end;
+                let mut by_face = FaceInfluence::new(count);
+                for (face, flux) in [(BESIDE, cooling), (FAR, if held { 0.0 } else { far })] {
+                    if flux != 0.0 {
+                        body.face_influence(Stage::End, face, &mut by_face);
+                        base.iter_mut().zip(&by_face.temperature).for_each(|(t, rise)| *t += flux * rise);
+                        moved.iter_mut().zip(&by_face.distortion).for_each(|(moved, own)| *moved += flux * own);
+                    }
+                }
             }
         }
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
@@ -300,8 +311,8 @@ impl Problem<'_> {
             let held = body.far_thermal == ThermalBoundary::Held && body.far_temperature > 0.0;
             let far = if held { body.far_temperature - scene.ambient_temperature } else { 0.0 };
             let by_air = std::array::from_fn(|face| self.cooling(side, face, cooled[FACES * side + face])[0]);
-            let around = Surroundings { far, ..Surroundings::default() };
-            around.with_air(by_air, body.far_is_prescribed())
+            let around = Boundary { far, ..Boundary::default() };
+            Surroundings::constant(around.with_fluxes(by_air, body.far_is_prescribed()))
         })
     }
 
@@ -315,17 +326,18 @@ impl Problem<'_> {
             let held = [&self.scene().punch, &self.scene().strip][side].far_is_prescribed();
             let used = &used[FACES * side..FACES * (side + 1)];
             let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
-            let found_at = body.cooled_temperature(&found.states[side], &found.surroundings[side], &found.flux[side]);
+            let (state, around) = (&found.states[side], &found.surroundings[side]);
+            let found_at = body.cooled_temperature(state, around, &found.flux[side], self.velocity());
             // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R:
             // response to unit fluxes, at fixed fluxes of the contact.
             let mut matrix = nalgebra::Matrix2::identity();
             for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
                 let mut flux = [0.0; FACES];
                 flux[face] = 1.0;
-                let unit = Surroundings::default().with_air(flux, held);
+                let unit = Surroundings::constant(Boundary::default().with_fluxes(flux, held));
                 let mut state = vec![0.0; body.states()];
                 body.advance(&mut state, &unit, &zero, &zero);
-                let resistance = body.cooled_temperature(&state, &unit, &zero);
+                let resistance = body.cooled_temperature(&state, &unit, &zero, self.velocity());
                 for (other, resistance) in resistance.into_iter().enumerate() {
                     matrix[(other, face)] += resistance * slope[face];
                 }
@@ -379,7 +391,7 @@ impl Problem<'_> {
             let Some(body) = &self.bodies[side] else { continue };
             let [air, far] = body.flows(&found.states[side], &found.surroundings[side], &found.flux[side]);
             *[&mut flows.punch_top, &mut flows.strip_base][side] = all * far;
-            flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].cooling);
+            flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].end.cooling);
         }
         let critical = CriticalSpeed::new(scene).modelled(stroke.friction.abs());
         if critical > 0.0 {

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 4.8.
 
-use crate::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
+use crate::line::{Boundary, FACES, FaceInfluence, GAMMA, SurfaceInfluence, Surroundings};
 use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
@@ -53,8 +53,8 @@ pub struct Prepared {
     pub euler: bool,
     pub factor: ThermalFactor,
     pub influence: SurfaceInfluence,
-    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
-    pub cooled_rise: [[f64; FACES]; FACES],
+    /// Responses to unit fluxes into the cooled faces.
+    pub faces: [FaceInfluence; FACES],
 }
 
 impl Prepared {
@@ -68,7 +68,7 @@ impl Prepared {
                 temperature: DMatrix::zeros(count, count),
                 distortion: DMatrix::zeros(count, count),
             },
-            cooled_rise: [[0.0; FACES]; FACES],
+            faces: [FaceInfluence::new(count), FaceInfluence::new(count)],
         }
     }
 }
@@ -115,8 +115,8 @@ impl FieldOperators {
     }
 
     /// Offset temperature of the unknowns, K.
-    pub fn origin(&self, surroundings: &Surroundings) -> f64 {
-        if self.held() { surroundings.far } else { 0.0 }
+    pub fn origin(&self, around: &Boundary) -> f64 {
+        if self.held() { around.far } else { 0.0 }
     }
 
     /// Unknowns of a state relative to `origin`.
@@ -127,14 +127,14 @@ impl FieldOperators {
     }
 
     /// Load vector F q + ports.
-    fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings, load: &mut [f64]) {
-        let outside = surroundings.ambient - self.origin(surroundings);
-        let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
+    fn load(&self, flux: Option<&[f64]>, around: &Boundary, load: &mut [f64]) {
+        let outside = around.ambient - self.origin(around);
+        let beside = self.properties.side_convection * outside + self.cooled * around.cooling;
         for ((load, side), top) in load.iter_mut().zip(&self.sides).zip(&self.top) {
             *load = side * beside + top * outside;
         }
-        if !self.held() && surroundings.far != 0.0 {
-            load.iter_mut().zip(&self.far_face).for_each(|(load, face)| *load += face * surroundings.far);
+        if !self.held() && around.far != 0.0 {
+            load.iter_mut().zip(&self.far_face).for_each(|(load, face)| *load += face * around.far);
         }
         if let Some(flux) = flux {
             for (integrals, flux) in self.cells.iter().zip(flux) {
@@ -169,14 +169,19 @@ impl FieldOperators {
     }
 
     /// Heat flow to the air through the sides, W/m, without the flux `cooling`.
-    pub fn ambient_flow(&self, field: &[f64], surroundings: &Surroundings) -> f64 {
-        let outside = surroundings.ambient - self.origin(surroundings);
+    pub fn ambient_flow(&self, field: &[f64], around: &Boundary) -> f64 {
+        let outside = around.ambient - self.origin(around);
         let length = 2.0 * self.properties.height;
         self.properties.side_convection * (dot(&self.sides, field) - length * outside)
     }
 
+    /// Heat stored by the unknowns.
+    fn stored_by(&self, field: &[f64]) -> f64 {
+        dot(&self.capacity, field)
+    }
+
     pub fn stored(&self, state: &[f64]) -> f64 {
-        let free = dot(&self.capacity, state);
+        let free = self.stored_by(state);
         if self.held() {
             let beyond = self.total_capacity - dot(&self.capacity, &self.uniform);
             free + beyond * state[self.degrees() + TALLIES - 1]
@@ -219,21 +224,25 @@ impl FieldOperators {
             let target = MatMut::from_column_major_slice_mut(distortion.as_mut_slice(), count, count);
             matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
         }
-        (prepared.step, prepared.euler) = (step, euler);
-        let FieldWorkspace { workspace, start, early, late, .. } = room;
-        let fall = if euler { 0.0 } else { -1.0 };
-        let none = Surroundings::default();
-        let rising = [
-            Surroundings { cooling: 1.0, cooling_fall: fall, ..none },
-            Surroundings { far: 1.0, far_fall: fall, ..none },
-        ];
-        for (face, rising) in rising.iter().enumerate().take(if self.held() { 1 } else { FACES }) {
-            start.fill(0.0);
-            self.solve_both(prepared, start, None, rising, workspace, [&mut *early, &mut *late]);
-            for (rises, mean) in prepared.cooled_rise.iter_mut().zip(self.cooled_means(late)) {
-                rises[face] = mean;
-            }
+        let rows = prepared.faces.each_mut().map(|face| &mut face.by_cell);
+        let [beside, far] = rows;
+        for ((beside, far), response) in beside.iter_mut().zip(far).zip(responses.col_iter()) {
+            let Some(response) = response.try_as_col_major() else { continue };
+            [*beside, *far] = self.cooled_means(response.as_slice());
         }
+        (prepared.step, prepared.euler) = (step, euler);
+        let FieldWorkspace { workspace, start, late, .. } = room;
+        let mut faces = std::mem::replace(&mut prepared.faces, [FaceInfluence::new(0), FaceInfluence::new(0)]);
+        for (face, influence) in faces.iter_mut().enumerate().take(if self.held() { 1 } else { FACES }) {
+            let mut flux = [0.0; FACES];
+            flux[face] = 1.0;
+            start.fill(0.0);
+            self.solve(prepared, start, None, &Boundary::default().with_fluxes(flux, false), workspace, late);
+            influence.faces = self.cooled_means(late);
+            influence.mean = self.stored_by(late) / self.total_capacity;
+            self.observe(late, 0.0, &mut influence.temperature, &mut influence.distortion);
+        }
+        prepared.faces = faces;
         Ok(())
     }
 
@@ -247,13 +256,12 @@ impl FieldOperators {
         workspace: &mut ThermalWorkspace,
         [early, late]: [&mut [f64]; 2],
     ) {
-        let until = surroundings.until(Stage::First);
-        self.solve(prepared, start, fluxes.map(|[first, _]| first), &until, workspace, early);
+        self.solve(prepared, start, fluxes.map(|[first, _]| first), &surroundings.first, workspace, early);
         if prepared.euler {
             return late.copy_from_slice(early);
         }
-        extrapolate(start, early);
-        self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
+        self.extrapolate(start, early, surroundings);
+        self.solve(prepared, start, fluxes.map(|[_, end]| end), &surroundings.end, workspace, late);
     }
 
     /// Mean temperatures of the sides and of the top relative to the origin.
@@ -273,20 +281,22 @@ impl FieldOperators {
         prepared: &Prepared,
         start: &[f64],
         flux: Option<&[f64]>,
-        surroundings: &Surroundings,
+        around: &Boundary,
         workspace: &mut ThermalWorkspace,
         field: &mut [f64],
     ) {
-        self.load(flux, surroundings, field);
+        self.load(flux, around, field);
         self.block.add_capacity(self.shift(prepared.step, prepared.euler), start, field, workspace);
         let loads = MatMut::from_column_major_slice_mut(field, self.degrees(), 1);
         self.block.solve_in_workspace(&prepared.factor, loads, workspace);
     }
-}
 
-/// Overwrites the start with the right-hand-side field of the second stage, T_0 + (1 - gamma)/gamma (T_1 - T_0).
-pub fn extrapolate(start: &mut [f64], first: &[f64]) {
-    for (start, first) in start.iter_mut().zip(first) {
-        *start += (first - *start) * ((1.0 - GAMMA) / GAMMA);
+    /// Overwrites the start, relative to the origin of the first stage, with the right-hand-side field of the second one relative
+    /// to its own, T_0 + (1 - gamma)/gamma (T_1 - T_0).
+    pub fn extrapolate(&self, start: &mut [f64], first: &[f64], surroundings: &Surroundings) {
+        let moved = self.origin(&surroundings.first) - self.origin(&surroundings.end);
+        for ((start, first), uniform) in start.iter_mut().zip(first).zip(&self.uniform) {
+            *start += (first - *start) * ((1.0 - GAMMA) / GAMMA) + moved * uniform;
+        }
     }
 }

@@ -213,6 +213,7 @@ impl<'a> Assembly<'a> {
             ambient_flow: Observation::none(count, cells),
             far_flow: Observation::none(count, cells),
             passed: Default::default(),
+            held: self.top_is_prescribed(),
             cooled_length: self.cooled.length,
             own: count,
             stored: vec![0.0; count],

@@ -76,7 +76,7 @@ pub fn reduce_mate(
 mod tests {
     use super::*;
     use crate::line::punch::tests::Run;
-    use crate::line::{Account, GAMMA, Surroundings, ThermalBody};
+    use crate::line::{Account, Boundary, GAMMA, Surroundings, ThermalBody};
     use scene::variables::{STARTS, reference};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.
@@ -146,13 +146,9 @@ mod tests {
                 let flux =
                     |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
                 let (first, end) = (flux(i), flux(i + 1));
-                run.surroundings = Surroundings {
-                    cooling: -20.0,
-                    cooling_fall: 7.0,
-                    ambient: 3.0,
-                    far: if i % 50 < 25 { -10.0 } else { 4.0 },
-                    far_fall: 0.0,
-                };
+                let far = if i % 50 < 25 { -10.0 } else { 4.0 };
+                let last = Boundary { cooling: -20.0, ambient: 3.0, far };
+                run.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
                 let step = [1e-3, 0.7, 40.0][i as usize % 3];
                 run.step(step, &first, &end);
                 let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
@@ -175,7 +171,7 @@ mod tests {
         let cells = Cells::graded(0.0195, 9).unwrap();
         for changes in COOLED {
             let mut run = run(&scene(changes), &cells);
-            run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
+            run.surroundings = Surroundings::constant(Boundary { ambient: 7.0, far: 7.0, cooling: 0.0 });
             run.heat.uniform(7.0, &mut run.state);
             for _ in 0..10 {
                 run.step(3.0, &[0.0; 9], &[0.0; 9]);
@@ -189,7 +185,7 @@ mod tests {
             if changes.len() == 1 && changes[0].1 == 3.0 {
                 let flows = run.heat.flows(&run.state, &run.surroundings, &[0.0; 9]);
                 assert!(flows[0].abs() < 1e-2 * 40.0 * 7.0 * 0.077, "{flows:?}");
-                run.surroundings.ambient = 0.0;
+                run.surroundings.end.ambient = 0.0;
                 let flows = run.heat.flows(&run.state, &run.surroundings, &[0.0; 9]);
                 let expected = 40.0 * 7.0 * cooled_length(&scene(changes));
                 assert!((flows[0] / expected - 1.0).abs() < 5e-3, "{flows:?} {expected}");

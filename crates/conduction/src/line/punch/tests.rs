@@ -1,7 +1,8 @@
 mod parts;
 
 use super::super::contact_parts::ContactParts;
-use super::super::{Account, GAMMA, Stage, Surroundings, ThermalBody};
+use super::super::tests::{at_stage, in_two_parts};
+use super::super::{Account, Boundary, FaceInfluence, GAMMA, Stage, Surroundings, ThermalBody};
 use super::*;
 use exact::unreduced_punch::Unreduced;
 use parts::in_part;
@@ -57,13 +58,9 @@ impl Run {
 
     pub fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         self.heat.prepare(step, [0.0; 2]);
-        let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
-        self.heat.free_response(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
-        let influence = self.heat.influence(Stage::End);
-        for (i, (temperature, distortion)) in temperature.iter_mut().zip(distortion).enumerate() {
-            *temperature += (0..end.len()).map(|j| influence.temperature[(i, j)] * end[j]).sum::<f64>();
-            *distortion += (0..end.len()).map(|j| influence.distortion[(i, j)] * end[j]).sum::<f64>();
-        }
+        let stage = (Stage::End, self.heat.holds_far_face());
+        (self.temperature, self.distortion, _) =
+            at_stage(&self.heat, &self.state, &self.surroundings, stage, [first, end]);
         self.heat.advance(&mut self.state, &self.surroundings, first, end);
     }
 }
@@ -241,13 +238,9 @@ fn heat_is_accounted_for() {
             let flux =
                 |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
             let (first, end) = (flux(i), flux(i + 1));
-            run.surroundings = Surroundings {
-                cooling: -20.0,
-                cooling_fall: 7.0,
-                ambient: 3.0,
-                far: if i % 50 < 25 { -10.0 } else { 4.0 },
-                far_fall: 0.0,
-            };
+            let far = if i % 50 < 25 { -10.0 } else { 4.0 };
+            let last = Boundary { cooling: -20.0, ambient: 3.0, far };
+            run.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
             let step = [1e-3, 0.7, 40.0][i as usize % 3];
             // Part of the time through parts of the cells.
             let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
@@ -265,7 +258,7 @@ fn heat_is_accounted_for() {
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The heat account is the integral of the flows, which are those through whole cells.
         run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
-        run.surroundings.cooling_fall = 0.0;
+        run.surroundings = Surroundings::constant(run.surroundings.end);
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
         let before = run.heat.account(&run.state);
@@ -287,13 +280,13 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
     for changes in [&[][..], &[("punch.convection", 300.0)], &[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]]
     {
         let mut run = Run::new(&scene(changes), &cells, 1e-3, 100.0);
-        run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
+        run.surroundings = Surroundings::constant(Boundary { ambient: 7.0, far: 7.0, cooling: 0.0 });
         run.heat.uniform(7.0, &mut run.state);
         for _ in 0..10 {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
-        let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+        let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0);
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
@@ -309,11 +302,11 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     // A constant flux into the sides of an otherwise insulated block warms it by the heat input.
     let cells = cells(9);
     let mut run = Run::new(&scene(&[("punch.top_thermal", 3.0)]), &cells, 1e-3, 100.0);
-    run.surroundings.cooling = 500.0;
+    run.surroundings = Surroundings::constant(Boundary { cooling: 500.0, ..Boundary::default() });
     run.step(50.0, &[0.0; 9], &[0.0; 9]);
     let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
-    let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+    let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0);
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
 }
 
@@ -322,46 +315,45 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let cells = cells(9);
     let scene = scene(&[("punch.top_thermal", 2.0), ("punch.convection", 30.0), ("punch.emissivity", 0.5)]);
     let (mut run, mut parts) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
-    let (zero, step, fall, far_fall) = ([0.0; 9], 5.0, 300.0, -700.0);
+    let (zero, flux, step) = ([0.0; 9], leaning(&cells), 5.0);
     run.heat.uniform(20.0, &mut run.state);
     parts.state.copy_from_slice(&run.state);
-    run.surroundings = Surroundings { cooling: -400.0, cooling_fall: fall, ambient: 3.0, far: 900.0, far_fall };
+    let start = Boundary { cooling: -100.0, ambient: 8.0, far: 200.0 };
+    let end = Boundary { cooling: -400.0, ambient: 3.0, far: 900.0 };
+    run.surroundings = Surroundings::linear(start, end);
     run.heat.prepare(step, [0.0; 2]);
-    let ahead = run.heat.cooled_ahead(&run.state, &run.surroundings, &zero, &zero);
-    let more = Surroundings { cooling: -399.0, cooling_fall: fall - 1.0, ..run.surroundings };
-    let further = Surroundings { far: 901.0, far_fall: far_fall - 1.0, ..run.surroundings };
-    for (flux, more) in [more, further].iter().enumerate() {
-        let then = run.heat.cooled_ahead(&run.state, more, &zero, &zero).temperature;
-        for face in 0..2 {
-            let rise = then[face] - ahead.temperature[face];
-            assert!(
-                rise > 0.0 && (ahead.rise[face][flux] - rise).abs() < 1e-8 * ahead.rise[flux][flux],
-                "{ahead:?} {rise}"
-            );
-        }
-    }
-    // Reciprocity of the two faces.
+    // Reciprocity of the two faces, and of faces and cells.
     let areas = [0.2, 0.06];
-    let [[_, by_far], [by_sides, _]] = ahead.rise;
-    assert!((by_far * areas[0] / (by_sides * areas[1]) - 1.0).abs() < 1e-6, "{ahead:?}");
-    assert!(ahead.not_extrapolated == 0.0);
-    let (mut early, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
-    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
-    run.step(step, &zero, &zero);
-    for part in [GAMMA, 1.0 - GAMMA] {
-        let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
-        parts.surroundings =
-            Surroundings { cooling: -400.0 + later * fall, cooling_fall: part * fall, ..run.surroundings };
-        (parts.surroundings.far, parts.surroundings.far_fall) = (900.0 + later * far_fall, part * far_fall);
-        parts.step(part * step, &zero, &zero);
-        if part == GAMMA {
-            assert!(largest_difference(&parts.temperature, &early) < 1e-9, "{:?} {early:?}", parts.temperature);
+    let mut influence = [FaceInfluence::new(9), FaceInfluence::new(9)];
+    for stage in [Stage::First, Stage::End] {
+        for (face, influence) in influence.iter_mut().enumerate() {
+            run.heat.face_influence(stage, face, influence);
+            for (i, width) in cells.widths().iter().enumerate() {
+                let by_cell = influence.temperature[i] * width / areas[face];
+                let apart = (influence.by_cell[i] / by_cell - 1.0).abs();
+                assert!(apart < 1e-6, "{stage:?}, face {face}, cell {i}: {by_cell} {influence:?}");
+            }
         }
+        let [beside, far] = &influence;
+        let ratio = far.faces[0] * areas[0] / (beside.faces[1] * areas[1]);
+        assert!((ratio - 1.0).abs() < 1e-6 && beside.faces[0] > beside.faces[1] && far.faces[1] > 0.0, "{influence:?}");
     }
-    assert!(largest_difference(&run.temperature, &parts.temperature) < 1e-9);
+    let early = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::First, false), [&zero, &flux]);
+    let late = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
+    run.heat.advance(&mut run.state, &run.surroundings, &flux, &flux);
+    for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
+        parts.heat.prepare(part * step, [0.0; 2]);
+        let (temperature, distortion, faces) =
+            at_stage(&parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
+        parts.heat.advance(&mut parts.state, &around, &flux, &flux);
+        let (other, moved, others) = if part == GAMMA { &early } else { &late };
+        assert!(largest_difference(&temperature, other) < 1e-9, "{part}: {temperature:?} {other:?}");
+        assert!(largest_difference(&distortion, moved) < 1e-9 * largest(moved), "{part}");
+        assert!(largest_difference(&faces, others) < 1e-9, "{part}: {faces:?} {others:?}");
+    }
     assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
-    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &zero);
-    assert!((0..2).all(|face| (cooled[face] - ahead.temperature[face]).abs() < 1e-9), "{cooled:?} {ahead:?}");
+    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &flux, 0.0);
+    assert!(largest_difference(&cooled, &late.2) < 1e-9, "{cooled:?} {late:?}");
 }
 
 #[test]
@@ -400,18 +392,13 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
     let (mut run, mut short) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
     let flux: Vec<f64> = (0..9).map(|j| 1.0 + f64::from(j)).collect();
     for run in [&mut run, &mut short] {
-        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0, ..Surroundings::default() };
+        run.surroundings = Surroundings::constant(Boundary { cooling: 1.0, ambient: 2.0, far: 3.0 });
         run.step(2.0, &flux, &[0.0; 9]);
     }
     let step = 5.0;
     run.heat.prepare(step, [0.0; 2]);
-    let (mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9]);
-    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &[0.0; 9], &mut temperature, &mut distortion);
-    let influence = run.heat.influence(Stage::First);
-    for i in 0..9 {
-        temperature[i] += (0..9).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
-        distortion[i] += (0..9).map(|j| influence.distortion[(i, j)] * flux[j]).sum::<f64>();
-    }
+    let stage = (Stage::First, run.heat.holds_far_face());
+    let (temperature, distortion, _) = at_stage(&run.heat, &run.state, &run.surroundings, stage, [&[0.0; 9], &flux]);
     short.step(GAMMA * step, &flux, &flux);
     assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
     assert!(largest_difference(&distortion, &short.distortion) < 1e-12 * largest(&distortion));

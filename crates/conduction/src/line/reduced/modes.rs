@@ -223,6 +223,29 @@ impl Modes {
         }
     }
 
+    /// Sets `sums` to those over the states of every mode of `seen` times `weights`.
+    pub fn sum_up(&self, seen: &[f64], weights: &[f64], sums: &mut [f64]) {
+        sums.fill(0.0);
+        for ((seen, weight), mode) in seen.iter().zip(weights).zip(&self.mode) {
+            sums[*mode] += seen * weight;
+        }
+    }
+
+    /// Adds to every cell's value the products of its integrals with the modes' `sums`.
+    pub fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
+        for (sign, part) in [1.0, -1.0].into_iter().zip(&self.parts).filter(|(_, part)| !part.modes.is_empty()) {
+            let own = &sums[part.modes.clone()];
+            for (j, integrals) in part.integrals.chunks_exact(own.len()).enumerate() {
+                let value = dense::dot(integrals, own);
+                values[j] += value;
+                let opposite = self.cells - 1 - j;
+                if self.is_halved() && opposite != j {
+                    values[opposite] += sign * value;
+                }
+            }
+        }
+    }
+
     /// Adds to the cells' temperatures those of the states in the scratch, weighted by `contact` at the surface.
     pub fn show(&self, contact: &[f64], scratch: &mut Scratch, temperature: &mut [f64]) {
         let Scratch { surface, values, shown, .. } = scratch;

@@ -133,6 +133,11 @@ impl Patterns {
         }
     }
 
+    /// Adds to the values of the cells the products of their patterns with the modes' `sums`.
+    pub fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
+        self.all().for_each(|(cell, integrals)| values[cell] += dot(integrals, sums));
+    }
+
     /// Turns the mean temperatures of whole cells into those of the parts in contact; `surface`: amplitudes of the modes.
     pub fn show(&self, surface: &[f64], temperature: &mut [f64]) {
         for (cell, integrals) in self.all() {

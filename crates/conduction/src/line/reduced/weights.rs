@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
+use super::ReducedOperators;
 use super::modes::{Modes, Scratch};
-use super::{COOLING, FAR, ReducedOperators};
 use crate::line::contact_parts::ContactParts;
-use crate::line::{FACES, GAMMA, SurfaceInfluence};
+use crate::line::{GAMMA, SurfaceInfluence};
 use numerics::dense;
 
 /// Weights of the states and surface influence matrices for one step size.
@@ -13,8 +13,6 @@ use numerics::dense;
 pub struct Weights {
     pub step: f64,
     pub stages: [StageWeights; 2],
-    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
-    pub cooled_rise: [[f64; FACES]; FACES],
 }
 
 /// Weights of the inputs and initial states in the states at a stage.
@@ -29,8 +27,9 @@ pub struct StageWeights {
     /// Weight of the modal heat of the fluxes known before the stage (see
     /// [`free_response`](crate::line::ThermalBody::free_response)), s times Z at the contact.
     pub known: Vec<f64>,
-    /// Weight of the modal heat of the stage's own fluxes.
+    /// Weight of the modal heat of the stage's own fluxes, and of its own fluxes into the cooled faces.
     pub own: Vec<f64>,
+    pub by_face: Vec<f64>,
     pub influence: SurfaceInfluence,
     /// That through parts in contact, and these parts; whole: it is that of the whole cells alone.
     pub through_parts: SurfaceInfluence,
@@ -48,6 +47,7 @@ impl ReducedOperators {
             falling: states(),
             known: states(),
             own: states(),
+            by_face: states(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
             through_parts: SurfaceInfluence {
                 temperature: dense::untouched(divided),
@@ -55,7 +55,7 @@ impl ReducedOperators {
             },
             contact_parts: ContactParts::whole(cells),
         };
-        Weights { step: f64::NAN, stages: [stage(), stage()], cooled_rise: [[0.0; FACES]; FACES] }
+        Weights { step: f64::NAN, stages: [stage(), stage()] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
@@ -68,11 +68,11 @@ impl ReducedOperators {
                     stage.decay[k] = (1.0 + rate * step).recip();
                     stage.constant[k] = step * stage.decay[k];
                     stage.falling[k] = 0.0;
+                    stage.by_face[k] = stage.constant[k];
                     (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
                 }
                 self.fill_influence(modes, stage, scratch);
             }
-            weights.cooled_rise = self.cooled_rise(end);
             return;
         }
         for (k, &rate) in self.rate.iter().enumerate() {
@@ -80,6 +80,7 @@ impl ReducedOperators {
             let contact = self.contact[k];
             first.decay[k] = (-early).exp();
             first.constant[k] = GAMMA * step * mean_decay(early);
+            first.by_face[k] = first.constant[k];
             first.own[k] = contact * first.constant[k];
             first.falling[k] = GAMMA * step * first_moment(early);
             first.known[k] = contact * first.falling[k];
@@ -89,25 +90,12 @@ impl ReducedOperators {
             end.falling[k] = step * first_moment(whole);
             let known = end.falling[k] / (1.0 - GAMMA);
             end.known[k] = contact * known;
-            end.own[k] = contact * (end.constant[k] - known);
+            end.by_face[k] = end.constant[k] - known;
+            end.own[k] = contact * end.by_face[k];
         }
         for stage in [&mut *first, &mut *end] {
             self.fill_influence(modes, stage, scratch);
         }
-        weights.cooled_rise = self.cooled_rise(end);
-    }
-
-    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
-    fn cooled_rise(&self, end: &StageWeights) -> [[f64; FACES]; FACES] {
-        self.faces().map(|face| {
-            [COOLING, FAR].map(|port| {
-                let weights = end.constant.iter().zip(&end.falling).zip(&self.input[port]);
-                let states = weights.zip(&face.states);
-                let by_states: f64 =
-                    states.map(|(((constant, falling), input), seen)| seen * (constant - falling) * input).sum();
-                by_states + face.ports[port]
-            })
-        })
     }
 
     fn fill_influence(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {

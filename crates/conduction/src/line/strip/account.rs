@@ -7,7 +7,7 @@
 
 use super::scratch::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
-use crate::line::{GAMMA, Surroundings, ThermalBody};
+use crate::line::{Boundary, GAMMA, Surroundings, ThermalBody};
 use numerics::dense;
 
 impl StripHeat {
@@ -32,7 +32,7 @@ impl StripHeat {
         // Heat into the cells besides that of the contact: the Robin correction, and minus the cooling that does not
         // act under the contact.
         let returned = total - received;
-        let (cooling, far) = (surroundings.mean_cooling(), surroundings.mean_far());
+        let Boundary { cooling, ambient: air, far } = surroundings.mean();
         let before = self.account(state).stored;
         let mut ambient = 0.0;
         let carried = self.mean_states(state, surroundings, weights, effective);
@@ -41,7 +41,7 @@ impl StripHeat {
         for k in 0..mean.count {
             let (old, new) = (state[k], carried[k]);
             let source = mean.input[CONTACT][k] * (over_step(effective) + step * cooling)
-                + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * far);
+                + step * (mean.input[AMBIENT][k] * air + mean.input[BASE][k] * far);
             if mean.rate[k] > 0.0 {
                 ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
             }
@@ -51,10 +51,10 @@ impl StripHeat {
             }
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
-            + step * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient + mean.ambient_flow.direct[BASE] * far);
+            + step * (mean.ambient_flow.direct[AMBIENT] * air + mean.ambient_flow.direct[BASE] * far);
         let lost = operators.period * (ambient - step * cooling) - returned;
         let tail = state.len() - TAIL;
-        state[tail + 3] = surroundings.far;
+        state[tail + 3] = surroundings.end.far;
         let stored = self.account(state).stored - before;
         state[tail] += received;
         state[tail + 1] += lost;

@@ -3,12 +3,15 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
+use super::operators::StripOperators;
 use super::scratch::Scratch;
 use super::stage_response::RANK;
 use super::state_layout::{Carrier, Parts, add_products, carry, observe};
+use super::step::OWN;
 use super::step::StageWeights;
-use super::{StripHeat, TAIL};
-use crate::line::{GAMMA, Stage, Surroundings};
+use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
+use crate::line::{BESIDE, Boundary, FACES, FaceInfluence, GAMMA, Stage, Surroundings};
+use crate::reduced::Observation;
 use numerics::dense;
 
 impl StripHeat {
@@ -18,9 +21,10 @@ impl StripHeat {
         if self.operators.robin_correction.is_none() {
             return;
         }
-        scratch.first.fill(0.0);
+        scratch.first.fill(-surroundings.deviation.cooling);
         self.deviate_given_back(scratch, state);
-        self.known_levels(scratch, state, surroundings, Stage::First);
+        let around = surroundings.without_fluxes_at(Stage::First, self.operators.held);
+        self.known_levels(scratch, state, &around, Stage::First);
     }
 
     /// Adds to the fluxes in `scratch.first` the deviation of the Robin correction at the start of the step from that
@@ -63,33 +67,23 @@ impl StripHeat {
         }
     }
 
-    /// Fills the workspace with the total fluxes into the cells in the first stage: those of the contact, less the
-    /// cooling that does not act there, plus the Robin correction from its stored projected temperature.
-    pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
-        let cooling = surroundings.until(Stage::First).cooling;
-        scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
+    /// Fills the workspace with the total fluxes into the cells at a stage: those of the contact, less the cooling that does not
+    /// act there, plus the Robin correction from its stored projected temperature and the stage's own fluxes into the faces.
+    pub(super) fn effective(&self, scratch: &mut Scratch, surroundings: &Surroundings, stage: Stage, flux: &[f64]) {
+        let around = surroundings.at(stage);
+        let Scratch { first, end, projected, returned, .. } = scratch;
+        let total = if stage == Stage::First { first } else { end };
+        total.iter_mut().zip(flux).for_each(|(value, q)| *value = q - around.cooling);
         if let Some(robin_correction) = &self.operators.robin_correction {
-            let level = scratch.projected[Stage::First as usize];
-            scratch.returned[Stage::First as usize] = robin_correction.add(
-                self.step.first.current_response(),
-                &level,
-                surroundings.ambient,
-                &mut scratch.first,
-            );
+            let mut level = projected[stage as usize];
+            level[0] += robin_correction.unit[0] * self.level_by_faces(stage, around);
+            let response = self.step.stage(stage).current_response();
+            returned[stage as usize] = robin_correction.add(response, &level, around.ambient, total);
         }
     }
 
-    /// The same at the end of the step.
-    fn effective_end(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
-        scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
-        if let Some(robin_correction) = &self.operators.robin_correction {
-            let level = scratch.projected[Stage::End as usize];
-            scratch.returned[Stage::End as usize] =
-                robin_correction.add(self.step.end.current_response(), &level, surroundings.ambient, &mut scratch.end);
-        }
-    }
-
-    /// Free response (temperature and distortion) of a stage; the flux known before it is in `scratch.first`.
+    /// Free response (temperature and distortion) of a stage, and the mean temperatures of the cooled faces; the flux known before
+    /// the stage is in `scratch.first`, and the surroundings have no fluxes into the faces at the stage.
     pub(super) fn base_from(
         &self,
         scratch: &mut Scratch,
@@ -97,40 +91,111 @@ impl StripHeat {
         surroundings: &Surroundings,
         stage: Stage,
         [temperature, distortion]: [&mut [f64]; 2],
-    ) {
+    ) -> [f64; FACES] {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
         let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
         let Scratch { amplitude, moved, response, .. } = &mut *scratch;
         if operators.expands {
             let levels = [level, operators.mean_distortion * through_depth];
-            operators.observe([amplitude, moved], response, levels, [temperature, distortion]);
+            operators.observe([amplitude, moved], response, levels, [&mut *temperature, &mut *distortion]);
         } else {
             operators.observe_one(amplitude, &mut response[0], level, temperature);
             distortion.fill(0.0);
         }
-        // Fluxes of this stage other than those of the contact: the cooling that does not act there, and the Robin
-        // correction.
-        let cooling = surroundings.until(stage).cooling;
-        if cooling == 0.0 && operators.robin_correction.is_none() {
-            return;
+        let mut own = 0.0;
+        if let Some(robin_correction) = &operators.robin_correction {
+            scratch.end.fill(0.0);
+            let (projected, ambient) = (&scratch.projected[stage as usize], surroundings.at(stage).ambient);
+            let amounts = robin_correction.amounts(weights.current_response(), projected, ambient, &scratch.end);
+            own = robin_correction.unit[0] * amounts[0] / operators.period;
+            dense::multiply_add(weights.current_response().lifted(0), &amounts, temperature);
+            if operators.expands {
+                dense::multiply_add(weights.current_response().lifted(1), &amounts, distortion);
+            }
         }
-        scratch.end.fill(-cooling);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), own];
+        let mean = &operators.mean;
+        // States of the whole strip, also where the contact is not affected by the heat left behind.
+        let states = self.mean_states(state, surroundings, weights, fluxes);
+        let around = surroundings.at(stage);
+        let [everywhere, base] = [&mean.contact_temperature, &mean.base_temperature].map(|observed| {
+            observed.of_states(&states, mean.count)
+                + observed.direct[CONTACT] * own
+                + observed.direct[AMBIENT] * around.ambient
+                + observed.direct[BASE] * around.far
+        });
+        [self.beside(everywhere, temperature), base]
+    }
+
+    /// Mean temperature of the surface beside the contact, from that of the whole surface and those of the cells.
+    pub(super) fn beside(&self, everywhere: f64, temperature: &[f64]) -> f64 {
+        let operators = &*self.operators;
+        let StripOperators { period, free_length, .. } = *operators;
+        if operators.fresh || free_length <= 1e-9 * period {
+            return everywhere;
+        }
+        (period * everywhere - dense::dot(&operators.widths, temperature)) / free_length
+    }
+
+    /// Response of an observation of the mean mode to a unit flux of `stage` through a port.
+    fn mean_response(&self, observed: &Observation, stage: Stage, port: usize) -> f64 {
+        let (mean, weights) = (&self.operators.mean, &self.step.stage(stage).mean_weight);
+        let by_states = (0..mean.count).map(|k| observed.states[k] * mean.input[port][k] * weights[k][OWN]);
+        observed.direct[port] + by_states.sum::<f64>()
+    }
+
+    /// Temperature of the mean mode's surface by the fluxes of `stage` into the cooled faces.
+    fn level_by_faces(&self, stage: Stage, around: &Boundary) -> f64 {
+        let fluxes = [(CONTACT, around.cooling), (BASE, if self.operators.held { 0.0 } else { around.far })];
+        let observed = &self.operators.mean.contact_temperature;
+        let acting = fluxes.into_iter().filter(|(_, flux)| *flux != 0.0);
+        acting.map(|(port, flux)| flux * self.mean_response(observed, stage, port)).sum()
+    }
+
+    /// See [`ThermalBody::face_influence`](crate::line::ThermalBody::face_influence).
+    pub(super) fn respond_to_face(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+        let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
+        let mean = &operators.mean;
+        let port = [CONTACT, BASE][face];
+        // The cooling of the whole surface less that under the contact.
+        let covered = if face == BESIDE { -1.0 } else { 0.0 };
+        let level = self.mean_response(&mean.contact_temperature, stage, port);
+        let through_depth = self.mean_response(&mean.mean_temperature, stage, port);
+        let FaceInfluence { temperature, distortion, by_cell, .. } = influence;
+        temperature.fill(level);
+        distortion.fill(if operators.expands { operators.mean_distortion * through_depth } else { 0.0 });
+        by_cell.fill(covered);
+        let mut entering = self.mean_flux(by_cell, 0.0);
         let mut amounts = [0.0; RANK];
         if let Some(robin_correction) = &operators.robin_correction {
-            let projected = &scratch.projected[stage as usize];
-            amounts =
-                robin_correction.amounts(weights.current_response(), projected, surroundings.ambient, &scratch.end);
+            let mut projected = [0.0; RANK];
+            projected[0] = robin_correction.unit[0] * level;
+            amounts = robin_correction.amounts(response, &projected, 0.0, by_cell);
+            entering += robin_correction.unit[0] * amounts[0] / operators.period;
         }
-        for (moving, values) in [temperature, distortion].into_iter().enumerate() {
-            if moving == 1 && !operators.expands {
-                continue;
+        for (moving, values) in [&mut *temperature, distortion].into_iter().enumerate() {
+            if moving == 0 || operators.expands {
+                dense::multiply_add(response.uniform(moving), &[covered], values);
+                if operators.robin_correction.is_some() {
+                    dense::multiply_add(response.lifted(moving), &amounts, values);
+                }
             }
-            let uniform = weights.current_response().uniform(moving);
-            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
-            if operators.robin_correction.is_some() {
-                dense::multiply_add(weights.current_response().lifted(moving), &amounts, values);
-            }
+        }
+        let whole = |observed| {
+            self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
+        };
+        let seen = [&mean.contact_temperature, &mean.base_temperature];
+        let [everywhere, base] = seen.map(whole);
+        influence.mean = whole(&mean.mean_temperature);
+        influence.faces = [self.beside(everywhere, temperature), base];
+        let per_flux = self.mean_response(seen[face], stage, CONTACT) / operators.period;
+        let columns = response.influence.temperature.as_slice().chunks_exact(operators.widths.len());
+        for (cell, (value, column)) in by_cell.iter_mut().zip(columns).enumerate() {
+            let robin_correction = operators.robin_correction.as_ref();
+            let returned = robin_correction.map_or(0.0, |robin| robin.unit[0] * robin.constant_by_cell(response, cell));
+            let rise = per_flux * (operators.widths[cell] + returned);
+            *value = if face == BESIDE { self.beside(rise, column) } else { rise };
         }
     }
 
@@ -162,7 +227,7 @@ impl StripHeat {
         contact: [&[f64]; 2],
     ) {
         let operators = &*self.operators;
-        self.effective_end(scratch, surroundings, contact[1]);
+        self.effective(scratch, surroundings, Stage::End, contact[1]);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
         self.keep_account(scratch, state, surroundings, contact, fluxes);
         if operators.robin_correction.is_some() {

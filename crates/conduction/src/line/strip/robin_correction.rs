@@ -98,6 +98,12 @@ impl RobinCorrection {
         amounts
     }
 
+    /// Coefficient of the constant polynomial under a unit flux into cell `cell`.
+    pub fn constant_by_cell(&self, response: &StageResponse, cell: usize) -> f64 {
+        let driving = &response.response()[cell * RANK..(cell + 1) * RANK];
+        response.solution().chunks_exact(RANK).zip(driving).map(|(column, driving)| column[0] * driving).sum()
+    }
+
     /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
     /// [`RobinCorrection::amounts`].
     pub fn add(&self, response: &StageResponse, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {

@@ -23,6 +23,8 @@ pub struct Scratch {
     pub heat_end: [Vec<f64>; 2],
     pub amplitude: [Vec<f64>; 2],
     pub moved: [Vec<f64>; 2],
+    /// Temperatures of the cells, for the mean of the surface beside them.
+    pub seen: Vec<f64>,
     /// Projected temperature that drives the Robin correction, by stage.
     pub projected: [[f64; RANK]; 2],
     /// Polynomial coefficients of the Robin correction by stage, W/m2.
@@ -45,6 +47,7 @@ impl Scratch {
             heat_end: parts(),
             amplitude: parts(),
             moved: parts(),
+            seen: vec![0.0; count],
             projected: [[0.0; RANK]; 2],
             returned: [[0.0; RANK]; 2],
         }

@@ -28,7 +28,7 @@ const PART_OF_TOLERANCE: f64 = 0.5;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
-const LEAST_RISE: f64 = 0.1;
+pub(super) const LEAST_RISE: f64 = 0.1;
 
 /// Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
 const ALLOWANCE: f64 = 2.0;
@@ -97,9 +97,9 @@ impl Solved<'_> {
     /// exchange more or less heat, up to their common temperature. Without it the error of a cell that closes would be the
     /// difference of both temperatures however short the step, since its flux goes as the reciprocal root of the time.
     pub fn error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
-        let most = self.bound_of_error(operators, before, bound);
+        let (most, faces) = (self.bound_of_error(operators, before, bound), self.error_of_faces(operators, bound));
         if most < SMALL {
-            return most;
+            return maximum(most, faces);
         }
         let heat = &mut *self.0;
         let widths = operators.cells.widths();
@@ -144,7 +144,18 @@ impl Solved<'_> {
         let error = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
         // Of a step below `tolerance` of the shortest time of interest, what is left of its effect by then counts: cells that open and
         // close by turns are not followed to smaller steps.
-        if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error }
+        let cells = if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error };
+        maximum(cells, faces)
+    }
+
+    /// The same from the fluxes into the cooled faces, whether or not there is contact.
+    fn error_of_faces(&self, operators: &LineOperators, bound: f64) -> f64 {
+        let heat = &*self.0;
+        let touch = heat.partitions[0].closed().iter().chain(heat.partitions[1].closed()).any(|closed| *closed);
+        let [error, of_faces, moved] = heat.errors_of_faces(touch);
+        let cells = heat.temperature[1].iter().map(|surface| largest(surface));
+        let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
+        maximum(moved / bound, error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
     }
 }
 
@@ -208,10 +219,7 @@ impl ThermalCoupling {
             }
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
             for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
-                // The rate is 0 where a cell exchanges no heat, or has just begun to.
-                let lasting = (*before != 0.0) & (*end != 0.0);
-                let rates = [(first - before) * per_rise, (end - first) * per_change];
-                *slope = if lasting { slope_limited(*slope, rates) } else { 0.0 };
+                *slope = slope_over_step(*slope, [*before, *first, *end], [per_rise, per_change]);
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
@@ -226,12 +234,9 @@ impl ThermalCoupling {
                     &mut state.temperature[side],
                 );
             }
-            let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
-            state.cooling[side] = heat.surroundings[side].by_air(held);
-            let (flow, heat) = heat.external[side];
-            state.external[side] = [flow, state.external[side][1] + heat];
         }
-        (state.unpredicted_rise, state.last_step) = (heat.unpredicted_rise, step);
+        heat.accept_faces(state);
+        state.last_step = step;
         let pressures = stages.first.pressure.iter().zip(&stages.end.pressure).zip(&line.pressure);
         for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
             let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
@@ -260,6 +265,14 @@ const SMOOTH: f64 = 3.0;
 
 /// Least ratio of found to predicted rate: a rate of 0 is reserved for "none".
 const LEAST: f64 = 1e-3;
+
+/// Rate of a flux over a step from the one before, from its values at the start, at the first stage and at the end, which are
+/// 1/`per_length` apart (1/s); 0 where a cell or face exchanges no heat, or has just begun to.
+pub(super) fn slope_over_step(predicted: f64, [before, first, end]: [f64; 3], per_length: [f64; 2]) -> f64 {
+    let lasting = (before != 0.0) & (end != 0.0);
+    let rates = [(first - before) * per_length[0], (end - first) * per_length[1]];
+    if lasting { slope_limited(predicted, rates) } else { 0.0 }
+}
 
 /// Slope limiter: the rate by which the predictor extrapolates a flux beyond a step, from the rate predicted for that step (0:
 /// none) and the rates found in its first stage and behind it.

@@ -10,8 +10,11 @@ use numerics::dense;
 use numerics::maximum::maximum;
 
 impl ThermalCoupling {
-    /// Free response of both bodies: temperature and distortion at the stage for zero flux in it.
+    /// Free response of both bodies: temperature and distortion at the stage for zero flux into its cells.
     pub(super) fn begin(&mut self, stage: Stage, state: &HeatState) {
+        if stage == Stage::First {
+            self.deviate_faces(state);
+        }
         for side in 0..2 {
             let (free_response, distortion) =
                 (&mut self.iterate.free_response[side], &mut self.iterate.free_distortion[side]);
@@ -23,18 +26,22 @@ impl ThermalCoupling {
                         let back = -GAMMA * self.step;
                         known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
                     }
-                    match (stage, self.parameters.staggered) {
+                    let faces = match (stage, self.parameters.staggered) {
                         (Stage::End, false) => {
                             own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
                         }
                         _ => own.free_response(&state.bodies[side], around, stage, known, free_response, distortion),
-                    }
+                    };
+                    self.faces.set_free(side, faces);
                 }
                 None => {
-                    free_response.fill(self.surroundings[side].ambient);
+                    free_response.fill(self.surroundings[side].at(stage).ambient);
                     distortion.fill(0.0);
                 }
             }
+        }
+        if !self.faces.is_empty() {
+            self.begin_faces(stage, state);
         }
     }
 

@@ -5,18 +5,16 @@
 use super::stage::{Prepared, state_of};
 use super::{FrozenCoefficients, ThermalCoupling};
 use crate::Inputs;
-use crate::line::heat::air::{balance, cooling};
-use crate::line::heat::bodies::cooled_part;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
-use crate::lumped::operators::BodyOperators;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
-use scene::{Body, Scheme};
+use conduction::line::{Boundary, GAMMA, Stage, Surroundings};
+use scene::Scheme;
 
-/// Longest extrapolation, in lengths of the last step: step control doubles a step at most. Where the importer increases the step
-/// by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of the next.
+/// Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
+/// increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of
+/// the next.
 const MOST_EXTRAPOLATED: f64 = 2.0;
 
 /// Travel within which the frozen operators remain valid, in diffusion lengths over the step.
@@ -51,95 +49,29 @@ impl ThermalCoupling {
             speed: sign * reference_velocity,
             kinetic_coefficient,
         };
-        let reference = given.reference;
+        (heat.step, heat.velocity) = (step, velocity);
         let conditions = |time: f64| {
             let inputs = Inputs::from_array(path.inputs(time));
-            Conditions::new(&operators.mean, given.tunables, reference, &inputs)
+            Conditions::new(&operators.mean, given.tunables, given.reference, &inputs)
         };
-        let middle = conditions(start + 0.5 * step);
-        let scene = &operators.scene;
-        (heat.step, heat.velocity) = (step, velocity);
-        let far = [middle.punch_far, middle.strip_far];
-        let each: [(&BodyOperators, &Body, [f64; FACES]); 2] = [
-            (&operators.mean.punch, &scene.punch, [1.0; FACES]),
-            (&operators.mean.strip, &scene.strip, [cooled_part(scene), 1.0]),
-        ];
-        for (side, (mean, body, parts)) in each.into_iter().enumerate() {
-            let ambient = middle.ambient;
-            let held = body.far_is_prescribed();
-            let around = Surroundings { ambient, far: far[side], ..Surroundings::default() };
-            let mut around = around.with_air(state.cooling[side], held);
+        let [from, first, end] = [start, start + GAMMA * step, start + step].map(conditions);
+        heat.faces.set_conditions(if monolithic { [first, end] } else { [end; 2] }, given.reference);
+        for side in 0..2 {
+            let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
+            let around = |at: &Conditions| {
+                let far = if held { [at.punch_far, at.strip_far][side] } else { 0.0 };
+                Boundary { ambient: at.ambient, far, cooling: 0.0 }
+            };
+            heat.surroundings[side] = match monolithic {
+                true => Surroundings::linear(around(&from), around(&end)),
+                false => Surroundings::constant(around(&end)),
+            };
             if let Some(own) = &mut heat.bodies[side] {
                 match monolithic {
                     true => own.prepare(step, velocity),
                     false => own.prepare_euler(step, velocity),
                 }
-                if mean.is_cooled_variably() {
-                    let [from, to] = [start, start + step].map(conditions);
-                    let by_air = |face: usize, t: f64, at: &Conditions| match mean.air[face].is_cooled() {
-                        true => cooling(body, reference, t, at.ambient, at.forced).map(|value| parts[face] * value),
-                        false => [0.0; 2],
-                    };
-                    let law = |face: usize, t: f64, at: &Conditions| match mean.air[face].path {
-                        0.0 => by_air(face, t, at),
-                        path => {
-                            let [flux, fall] = by_air(face, t, at);
-                            [flux + path * (at.neighbours[side] - t), fall + path]
-                        }
-                    };
-                    let with = |flux: [f64; FACES]| {
-                        let around = around.with_air(flux, held);
-                        own.cooled_temperature(&state.bodies[side], &around, &state.flux[side])
-                    };
-                    let last = state.cooling[side];
-                    let now = with(last);
-                    // Part of the surface temperature is direct feedthrough of the cooling, which jumps with the inputs.
-                    let mut rise = [[0.0; FACES]; FACES];
-                    for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
-                        let mut more = last;
-                        more[face] += 1.0;
-                        let then = with(more);
-                        (0..FACES).for_each(|other| rise[other][face] = then[other] - now[other]);
-                    }
-                    let begin = balance(last, now, rise, |face, t| law(face, t, &from));
-                    // The contact's fluxes, extrapolated at their last rates.
-                    let [first, end] = &mut heat.flux;
-                    let slopes = state.flux[side].iter().zip(&state.slope[side]);
-                    let expected = first[side].iter_mut().zip(&mut end[side]).zip(slopes);
-                    for ((first, end), (flux, slope)) in expected {
-                        (*first, *end) = (flux + GAMMA * step * slope, flux + step * slope);
-                    }
-                    around = around.with_air(begin, held);
-                    let mut ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
-                    let drift = match state.last_step > 0.0 {
-                        true => {
-                            (step / state.last_step).min(MOST_EXTRAPOLATED)
-                                * (ahead.not_extrapolated - state.unpredicted_rise[side])
-                        }
-                        false => 0.0,
-                    };
-                    heat.unpredicted_rise[side] = ahead.not_extrapolated;
-                    ahead.temperature[BESIDE] += drift;
-                    let end = balance(begin, ahead.temperature, ahead.rise, |face, t| law(face, t, &to));
-                    if mean.air[FAR].path > 0.0 {
-                        let by_path =
-                            |flux: [f64; FACES], known: [f64; FACES], t: f64, rise: [f64; FACES], at: &Conditions| {
-                                let t = t + rise[0] * (flux[0] - known[0]) + rise[1] * (flux[1] - known[1]);
-                                flux[FAR] - by_air(FAR, t, at)[0]
-                            };
-                        let early = by_path(begin, last, now[FAR], rise[FAR], &from);
-                        let late = by_path(end, begin, ahead.temperature[FAR], ahead.rise[FAR], &to);
-                        let mean = if monolithic { 0.5 * (early + late) } else { late };
-                        heat.external[side] = (-late, -step * mean);
-                    }
-                    around = around.with_air(end, held);
-                    if monolithic {
-                        around.cooling_fall = begin[BESIDE] - end[BESIDE];
-                        around.far_fall = if held { 0.0 } else { begin[FAR] - end[FAR] };
-                    }
-                }
             }
-            heat.surroundings[side] = around;
         }
         Prepared(heat)
     }

@@ -132,12 +132,14 @@ impl RemainingError {
     }
 }
 
-/// Changes of an iteration: of the pressure and of the contact temperature, relative; residual of the interface law.
+/// Changes of an iteration: of the pressure, of the contact temperature, and of temperatures by the fluxes into the cooled faces,
+/// relative; residual of the interface law.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     pressure: f64,
     contact_temperature: f64,
     interface: f64,
+    faces: f64,
 }
 
 /// Convergence of a stage.
@@ -165,7 +167,8 @@ impl Convergence {
         let [pressure, interface] =
             self.accelerated.map_or(of_series, |ratio| [ratio.max(1.0) * change.pressure, change.interface]);
         let remaining = maximum(pressure, interface / TEMPERATURE);
-        let consistent = self.contact_temperature.after(change.contact_temperature) <= self.enough;
+        let consistent =
+            self.contact_temperature.after(change.contact_temperature) <= self.enough && change.faces <= self.enough;
         consistent && (exact || remaining <= self.enough)
     }
 }
@@ -213,6 +216,7 @@ impl ThermalCoupling {
                 self.iterate.temperatures_current = false;
             }
             self.install_thermal_compliance(stage, slip)?;
+            self.couple_faces(stage);
             stages.budget.solutions += 1;
             stages.set_conditions(given, moment, motion.tau);
             self.set_laws(given, stages, moment);
@@ -238,13 +242,15 @@ impl ThermalCoupling {
                 false => 0.0,
             };
             let settled = self.update_active_set(stage, &found.pressure);
-            let change = Change { pressure, contact_temperature, interface };
+            let faces = self.solve_faces(stage);
+            let change = Change { pressure, contact_temperature, interface, faces };
             if convergence.reached(change, self.exact[s]) && settled {
                 self.iterations = self.iterations.max(iteration);
                 if moment.released > 0.0 {
                     self.release(stage, moment.released);
                 }
                 self.write_wear_rates(stage, given, stages);
+                self.surround_by_faces(stage);
                 return Ok(());
             }
             if !settled {

@@ -53,6 +53,10 @@ const OBSERVED: usize = 8;
 /// is unstable.
 const SAME_DIRECTION: f64 = 0.5;
 
+/// Iterations between the fluxes into cells and cooled faces, and the relative change of temperature at which they end.
+const MOST_EXCHANGES: usize = 40;
+const AGREEMENT: f64 = 1e-9;
+
 /// Bisections, in the logarithm, for the stability limit of a rejected step.
 const BISECTIONS: u32 = 30;
 
@@ -232,8 +236,15 @@ impl ThermalCoupling {
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.build_end_partition();
-        self.iterate.temperatures_current = false;
-        self.assemble_fluxes(Stage::End, slip);
+        self.couple_faces(Stage::End);
+        for _ in 0..MOST_EXCHANGES {
+            self.iterate.temperatures_current = false;
+            self.assemble_fluxes(Stage::End, slip);
+            if self.solve_faces(Stage::End) <= AGREEMENT {
+                break;
+            }
+        }
+        self.surround_constantly();
         self.update_temperatures(Stage::End);
         let [first, end] = &mut self.flux;
         for (first, end) in first.iter_mut().zip(end) {

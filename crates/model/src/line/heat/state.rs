@@ -32,9 +32,8 @@ pub struct HeatState {
     pub dissipated: f64,
     /// Heat fluxes into the cooled faces of both bodies beyond the constant heat transfer at the end of the last step, W/m2.
     pub cooling: [[f64; FACES]; 2],
-    /// Part of the temperature of the cooled surfaces that bodies do not predict to the end of the step, at the start of the last
-    /// step, K.
-    pub unpredicted_rise: [f64; 2],
+    /// Rates of these fluxes over the last step, W/(m2 s); 0 after a jump and after a reversal.
+    pub cooling_slope: [[f64; FACES]; 2],
     /// Heat paths to the neighbours of both bodies: flow out at the end of the last step, W/m2 of the far face, and its integral, J/m2.
     pub external: [[f64; 2]; 2],
     /// Length of the last step, s (0: none yet).
@@ -132,7 +131,7 @@ impl HeatState {
             kinetic_coefficient,
             dissipated: 0.0,
             cooling: [[0.0; FACES]; 2],
-            unpredicted_rise: [0.0; 2],
+            cooling_slope: [[0.0; FACES]; 2],
             external: [[0.0; 2]; 2],
             last_step: 0.0,
             rejected_by_growth: [0.0; 2],
@@ -160,12 +159,14 @@ impl HeatState {
     pub fn jump(&mut self) {
         self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
         self.pressure_slope.fill(0.0);
+        self.cooling_slope = [[0.0; FACES]; 2];
         self.edges.rate.fill(0.0);
     }
 
     /// Reversal of the sliding direction: friction heat rises as fast as it fell, and the shear coupling loads the other edge.
     pub fn reverse(&mut self) {
         self.pressure_slope.fill(0.0);
+        self.cooling_slope = [[0.0; FACES]; 2];
         self.edges.rate.fill(0.0);
         self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
@@ -231,7 +232,7 @@ impl HeatState {
             kinetic_coefficient,
             dissipated,
             cooling,
-            unpredicted_rise,
+            cooling_slope,
             external,
             last_step,
             rejected_by_growth,
@@ -243,8 +244,7 @@ impl HeatState {
             .chain(edges.numbers())
             .chain(distortion)
             .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
-            .chain(cooling.iter_mut().flatten())
-            .chain(unpredicted_rise)
+            .chain(cooling.iter_mut().chain(cooling_slope).flatten())
             .chain(external.iter_mut().flatten())
             .chain(rejected_by_growth)
             .chain(start.iter_mut().flatten())
@@ -275,8 +275,8 @@ impl HeatState {
         (self.kinetic_coefficient, self.dissipated, self.cooling) =
             (other.kinetic_coefficient, other.dissipated, other.cooling);
         (self.start, self.reference, self.external) = (other.start, other.reference, other.external);
-        (self.unpredicted_rise, self.last_step, self.rejected_by_growth) =
-            (other.unpredicted_rise, other.last_step, other.rejected_by_growth);
+        self.cooling_slope = other.cooling_slope;
+        (self.last_step, self.rejected_by_growth) = (other.last_step, other.rejected_by_growth);
     }
 
     /// Appends all numbers.
@@ -293,8 +293,11 @@ impl HeatState {
             .chain([&self.pressure_slope, &self.distortion])
             .chain(self.edges.vectors())
             .all(|values| all_finite(values))
-            && [&scalars[..], &self.unpredicted_rise, &self.rejected_by_growth].iter().all(|values| all_finite(values))
-            && [&self.cooling, &self.external].into_iter().flatten().all(|values| all_finite(values))
+            && [&scalars[..], &self.rejected_by_growth].iter().all(|values| all_finite(values))
+            && [&self.cooling, &self.cooling_slope, &self.external]
+                .into_iter()
+                .flatten()
+                .all(|values| all_finite(values))
             && self.start.iter().all(|values| all_finite(values))
     }
 

@@ -3,13 +3,13 @@
 //! Theory: docs/theory.md, section 5.3.
 
 use super::add;
+use crate::line::Stage;
 use crate::line::strip::interval::{Interval, Workspace, stage_fluxes};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::Motion;
 use crate::line::strip::stage_response::{FeedthroughTerms, StageResponse};
 use crate::line::strip::state_layout::{self, of_mode, phases};
-use crate::line::{GAMMA, Stage};
 use nalgebra::Complex;
 
 /// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
@@ -44,11 +44,6 @@ impl StageWeights {
     /// Which stage this is.
     pub fn stage(&self) -> Stage {
         if self.at_end { Stage::End } else { Stage::First }
-    }
-
-    /// Weight, in a state of the mean mode, of a flux falling to 0 at the stage, from that of the known flux.
-    pub fn falling(&self, known: f64) -> f64 {
-        if self.at_end { (1.0 - GAMMA) * known } else { known }
     }
 
     /// The response of the current step.

@@ -1,0 +1,176 @@
+//! One communication step, ten and a hundred give the same within the tolerance.
+
+use super::{LEVELS, temperatures};
+use scene::variables::reference;
+use test_support::{CONVECTING, Drive, INSULATED, LUMPED, Random, scene};
+
+/// All scenes that are shipped.
+pub const SCENES: [&str; 15] = [
+    "disc_brake",
+    "pin_on_disk",
+    "reciprocating_punch",
+    "clutch",
+    "hot_spots",
+    "published/disc_critical_speed",
+    "published/hot_bands",
+    "published/uniform_wear",
+    "published/clutch_engagement",
+    "published/hot_spot_growth",
+    "published/sliding_punch",
+    "published/single_stop",
+    "published/flat_punch_wear",
+    "published/flash_temperature",
+    "published/ball_wear",
+];
+
+/// Body without compliance.
+const RIGID: f64 = 1.0;
+
+/// Tolerance of all cases.
+pub const TOLERANCE: f64 = 1e-3;
+
+/// A shipped scene with random cooling and temperatures.
+#[derive(Debug)]
+pub struct Case {
+    pub name: &'static str,
+    pub load: f64,
+    velocity: f64,
+    changes: Vec<(&'static str, f64)>,
+    /// Temperatures of the surroundings, K.
+    pub around: [f64; 3],
+}
+
+impl Case {
+    pub fn new(name: &'static str, random: &mut Random) -> Case {
+        let starts = scene(name);
+        let value = |name: &str| starts[reference(name) as usize];
+        let closed = value("strip.path") == 2.0;
+        let mut around = [0; 3].map(|_| random.between(260.0, 400.0));
+        let mut changes = vec![
+            ("ambient_temperature", around[0]),
+            ("punch.initial_at_ambient", 0.0),
+            ("punch.initial_temperature", random.between(260.0, 900.0)),
+            ("strip.initial_at_ambient", 0.0),
+            ("strip.initial_temperature", random.between(260.0, 900.0)),
+            ("solver.tolerance", TOLERANCE),
+        ];
+        for (body, face, emissivity, forced, path) in [
+            (
+                "punch.convection",
+                "punch.top_thermal",
+                "punch.emissivity",
+                "punch.convection_forced",
+                "punch.external_conductance",
+            ),
+            (
+                "strip.convection",
+                "strip.base_thermal",
+                "strip.emissivity",
+                "strip.convection_forced",
+                "strip.external_conductance",
+            ),
+        ] {
+            let strip = face == "strip.base_thermal";
+            changes.push((face, if random.next() < 0.5 { INSULATED } else { CONVECTING }));
+            changes.push((body, if random.next() < 0.3 { 0.0 } else { random.between(0.0, 60.0) }));
+            changes.push((emissivity, if random.next() < 0.3 { 0.0 } else { random.between(0.0, 1.0) }));
+            changes.push((forced, if random.next() < 0.3 { 0.0 } else { random.between(0.0, 60.0) }));
+            let conducts = value(if strip { "strip.conductivity" } else { "punch.conductivity" }) > 0.0;
+            let conductance = if random.next() < 0.5 { 0.0 } else { 10f64.powf(random.between(-2.0, 5.0)) };
+            if conducts && (closed || !strip) {
+                changes.push((path, conductance));
+            }
+        }
+        if !changes.iter().any(|(name, value)| name.ends_with("external_conductance") && *value > 0.0) {
+            around = [around[0]; 3];
+        }
+        let [load, velocity] = ["nominal.load", "nominal.velocity"].map(value);
+        changes.extend([("punch.external_temperature", around[1]), ("strip.external_temperature", around[2])]);
+        Case { name, load, velocity, changes, around }
+    }
+
+    /// The component at rest without load; `None` where two rigid bodies have no contact line.
+    pub fn drive(&self, level: &[(&'static str, f64)]) -> Option<Drive> {
+        let starts = scene(self.name);
+        let rigid = |name: &str| starts[reference(name) as usize] == RIGID;
+        let lumped = level.contains(&("solver.fidelity", LUMPED));
+        let is_one = lumped || !(rigid("punch.body") && rigid("strip.body"));
+        is_one.then(|| Drive::from_starts(&starts, &[&self.changes[..], level].concat()))
+    }
+}
+
+/// Inputs over a run: values at its ends.
+type Course = [(&'static str, [f64; 2]); 5];
+
+/// Runs the course in so many communication steps.
+fn run(drive: &mut Drive, course: &Course, duration: f64, steps: usize) -> Result<(), String> {
+    for k in 0..steps {
+        for (name, [from, to]) in course {
+            drive.set(name, from + (to - from) * k as f64 / steps as f64).slope(name, (to - from) / duration);
+        }
+        drive.0.step(duration / steps as f64)?;
+    }
+    Ok(())
+}
+
+/// Whether the contact is closed in a run: then both bodies start at one temperature.
+fn touches(number: u64) -> bool {
+    matches!(number % 4, 0 | 3)
+}
+
+#[test]
+fn one_communication_step_ten_and_a_hundred_give_the_same() {
+    for (level, changes) in LEVELS {
+        for number in 0..2 * SCENES.len() as u64 {
+            let mut random = Random(7 + number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            let mut case = Case::new(SCENES[number as usize % SCENES.len()], &mut random);
+            if touches(number) {
+                case.changes.extend([("punch.initial_temperature", 500.0), ("strip.initial_temperature", 500.0)]);
+            }
+            let (load, velocity) = (0.2 * case.load, 0.2 * case.velocity);
+            let duration = 10f64.powf(random.between(0.0, 3.3));
+            // Heating, cooling at rest and in motion, opening.
+            let (loads, velocities) = match number % 4 {
+                0 => ([load, load], [velocity, velocity]),
+                1 => ([0.0, 0.0], [0.0, 0.0]),
+                2 => ([0.0, 0.0], [velocity, 0.0]),
+                // So slowly that friction heat does not localise the contact, which no tolerance of the heat resolves.
+                _ => ([load, 0.0], [0.05 * velocity, 0.02 * velocity]),
+            };
+            let duration = if touches(number) { 0.02 * duration } else { duration };
+            let mut air = || [random.between(0.0, 30.0), random.between(0.0, 30.0)];
+            let course = [
+                ("normal_load", loads),
+                ("sliding_velocity", velocities),
+                ("cooling_velocity", air()),
+                ("ambient_temperature_offset", air()),
+                ("punch.external_temperature", air().map(|t| case.around[1] + t)),
+            ];
+            let mut seen: Vec<[f64; 3]> = Vec::new();
+            let mut range: f64 = 1.0;
+            for steps in [1, 10, 100] {
+                let Some(mut drive) = case.drive(changes) else { continue };
+                let start = temperatures(&mut drive);
+                run(&mut drive, &course, duration, steps)
+                    .unwrap_or_else(|error| panic!("{level} {number} {case:?}, {steps} steps: {error}"));
+                let end = temperatures(&mut drive);
+                range = start
+                    .iter()
+                    .chain(&end)
+                    .chain(&case.around)
+                    .fold(range, |most, t| most.max((t - case.around[0]).abs()));
+                seen.push(end);
+            }
+            let Some(finest) = seen.last().copied() else { continue };
+            for (cut, end) in seen.iter().enumerate() {
+                for (t, fine) in end.iter().zip(&finest) {
+                    let apart = (t - fine).abs() / range;
+                    assert!(
+                        apart < 3.0 * TOLERANCE,
+                        "{level} {number} {case:?}, {course:?} over {duration} s in 10^{cut} steps: {t} and {fine} K, {apart:e}"
+                    );
+                }
+            }
+        }
+    }
+}

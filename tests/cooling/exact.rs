@@ -1,0 +1,176 @@
+//! Cooling of hot bodies in one communication step against a closed form and an independent finite-volume solution.
+
+use super::{LEVELS, temperatures};
+use test_support::{CONVECTING, Drive, INSULATED};
+
+const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
+
+/// A body of one temperature (K) radiating to surroundings at `around`, after `time`: the implicit solution
+/// `4 (e s A/C) Ta^3 t = ln[(T + Ta)(T0 - Ta)/((T - Ta)(T0 + Ta))] + 2 atan(T0/Ta)... ` inverted by bisection.
+fn radiated(start: f64, around: f64, per_capacity: f64, time: f64) -> f64 {
+    let spent = |t: f64| {
+        let primitive = |t: f64| ((t + around) / (t - around)).ln() / 2.0 + (t / around).atan();
+        (primitive(t) - primitive(start)) / (2.0 * around.powi(3) * per_capacity * STEFAN_BOLTZMANN)
+    };
+    let (mut low, mut high) = (around, start);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        *(if spent(middle) > time { &mut low } else { &mut high }) = middle;
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn a_body_of_one_temperature_radiates_as_the_closed_form_says() {
+    // 60 x 100 x 10 mm, radiating from its sides along x, 2 x 100 x 10 mm, apart from a strip that keeps its heat.
+    let (emissivity, start, ambient) = (0.8, 900.0, 300.0);
+    let per_capacity = emissivity * 2.0 * 0.1 * 0.01 / (7800.0 * 460.0 * 0.06 * 0.1 * 0.01);
+    for (level, changes) in LEVELS {
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            for time in [60.0, 600.0, 3600.0, 4e4] {
+                let scene = [
+                    ("punch.width", 0.06),
+                    ("punch.height", 0.1),
+                    ("depth", 0.01),
+                    ("punch.conductivity", 1e4),
+                    ("punch.density", 7800.0),
+                    ("punch.specific_heat", 460.0),
+                    ("punch.emissivity", emissivity),
+                    ("punch.convection", 0.0),
+                    ("punch.top_thermal", INSULATED),
+                    ("punch.initial_at_ambient", 0.0),
+                    ("punch.initial_temperature", start),
+                    ("strip.convection", 0.0),
+                    ("strip.base_thermal", INSULATED),
+                    ("ambient_temperature", ambient),
+                    ("nominal.duration", 1e4),
+                    ("solver.tolerance", tolerance),
+                ];
+                let mut drive = Drive::stock(&[&scene[..], changes].concat());
+                drive.step(time);
+                let [punch, strip, _] = temperatures(&mut drive);
+                let exact = radiated(start, ambient, per_capacity, time);
+                let error = (punch - exact).abs() / (start - ambient);
+                assert!(error < tolerance.max(3e-4), "{level}, {tolerance}, {time} s: {punch} K for {exact} K");
+                assert!((strip - ambient).abs() < 1e-6, "{level}: {strip}");
+            }
+        }
+    }
+}
+
+/// Mean temperature (K) of a slab of `height` that radiates from both faces and gives heat to air whose speed rises from 0 to
+/// `fastest`, after `time`, by finite volumes and implicit steps: both faces with these emissivities and forced coefficients.
+fn slab(
+    start: f64,
+    ambient: f64,
+    [k, capacity, height]: [f64; 3],
+    faces: [[f64; 2]; 2],
+    fastest: f64,
+    time: f64,
+) -> f64 {
+    const CELLS: usize = 40;
+    const STEPS: usize = 20_000;
+    let (dx, dt) = (height / CELLS as f64, time / STEPS as f64);
+    let mut t = [start; CELLS];
+    let link = k * dt / (capacity * dx * dx);
+    for step in 0..STEPS {
+        let speed = fastest * (step as f64 + 0.5) / STEPS as f64;
+        let mut diagonal = [1.0 + 2.0 * link; CELLS];
+        for (cell, [emissivity, forced]) in [0, CELLS - 1].into_iter().zip(faces) {
+            let surface = t[cell];
+            let transfer = forced * speed.powf(0.8)
+                + emissivity * STEFAN_BOLTZMANN * (surface * surface + ambient * ambient) * (surface + ambient);
+            let through = 1.0 / (1.0 / transfer + 0.5 * dx / k) * dt / (capacity * dx);
+            diagonal[cell] += through - link;
+            t[cell] += through * ambient;
+        }
+        // Elimination of a tridiagonal matrix.
+        for i in 1..CELLS {
+            let factor = -link / diagonal[i - 1];
+            diagonal[i] += factor * link;
+            t[i] -= factor * t[i - 1];
+        }
+        t[CELLS - 1] /= diagonal[CELLS - 1];
+        for i in (0..CELLS - 1).rev() {
+            t[i] = (t[i] + link * t[i + 1]) / diagonal[i];
+        }
+    }
+    t.iter().sum::<f64>() / CELLS as f64
+}
+
+#[test]
+fn a_slab_in_a_rising_wind_cools_as_finite_volumes_do() {
+    // A disc of 20 mm under a pad of a thousandth of its length, whose load is 0.
+    let (start, ambient, fastest) = (800.0, 300.0, 30.0);
+    for (level, changes) in LEVELS {
+        for time in [30.0, 300.0, 1800.0] {
+            let scene = [
+                ("punch.width", 0.001),
+                ("strip.path", 2.0),
+                ("strip.length", 1.0),
+                ("strip.height", 0.02),
+                ("strip.conductivity", 20.0),
+                ("strip.density", 7200.0),
+                ("strip.specific_heat", 500.0),
+                ("strip.convection", 0.0),
+                ("strip.convection_forced", 40.0),
+                ("strip.emissivity", 0.7),
+                ("strip.base_thermal", CONVECTING),
+                ("strip.initial_at_ambient", 0.0),
+                ("strip.initial_temperature", start),
+                ("ambient_temperature", ambient),
+                ("nominal.duration", 1e3),
+                ("solver.tolerance", 1e-3),
+            ];
+            let mut drive = Drive::stock(&[&scene[..], changes].concat());
+            drive.slope("cooling_velocity", fastest / time).step(time);
+            let [_, strip, _] = temperatures(&mut drive);
+            let faces = [[0.7 * 0.999, 40.0 * 0.999], [0.7, 40.0]];
+            let exact = slab(start, ambient, [20.0, 7200.0 * 500.0, 0.02], faces, fastest, time);
+            let error = (strip - exact).abs() / (start - ambient);
+            assert!(error < 2e-3, "{level}, {time} s: {strip} K for {exact} K");
+        }
+    }
+}
+
+#[test]
+fn a_heat_path_cools_a_stack_as_its_closed_form_says() {
+    // A block of nearly one temperature behind a conductance: T - Tn falls as exp(-G t/C), however large G t/C is.
+    let capacity = 7800.0 * 460.0 * 0.06 * 0.1 * 0.01;
+    for (level, changes) in LEVELS {
+        for number in [0.01, 0.3, 3.0, 30.0, 3e4] {
+            let time = 1000.0;
+            let scene = [
+                ("punch.width", 0.06),
+                ("punch.height", 0.1),
+                ("depth", 0.01),
+                ("punch.conductivity", 1e4),
+                ("punch.density", 7800.0),
+                ("punch.specific_heat", 460.0),
+                ("punch.convection", 0.0),
+                ("punch.top_thermal", INSULATED),
+                ("punch.external_conductance", number * capacity / time),
+                ("punch.external_temperature", 350.0),
+                ("contact.faces", 1.0),
+                ("punch.initial_at_ambient", 0.0),
+                ("punch.initial_temperature", 800.0),
+                ("strip.convection", 0.0),
+                ("strip.base_thermal", INSULATED),
+                ("ambient_temperature", 300.0),
+                ("nominal.duration", 1e4),
+                ("solver.tolerance", 1e-3),
+            ];
+            let mut drive = Drive::stock(&[&scene[..], changes].concat());
+            drive.step(time);
+            let [punch, ..] = temperatures(&mut drive);
+            // In series with a third of the block's own resistance.
+            let inside = 0.1 / (3.0 * 1e4 * 0.06 * 0.01);
+            let rate = 1.0 / (capacity * (time / (number * capacity) + inside));
+            let exact = 350.0 + 450.0 * (-rate * time).exp();
+            let error = (punch - exact).abs() / 450.0;
+            assert!(error < 2e-3, "{level}, {number}: {punch} K for {exact} K");
+            let gone = drive.get("heat_lost_punch_external");
+            assert!((gone / (capacity * (800.0 - punch)) - 1.0).abs() < 1e-3, "{level}, {number}: {gone} J");
+        }
+    }
+}
