@@ -125,7 +125,7 @@ fn a_line_whose_bodies_do_not_expand_resolves_its_heat() {
     assert!((highest / 0.34850 - 1.0).abs() < 0.01, "{highest}");
 }
 
-/// To and fro on a closed track: most of the heat stays in the part of the track that the strokes cover.
+/// Reciprocating sliding on a closed track: most of the heat stays in the part of the track that the strokes cover.
 #[test]
 fn a_stroke_on_a_closed_track_heats_that_part_of_the_track() {
     let cycle_mean = |fidelity: f64| {

@@ -6,6 +6,8 @@ use test_support::Drive;
 /// Rigid punch, 60 mm wide and 10 mm deep, on a half-plane of E = 200 GPa, nu = .3; friction .25, no heat feeds back.
 pub const BASE: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
+    // Pressure and wear alone.
+    ("solver.heat", 2.0),
     ("solver.cells", 65.0),
     ("punch.width", 0.06),
     ("depth", 0.01),

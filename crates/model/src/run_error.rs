@@ -29,16 +29,8 @@ const STEP_PART: f64 = 1.0 / 3.0;
 /// Admissible excess of the nominal conditions by rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Fewest cells of a companion, as of a contact line.
-const FEWEST_CELLS: usize = 5;
-
 /// Most cells that are advised.
 const MOST_CELLS: usize = 129;
-
-/// Half of the cells, an odd number; `None` where that is too few.
-pub fn halved(cells: usize) -> Option<usize> {
-    Some(cells.div_ceil(2)).filter(|half| *half >= FEWEST_CELLS)
-}
 
 /// A coarser contact line on the inputs of the run.
 #[derive(Clone, Debug)]

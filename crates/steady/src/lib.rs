@@ -139,6 +139,12 @@ impl fmt::Display for SteadyError {
             Self::NoHeatLeaves { closed } => {
                 write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
             }
+            Self::NotSettled { iterations, change } if !change.is_finite() => {
+                write!(
+                    f,
+                    "no steady state with heat found: temperatures grew beyond all numbers in {iterations} iterations"
+                )
+            }
             Self::NotSettled { iterations, change } => write!(
                 f,
                 "no steady state with heat found in {iterations} iterations: the last one changed the temperature by \

@@ -157,6 +157,7 @@ pub unsafe extern "C" fn run_schedule(
             if outputs.is_null() {
                 return Err(Failure::request("outputs is NULL"));
             }
+            // SAFETY: as the caller promises, for as many numbers as the request records.
             unsafe { ptr::copy_nonoverlapping(recorded.as_ptr(), outputs, recorded.len()) };
         }
         Ok(())

@@ -158,7 +158,7 @@ pub struct ThermalCoupling {
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
     /// Ambient and far-face temperatures of the bodies, and the fluxes into their cooled faces.
-    surroundings: [Surroundings; 2],
+    pub surroundings: [Surroundings; 2],
     faces: Faces,
     /// Largest number of iterations of a stage.
     iterations: usize,

@@ -213,7 +213,7 @@ impl Lumped {
     /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
     pub fn expansion_of_bodies(&self) -> f64 {
         let LumpedState { punch, strip, far, .. } = &self.state;
-        self.operators.punch.expansion_at(punch, far[0]) + self.operators.strip.expansion_at(strip, far[1])
+        self.operators.punch.expansion_at(&punch.heat, far[0]) + self.operators.strip.expansion_at(&strip.heat, far[1])
     }
 
     fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {

@@ -3,12 +3,11 @@
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, BESIDE, FACES, FAR};
-use super::state::BodyState;
 use crate::growth::PerturbationGrowth;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
-use conduction::reduced::{Observation, Port, ReducedBody};
+use conduction::reduced::{MAX_STATES, Observation, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
@@ -57,20 +56,20 @@ impl BodyOperators {
 
     /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
     /// prescribed. The states hold all of it but the stationary field of that face beyond them, as in the stored heat.
-    pub fn mean_rise(&self, heat: &ReducedBody, state: &BodyState, far: f64) -> f64 {
+    pub fn mean_rise(&self, heat: &ReducedBody, states: &[f64; MAX_STATES], far: f64) -> f64 {
         let beyond = match self.far {
             ThermalBoundary::Held | ThermalBoundary::External => {
                 heat.mean_temperature.direct[Port::Base as usize] * far
             }
             ThermalBoundary::Convecting | ThermalBoundary::Insulated => 0.0,
         };
-        heat.mean_temperature.of_states(&state.heat, heat.count) + beyond
+        heat.mean_temperature.of_states(states, heat.count) + beyond
     }
 
     /// Mean outward displacement (m) of the contact surface by the temperature of the body in this state; `far` as in
     /// [`BodyOperators::mean_rise`].
-    pub fn expansion_at(&self, state: &BodyState, far: f64) -> f64 {
-        self.heat.as_ref().map_or(0.0, |heat| self.expansion * self.mean_rise(heat, state, far))
+    pub fn expansion_at(&self, states: &[f64; MAX_STATES], far: f64) -> f64 {
+        self.heat.as_ref().map_or(0.0, |heat| self.expansion * self.mean_rise(heat, states, far))
     }
 }
 
@@ -262,14 +261,20 @@ fn reduction_tolerance(scene: &Scene) -> f64 {
     scene.tolerance.max(2e-5)
 }
 
+/// Shortest stroke relative to the contact's length that leaves fresh material to slide on: below, the source is at rest.
+const LEAST_STROKE: f64 = 1e-6;
+
 /// Path of the heat source, and the length of the strip that it heats.
 pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
         Path::Closed => {
             let period = scene.length / scene.count;
-            let path = match scene.nominal_stroke {
-                0.0 => moving_source::Path::Closed(period),
-                stroke => moving_source::Path::Stroke { stroke, cell: period },
+            let stroke = scene.nominal_stroke;
+            let is_stroke = stroke > LEAST_STROKE * scene.sliding_extent();
+            let path = if is_stroke {
+                moving_source::Path::Stroke { stroke, cell: period }
+            } else {
+                moving_source::Path::Closed(period)
             };
             (path, scene.length)
         }

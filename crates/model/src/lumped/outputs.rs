@@ -240,7 +240,7 @@ impl Lumped {
 
     fn mean_temperature(&self, body: &BodyOperators, state: &BodyState, far: f64, share: f64) -> f64 {
         let ambient = self.tunables.ambient_temperature;
-        let rise = |heat: &ReducedBody| self.state.reference + share * body.mean_rise(heat, state, far);
+        let rise = |heat: &ReducedBody| self.state.reference + share * body.mean_rise(heat, &state.heat, far);
         body.heat.as_ref().map_or(ambient, rise)
     }
 

@@ -51,8 +51,8 @@ impl Frozen {
     pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
         let closed = if operators.series_stiffness > 0.0 {
             state.punch.depth + state.strip.depth
-                - operators.punch.expansion_at(&state.punch, state.far[0])
-                - operators.strip.expansion_at(&state.strip, state.far[1])
+                - operators.punch.expansion_at(&state.punch.heat, state.far[0])
+                - operators.strip.expansion_at(&state.strip.heat, state.far[1])
         } else {
             0.0
         };

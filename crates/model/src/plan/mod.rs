@@ -19,7 +19,6 @@ pub mod nominal;
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::can_be_resolved;
 use crate::line::operators::RunIn;
-use crate::run_error::halved;
 use comparison::{Comparison, compare};
 use scene::{ErrorEstimate, Fidelity, HeatResolution, Scene};
 use std::fmt;
@@ -29,6 +28,9 @@ pub const UNKNOWN: f64 = 1.0;
 
 /// Cells of the companion of a lumped run.
 const CELLS_BESIDE_LUMPED: usize = 9;
+
+/// Fewest cells of a companion, as of a contact line.
+const FEWEST_CELLS: usize = 5;
 
 /// A level with its discretisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -157,7 +159,7 @@ fn companion_of(operators: &ModelOperators, chosen: bool) -> Option<Scene> {
     }
     let cells = match operators {
         ModelOperators::Lumped(_) => CELLS_BESIDE_LUMPED,
-        ModelOperators::Line(line) => halved(line.count())?,
+        ModelOperators::Line(line) => Some(line.count().div_ceil(2)).filter(|half| *half >= FEWEST_CELLS)?,
     };
     let mut companion = ModelLevel::Line(cells).apply(scene);
     if can_be_resolved(scene) {

@@ -1,7 +1,7 @@
 //! Nominal course: the inputs that `nominal.*` describe, over which levels are compared.
 //!
-//! One way: sliding at nominal load and velocity for the nominal duration, standing under load for a tenth of it, sliding with a
-//! twentieth of the load for a tenth. To and fro: at most 24 half-strokes, sinusoidal with the nominal velocity as their mean,
+//! Unidirectional: sliding at nominal load and velocity for the nominal duration, standing under load for a tenth of it, sliding with a
+//! twentieth of the load for a tenth. Reciprocating: at most 24 half-strokes, sinusoidal with the nominal velocity as their mean,
 //! then one with a twentieth of the load. Standing shows how fast the heat at the surface decays, the light load how unevenly the
 //! hot bodies touch.
 //!
