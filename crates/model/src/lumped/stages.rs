@@ -224,13 +224,14 @@ impl Stages {
     /// Deviation of the bristle's heat from the quadrature of its powers at the stages, as a flux (W/m2): by transitions between
     /// sticking and slipping, and by what is released at the start of the step.
     fn unevenness(&self, stepper: &Stepper) -> [f64; 2] {
-        if self.bristle.is_none() {
-            return [0.0; 2];
-        }
+        let Some(bristle) = &self.bristle else { return [0.0; 2] };
         let operators = stepper.operators;
         let (moved, step) = (&self.moved, stepper.propagators.step);
         let mean = (moved.heat - moved.released.heat) / step;
+        // The heat is a difference of stored energies, which in a short step is that of their rounding.
+        let rounding = 4.0 * f64::EPSILON * bristle.stiffness * self.deflection_at_start.powi(2) / step;
         let transitions = (QUADRATURE[0] * moved.power[0] + QUADRATURE[1] * moved.power[2] - mean).abs();
+        let transitions = (transitions - rounding).max(0.0);
         [transitions, moved.released.heat / step].map(|power| power / (operators.scene.faces * operators.area))
     }
 

@@ -57,7 +57,10 @@ impl Solved<'_> {
         let heat = &mut *self.0;
         let step = heat.step;
         let critical = &operators.mean.growth.critical;
-        if speed * friction <= 0.0
+        // Without pressure nothing grows.
+        let is_open = stages.end.pressure.iter().all(|pressure| *pressure == 0.0);
+        if is_open
+            || speed * friction <= 0.0
             || speed <= critical.stable_speed(friction).max(SURELY_STABLE * critical.modelled(friction))
         {
             return true;
