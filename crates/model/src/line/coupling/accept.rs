@@ -97,10 +97,18 @@ impl Solved<'_> {
     /// exchange more or less heat, up to their common temperature. Without it the error of a cell that closes would be the
     /// difference of both temperatures however short the step, since its flux goes as the reciprocal root of the time.
     pub fn error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
-        let (most, faces) = (self.bound_of_error(operators, before, bound), self.error_of_faces(operators, bound));
-        if most < SMALL {
-            return maximum(most, faces);
+        let mut error = maximum(self.bound_of_error(operators, before, bound), self.error_of_faces(operators, bound));
+        if error >= SMALL {
+            error = maximum(self.error_of_cells(operators, before, bound), self.error_of_faces(operators, bound));
         }
+        // Of a step below `tolerance` of the shortest time of interest, what is left of its effect by then counts: cells that open and
+        // close by turns, and faces whose neighbours jump, are not followed to smaller steps.
+        let lasting = self.0.lasting();
+        if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error }
+    }
+
+    /// The error from the fluxes into the cells.
+    fn error_of_cells(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
         let heat = &mut *self.0;
         let widths = operators.cells.widths();
         let width = 2.0 * operators.cells.half_width();
@@ -141,11 +149,7 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        let error = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
-        // Of a step below `tolerance` of the shortest time of interest, what is left of its effect by then counts: cells that open and
-        // close by turns are not followed to smaller steps.
-        let cells = if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error };
-        maximum(cells, faces)
+        maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
