@@ -2,8 +2,7 @@
 //!
 //! A step whose error, in units of the tolerance, is above 1 is rejected and halved; after two halves with room to spare the step is
 //! doubled again. Steps are dyadic fractions of the piece, so that operators made for a step size are found again, and n is part of
-//! the state, so that a replay takes the same steps. The line keeps the step itself instead, so that pieces of other lengths begin with
-//! the same one.
+//! the state, so that a replay takes the same steps.
 //!
 //! Theory: docs/theory.md, section 7.3.
 
@@ -28,20 +27,6 @@ impl StepController {
     /// tolerance for an error of order p, with a margin.
     pub fn new(length: f64, level: u8, doubling: f64) -> StepController {
         StepController { length, level, part: 0, doubling }
-    }
-
-    /// For a piece of `length` (s) that begins with a part of at most `step` (s), the last step taken before; 0: the whole piece.
-    pub fn beginning_with(step: f64, length: f64, doubling: f64) -> StepController {
-        let parts = if step > 0.0 { (length / step).max(1.0) } else { 1.0 };
-        // The quotient of a piece and its own part is a power of 2 to rounding.
-        let level = (parts.log2() - 1e-9).ceil().clamp(0.0, f64::from(FINEST)) as u8;
-        StepController::new(length, level, doubling)
-    }
-
-    /// First step (s) of the piece that follows, if `before` was that of this one: a piece that was one part says only that longer
-    /// ones may do.
-    pub fn next_step(&self, before: f64) -> f64 {
-        if self.level == 0 { before.max(self.length) } else { self.step() }
     }
 
     /// Whether the piece is done.
@@ -130,20 +115,6 @@ mod tests {
         // With room to spare a fine cut grows coarser at every second step.
         let sizes: Vec<f64> = run(1e-3, 2, 3).0.iter().map(|(_, step)| *step).collect();
         assert_eq!(sizes, [0.25, 0.25, 0.5, 1.0]);
-    }
-
-    #[test]
-    fn pieces_of_every_length_begin_with_the_last_step() {
-        for (step, length, parts) in [(0.25, 1.0, 4), (0.1 / 8.0, 0.1, 8), (0.3, 1.0, 4), (5.0, 1.0, 1), (0.0, 3.0, 1)]
-        {
-            let control = StepController::beginning_with(step, length, 0.2);
-            assert_eq!(control.parts(), (parts, 0), "{step} {length}");
-        }
-        assert_eq!(StepController::beginning_with(1e-300, 1.0, 0.2).level(), FINEST);
-        // What a short piece was done in as a whole says nothing about longer steps; what a piece was cut into is kept.
-        let whole = StepController::beginning_with(2.0, 0.5, 0.2);
-        assert_eq!((whole.next_step(2.0), whole.next_step(0.0)), (2.0, 0.5));
-        assert_eq!(StepController::beginning_with(0.25, 1.0, 0.2).next_step(0.25), 0.25);
     }
 
     #[test]

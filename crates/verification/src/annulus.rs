@@ -7,7 +7,7 @@ use super::driver::Driven;
 use super::{Problem, known};
 use conduction::line::punch::{mate::reduce_mate, reduce};
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{Stage, Surroundings, ThermalBody, Times};
+use conduction::line::{Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::{PartedRing, RadialBands};
 use scene::Scene;
@@ -75,7 +75,7 @@ fn parted(mate: bool) -> Result<f64, String> {
     let scene = Scene::new(&values, None).map_err(|error| format!("{error:?}"))?;
     let made = if mate { reduce_mate } else { reduce };
     let mut heat: ReducedHeat =
-        made(&scene, &cells, 1e-3, Times::up_to(100.0)).map_err(|error| error.to_string())?.ok_or("an insulator")?;
+        made(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?.ok_or("an insulator")?;
     let outer = parted_ring().1;
     let flux: Vec<f64> = (0..CELLS).map(|cell| if cell < PARTING { 1e4 } else { outer }).collect();
     let around = Surroundings::default();

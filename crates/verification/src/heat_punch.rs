@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::line::punch::reduce;
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody, Times};
+use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
 use scene::Scene;
@@ -47,7 +47,7 @@ struct Reduced {
 
 impl Reduced {
     fn new(scene: &Scene, cells: &Cells) -> Result<Reduced, String> {
-        let heat = reduce(scene, cells, TOLERANCE, Times::up_to(DURATION)).map_err(|error| error.to_string())?;
+        let heat = reduce(scene, cells, TOLERANCE, DURATION).map_err(|error| error.to_string())?;
         let heat = heat.ok_or("the punch conducts no heat")?;
         let state = vec![0.0; heat.states()];
         Ok(Reduced { heat, state, temperature: vec![0.0; CELLS], distortion: vec![0.0; CELLS] })

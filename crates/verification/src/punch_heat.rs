@@ -4,7 +4,7 @@
 
 use super::Problem;
 use conduction::line::punch;
-use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody, Times};
+use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::Scene;
 use scene::variables::{STARTS, find};
@@ -79,8 +79,7 @@ impl Course {
     fn reduced(self, time: f64, count: u32) -> Result<f64, String> {
         let cells = Cells::graded(0.5 * WIDTH, CELLS).map_err(|error| error.to_string())?;
         let scene = Scene::new(&starts()?, None).map_err(|broken| broken.to_string())?;
-        let body =
-            punch::reduce(&scene, &cells, TOLERANCE, Times::up_to(DURATION)).map_err(|error| error.to_string())?;
+        let body = punch::reduce(&scene, &cells, TOLERANCE, DURATION).map_err(|error| error.to_string())?;
         let mut body = body.ok_or("the punch conducts")?;
         if body.error() > 1.2 * TOLERANCE {
             return Err(format!("the reduction states an error of {:e}", body.error()));

@@ -70,11 +70,6 @@ impl ContactParts {
         self.touching[cell] != WHOLE
     }
 
-    /// Whether a cell is in contact with the same parts in both.
-    pub fn equals(&self, other: &ContactParts, cell: usize) -> bool {
-        self.touching[cell] == other.touching[cell]
-    }
-
     /// Whether all cells are whole.
     pub fn is_whole(&self) -> bool {
         self.touching.iter().all(|touching| *touching == WHOLE)

@@ -331,7 +331,6 @@ impl ThermalBody for DiscHeat {
 mod tests {
     use super::*;
     use crate::lateral::Lateral;
-    use crate::line::Times;
     use crate::line::punch::mate::reduce_mate;
     use crate::moving_source::{MovingSource, Path};
     use crate::slab::{CoolingPort, Slab};
@@ -359,7 +358,7 @@ mod tests {
         }
         let scene = Scene::new(&values, None).unwrap();
         let cells = Cells::graded(0.02, 5).unwrap();
-        let ring = reduce_mate(&scene, &cells, 1e-3, Times::up_to(100.0)).unwrap().unwrap();
+        let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
         let slab = Slab {
             height: scene.strip.height,
             conductivity: scene.strip.conductivity,

@@ -40,40 +40,6 @@ use std::fmt::Debug;
 
 pub use numerics::sdirk::GAMMA;
 
-/// Times between which the heat of a body is followed, s.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Times {
-    /// Longest time.
-    pub duration: f64,
-    /// Shortest time after a change of the fluxes at which temperature and distortion are right.
-    pub shortest: f64,
-}
-
-impl Times {
-    /// Part of the duration that is the shortest time unless the drive is periodic.
-    const SHORTEST: f64 = 1e-3;
-
-    /// Least decay within the shortest time, as a logarithm: to a twentieth. At a tolerance of .1 surfaces beside heated cells would
-    /// cool by 1.6 % of the rise otherwise.
-    const LEAST_DECAY: f64 = 3.0;
-
-    /// Times up to `duration` (s).
-    pub fn up_to(duration: f64) -> Times {
-        Times { duration, shortest: Times::SHORTEST * duration }
-    }
-
-    /// The same with a cycle of `period` s, a sixtieth of which is resolved.
-    pub fn with_cycle(self, period: f64) -> Times {
-        Times { shortest: self.shortest.min(period / 60.0), ..self }
-    }
-
-    /// Decay rate (1/s) of what leaves only a part `tolerance` of itself within the shortest time: what decays faster may follow
-    /// its flux at once.
-    pub fn fastest(&self, tolerance: f64) -> f64 {
-        (1.0 / tolerance).ln().max(Times::LEAST_DECAY) / self.shortest
-    }
-}
-
 /// Cache size in entries of an N x N matrix over all cached steps, unless fewer than [`LEAST_STEPS`] fit.
 const CACHED_NUMBERS: usize = 400_000;
 const LEAST_STEPS: usize = 2;

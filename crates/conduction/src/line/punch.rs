@@ -39,7 +39,6 @@ mod steady;
 mod tests;
 mod waves;
 
-use super::Times;
 use super::reduced::ReducedHeat;
 use across::{Across, Sides};
 use assembly::Assembly;
@@ -68,8 +67,8 @@ const COOLING: usize = 0;
 const AMBIENT: usize = 1;
 const FAR: usize = 2;
 
-/// Reduces the punch of `scene` to states that follow its exact response over `times` to `tolerance`, relative to the
-/// temperature rise by a uniform flux over the same time ([`shift_selection`]). The error is that of the root mean square of the temperature over the
+/// Reduces the punch of `scene` to states that follow its exact response over `duration` (s) to `tolerance`, relative to the
+/// temperature rise by a uniform flux over that time. The error is that of the root mean square of the temperature over the
 /// contact, for fluxes whose mean square and that of width/pi times their slope sum to 1. Fluxes that vary faster or more
 /// sharply are followed less accurately in time, but exactly in their steady effect. At most [`MAXIMUM_STATES`] states;
 /// where they do not suffice, the remaining error exceeds the tolerance and is reported.
@@ -78,8 +77,8 @@ const FAR: usize = 2;
 ///
 /// # Errors
 /// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
-pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, times: Times) -> Result<Option<ReducedHeat>, BlockError> {
-    reduce_with_mean(scene, cells, [tolerance; 2], times)
+pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BlockError> {
+    reduce_with_mean(scene, cells, [tolerance; 2], duration)
 }
 
 /// [`reduce`] with a separate tolerance, the second, for the longest modes, of which the uniform one alone carries the mean
@@ -91,7 +90,7 @@ pub fn reduce_with_mean(
     scene: &Scene,
     cells: &Cells,
     tolerances: [f64; 2],
-    times: Times,
+    duration: f64,
 ) -> Result<Option<ReducedHeat>, BlockError> {
     let body = &scene.punch;
     if body.conductivity == 0.0 {
@@ -120,7 +119,7 @@ pub fn reduce_with_mean(
     let cooled =
         Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
     let distortion = Distortion::new(scene, cells)?;
-    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, times, divides: true }).map(Some)
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration, divides: true }).map(Some)
 }
 
 /// Accuracy of a reduction.
@@ -128,7 +127,8 @@ pub fn reduce_with_mean(
 struct Wanted {
     /// Tolerances of every transverse mode and of the longest ones.
     tolerances: [f64; 2],
-    times: Times,
+    /// Duration of interest, s.
+    duration: f64,
     /// Cells may be covered in part.
     divides: bool,
 }
@@ -142,7 +142,7 @@ fn project(
     cells: &Cells,
     wanted: &Wanted,
 ) -> Result<ReducedHeat, BlockError> {
-    let scale = Scale::new(&across, wanted.times, wanted.tolerances);
+    let scale = Scale::new(&across, &depth, wanted.duration, wanted.tolerances);
     let steepest = scale.steepest(&depth);
     if let Some(distortion) = &mut distortion {
         distortion.resolve(steepest);

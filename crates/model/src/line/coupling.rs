@@ -23,7 +23,7 @@ mod stage;
 mod staggered;
 mod start;
 
-use super::heat::bodies::{Bodies, times};
+use super::heat::bodies::Bodies;
 use super::heat::edges::Edges;
 use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
@@ -36,7 +36,6 @@ use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
 use scene::Scheme;
-pub(super) use stage::state_of;
 pub use staggered::Refusal;
 
 /// Differences stored for the Anderson acceleration of a stage.
@@ -71,8 +70,6 @@ struct Parameters {
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
-    /// Shortest time after a change of the fluxes at which the bodies are right, s.
-    shortest: f64,
 }
 
 /// Iterate of the stage under way, N values each, and workspace of the iteration.
@@ -95,8 +92,6 @@ struct Iterate {
     gap: Vec<f64>,
     difference: Vec<f64>,
     sums: [Vec<f64>; 2],
-    /// Error of the temperatures of both surfaces by the step, K.
-    temperature_error: [Vec<f64>; 2],
     /// Anderson acceleration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.
     anderson: Anderson<ACCELERATION_DEPTH>,
     acceleration_scale: [f64; 3],
@@ -118,7 +113,6 @@ impl Iterate {
             gap: zeros(),
             difference: zeros(),
             sums: pair(),
-            temperature_error: pair(),
             anderson: Anderson::new(3 * count),
             acceleration_scale: [0.0; 3],
         }
@@ -204,7 +198,6 @@ impl ThermalCoupling {
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
-                shortest: times(&operators.scene).shortest,
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],

@@ -333,7 +333,10 @@ impl Line {
             loaded[1] = self.carried(inputs);
             let mut rates = slopes.copied();
             if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
-                rates[1] = 0.0;
+                // Without a caliper what the contact carries follows the load.
+                let follows = self.operators.scene.holder_stiffness == 0.0;
+                let ratio = if inputs[1] > 0.0 { loaded[1] / inputs[1] } else { 1.0 };
+                rates[1] *= if follows { ratio } else { 0.0 };
             }
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
             self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;

@@ -49,7 +49,7 @@ impl LineState {
         (self.scales, self.fastest, self.direction) = (other.scales, other.fastest, other.direction);
         (self.carried, self.position) = (other.carried, other.position);
         self.status.copy_from(&other.status);
-        (self.next_step, self.limits) = (other.next_step, other.limits);
+        (self.refinement, self.limits) = (other.refinement, other.limits);
         (self.error, self.steps, self.rejected) = (other.error, other.steps, other.rejected);
     }
 
@@ -64,7 +64,7 @@ impl LineState {
         out.extend(self.end_inputs);
         out.extend(self.scales);
         out.extend([self.fastest, self.direction]);
-        out.extend([self.next_step, f64::from(self.limits), self.error]);
+        out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
         out.extend([self.steps as f64, self.rejected as f64]);
         self.status.save(out);
         if let Some(heat) = &self.heat {
@@ -100,11 +100,11 @@ impl LineState {
             *slot = next()?;
         }
         (state.fastest, state.direction) = (next()?, next()?);
-        let (next_step, limits) = (next()?, next()?);
-        if !(0.0..f64::INFINITY).contains(&next_step) || !(0.0..256.0).contains(&limits) {
+        let (refinement, limits) = (next()?, next()?);
+        if !(0.0..=60.0).contains(&refinement) || !(0.0..256.0).contains(&limits) {
             return None;
         }
-        (state.next_step, state.limits) = (next_step, limits as u8);
+        (state.refinement, state.limits) = (refinement as u8, limits as u8);
         state.error = next()?;
         (state.steps, state.rejected) = (next()? as u64, next()? as u64);
         state.status.load(numbers)?;

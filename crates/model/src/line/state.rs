@@ -43,8 +43,8 @@ pub struct LineState {
     pub carried: f64,
     /// Active set for the warm start of the contact solver.
     pub status: WarmStart,
-    /// First step to be tried, s; 0: a whole piece.
-    pub next_step: f64,
+    /// log2 of the number of parts of the last communication step.
+    pub refinement: u8,
     /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// Running estimate of the relative error of the worn shape.
@@ -77,7 +77,7 @@ impl LineState {
             direction: 0.0,
             carried: 0.0,
             status: WarmStart::new(operators.count()),
-            next_step: 0.0,
+            refinement: 0,
             limits: 0,
             error: 0.0,
             steps: 0,

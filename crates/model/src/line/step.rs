@@ -9,13 +9,11 @@
 //! w    <- w + h [(1 - gamma) f(p_1) + gamma f(p_2)]
 //! ```
 //!
-//! The embedded first-order solution gives the error estimate; the piece is divided into 2^n equal parts accordingly. What a step is
-//! asked does not depend on the piece, and the first step tried is the last one taken, in seconds.
+//! The embedded first-order solution gives the error estimate; the piece is divided into 2^n equal parts accordingly.
 //!
 //! Theory: docs/theory.md, sections 5.2, 7.1, 7.3.
 
 use super::Line;
-use super::coupling::state_of;
 use super::operators::StripWear;
 use super::stages::ContactStages;
 use super::trajectory::{InputTrajectory, StageMotion};
@@ -34,6 +32,9 @@ const DOUBLING: f64 = 0.175;
 
 /// Order of the error.
 const ORDER: u8 = 2;
+
+/// log2 of the number of parts of a piece from which on the thermal error no longer refines the step.
+const FOLLOWING: u8 = 8;
 
 /// Number of steps before a step size rejected by the growth guard is tried again.
 const RETRY_DELAY: u8 = 32;
@@ -64,7 +65,7 @@ impl Line {
             // Without resolved heat there is nothing to split.
             Scheme::Staggered | Scheme::Monolithic => {}
         }
-        let mut control = StepController::beginning_with(self.state.next_step, length, DOUBLING);
+        let mut control = StepController::new(length, self.state.refinement, DOUBLING);
         let mut failures = 0;
         while !control.is_done() {
             let (start, step) = (control.start(), control.step());
@@ -118,7 +119,7 @@ impl Line {
                 return Err(self.failure(path, start, &what));
             }
         }
-        self.state.next_step = control.next_step(self.state.next_step);
+        self.state.refinement = control.level();
         Ok(())
     }
 
@@ -242,18 +243,19 @@ impl Line {
         let width = 2.0 * operators.cells.half_width();
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
-        let mean = (load / width).max(scene.tolerance * scene.nominal_load / scene.contact_area());
+        let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
-            Some(mut solved) => {
+            // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.
+            Some(mut solved) if step > path.length() / f64::from(1_u32 << FOLLOWING) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
-                Outcome::Tried(maximum(wear, solved.error(operators, &state_of(&given).flux, bound)))
+                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
             }
-            None => Outcome::Tried(wear),
+            _ => Outcome::Tried(wear),
         }
     }
 

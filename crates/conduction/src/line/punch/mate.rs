@@ -13,7 +13,6 @@ use super::across::{Across, Sides};
 use super::depth::Depth;
 use super::distortion::Distortion;
 use super::{By, Cooled, Wanted, driven_top, project};
-use crate::line::Times;
 use crate::line::reduced::ReducedHeat;
 use elasticity::block::BlockError;
 use elasticity::{Base, Cells};
@@ -40,7 +39,7 @@ pub fn reduce_mate(
     scene: &Scene,
     cells: &Cells,
     tolerance: f64,
-    times: Times,
+    duration: f64,
 ) -> Result<Option<ReducedHeat>, BlockError> {
     let body = &scene.strip;
     if body.conductivity == 0.0 {
@@ -68,7 +67,7 @@ pub fn reduce_mate(
     let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
     let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
     let distortion = Distortion::on_base(body, base);
-    project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], times, divides: false })
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], duration, divides: false })
         .map(Some)
 }
 
@@ -105,7 +104,7 @@ mod tests {
     }
 
     fn run(scene: &Scene, cells: &Cells) -> Run {
-        Run::of(reduce_mate(scene, cells, 1e-3, Times::up_to(100.0)).unwrap().unwrap())
+        Run::of(reduce_mate(scene, cells, 1e-3, 100.0).unwrap().unwrap())
     }
 
     const COOLED: [&[(&str, f64)]; 5] = [

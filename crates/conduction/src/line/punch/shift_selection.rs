@@ -9,18 +9,14 @@
 //! ```
 //!
 //! so that the norm of the operator from such fluxes to temperatures needs no matrix. It is relative to the impedance to a
-//! uniform flux at the same frequency, from that of the duration to those that have decayed at the shortest time of interest; at
-//! higher ones to that at 1/duration, the temperature rise over the whole duration. Relative to that alone, friction heat would be
-//! followed, but not the heat that bodies of different temperatures exchange when they touch: its flux falls as the root of the
-//! time, and after a hundredth of the duration an error of the impedance is ten times as large a part of the temperature. The
-//! mode with the largest error gets one more response at a real rate (rational Krylov shift) until the tolerance is met.
+//! uniform flux at 1/duration, the temperature rise over the whole duration. The mode with the largest error gets one more
+//! response at a real rate (rational Krylov shift) until the tolerance is met.
 //!
 //! Theory: docs/theory.md, sections 4.6, 4.12.
 
 use super::across::{Across, Sides, Wave};
 use super::depth::Depth;
 use super::galerkin::{Basis, Points};
-use crate::line::Times;
 use crate::slab::principal_root;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
@@ -35,13 +31,6 @@ const LONGEST: usize = 3;
 /// Lowest frequency of the error sweep over 1/duration: the spectrum of a constant flux lies below its own frequency.
 const SLOWEST: f64 = 0.03;
 
-/// What an error of the impedance is relative to: that to a uniform flux at 1/duration, or at the same frequency.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Measure {
-    Overall,
-    Relative,
-}
-
 /// One transverse mode with its current trial functions.
 #[derive(Clone, Debug)]
 pub(super) struct Mode {
@@ -49,18 +38,15 @@ pub(super) struct Mode {
     pub basis: Basis,
     /// The fastest shape is quasi-static and has no state.
     pub fastest_is_steady: bool,
-    /// Largest error over the scale and the weight of the mode.
-    error: f64,
-    /// The same relative to the impedance at 1/duration at all frequencies.
-    overall_error: f64,
+    /// Error over the scale and the weight of the mode.
+    pub error: f64,
     /// Tolerance of `error`.
     tolerance: f64,
     /// Heat can leave, so a steady response exists; it is the last of the frequencies, 0.
     steady: bool,
+    /// Reciprocal of scale and weight.
+    share: f64,
     frequency: Vec<f64>,
-    /// Reciprocal of scale and weight at every frequency, and at 1/duration.
-    share: Vec<f64>,
-    overall: f64,
     /// Exact impedance over scale and weight.
     exact: Vec<Complex<f64>>,
     used: Vec<bool>,
@@ -70,9 +56,10 @@ pub(super) struct Mode {
 /// Reference of the errors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// Decay of the uniform mode along the contact, 1/m.
-    decay: f64,
-    pub times: Times,
+    /// Impedance to a uniform flux at 1/duration, K m2/W.
+    pub impedance: f64,
+    /// Time over which temperatures are of interest, s.
+    pub duration: f64,
     pub tolerance: f64,
     /// Tolerance ratio of the longest modes.
     mean: f64,
@@ -84,25 +71,14 @@ const LONG_MODE_RATIO_OF_RING: f64 = 0.1;
 
 impl Scale {
     /// Scale for a tolerance of every mode and one of the longest modes.
-    pub fn new(across: &Across, times: Times, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
+    pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
+        let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
             Sides::Radial(_) => LONG_MODE_RATIO_OF_RING,
             Sides::Free | Sides::Closed => 1.0,
         };
         let mean = mean.min(of_the_mean / tolerance);
-        Scale { decay: across.wave(0).decay, times, tolerance, mean }
-    }
-
-    /// Impedance (K m2/W) that errors at a frequency are relative to.
-    pub fn impedance(&self, depth: &Depth, frequency: f64) -> f64 {
-        let slowest = 1.0 / self.times.duration;
-        let reference = if frequency <= self.fastest() { frequency.max(slowest) } else { slowest };
-        depth.impedance(kappa(depth, self.decay, reference)).norm()
-    }
-
-    /// Frequency above which a response has decayed to the tolerance within the shortest time of interest, 1/s.
-    fn fastest(&self) -> f64 {
-        self.times.fastest(self.tolerance)
+        Scale { impedance: depth.impedance(kappa).norm(), duration, tolerance, mean }
     }
 
     /// Tolerance of the mode number `m`.
@@ -116,9 +92,8 @@ impl Scale {
     }
 
     fn steepest_of(&self, depth: &Depth, tolerance: f64) -> f64 {
-        let slow = (SLOWEST.recip() / (depth.diffusivity() * self.times.duration)).sqrt();
-        let overall = self.impedance(depth, 1.0 / self.times.duration);
-        (1.0 / (depth.conductivity * tolerance * overall)).max(slow).max((self.fastest() / depth.diffusivity()).sqrt())
+        let slow = (SLOWEST.recip() / (depth.diffusivity() * self.duration)).sqrt();
+        (1.0 / (depth.conductivity * tolerance * self.impedance)).max(slow)
     }
 }
 
@@ -130,23 +105,20 @@ impl Mode {
     fn new(wave: Wave, m: usize, width: f64, depth: &Depth, scale: &Scale) -> Mode {
         let tolerance = scale.of_mode(m);
         let weight = 1.0f64.hypot(wave.wave_number * width / PI);
-        let slowest = SLOWEST / scale.times.duration;
+        let slowest = SLOWEST / scale.duration;
         // Above this frequency the mode's impedance is below the tolerance.
         let steepest = scale.steepest_of(depth, tolerance) / weight;
-        let fastest = (depth.diffusivity() * steepest * steepest).max(scale.fastest());
+        let fastest = (depth.diffusivity() * steepest * steepest).max(3.0 / scale.duration);
         let ratio = (fastest / slowest).powf(1.0 / (FREQUENCIES - 1) as f64);
         let mut frequency: Vec<f64> = (0..FREQUENCIES).map(|i| slowest * ratio.powi(i as i32)).collect();
+        let share = 1.0 / (weight * scale.impedance);
+        let mut exact: Vec<Complex<f64>> =
+            frequency.iter().map(|&f| depth.impedance(kappa(depth, wave.decay, f)) * share).collect();
         let steady = depth.has_steady_state(wave.decay);
         if steady {
             frequency.push(0.0);
+            exact.push(Complex::from(depth.steady_impedance(wave.decay) * share));
         }
-        let share: Vec<f64> = frequency.iter().map(|&f| 1.0 / (weight * scale.impedance(depth, f))).collect();
-        let exact = (frequency.iter().zip(&share))
-            .map(|(&f, share)| match f {
-                0.0 => Complex::from(depth.steady_impedance(wave.decay) * share),
-                _ => depth.impedance(kappa(depth, wave.decay, f)) * share,
-            })
-            .collect();
         let used = vec![false; frequency.len()];
         let basis = Basis::new(*depth, wave.decay);
         let mut mode = Mode {
@@ -154,12 +126,10 @@ impl Mode {
             basis,
             fastest_is_steady: false,
             error: f64::INFINITY,
-            overall_error: f64::INFINITY,
-            overall: 1.0 / (weight * scale.impedance(depth, 1.0 / scale.times.duration)),
             tolerance,
             steady,
-            frequency,
             share,
+            frequency,
             exact,
             used,
             exhausted: false,
@@ -174,17 +144,14 @@ impl Mode {
     }
 
     /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate of
-    /// the largest error in this measure.
-    fn improve(&mut self, points: &Points, measure: Measure) {
+    /// the largest error.
+    fn improve(&mut self, points: &Points) {
         let last = self.frequency.len() - 1;
         if self.steady && !self.used[last] {
             self.used[last] = true;
             self.basis.add_response(points, 0.0);
         } else {
-            let mut errors = self.errors(false);
-            if measure == Measure::Overall {
-                errors.iter_mut().zip(&self.share).for_each(|(error, share)| *error *= self.overall / share);
-            }
+            let errors = self.errors(false);
             loop {
                 let unused = (0..errors.len()).filter(|&i| !self.used[i]);
                 let Some(worst) = unused.max_by(|&i, &j| errors[i].total_cmp(&errors[j])) else {
@@ -200,50 +167,40 @@ impl Mode {
         self.judge();
     }
 
-    /// Largest error in this measure.
-    fn error(&self, measure: Measure) -> f64 {
-        match measure {
-            Measure::Overall => self.overall_error,
-            Measure::Relative => self.error,
-        }
-    }
-
     /// Computes the error, and decides whether the fastest shape can be quasi-static.
     fn judge(&mut self) {
-        let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, maximum);
-        let mut errors = self.errors(false);
+        let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, maximum);
         self.fastest_is_steady = false;
+        self.error = largest(self.errors(false));
         let uniform_alone = !self.steady && self.basis.count() == 1;
         if self.basis.count() > 0 && !uniform_alone {
-            let without = self.errors(true);
-            self.fastest_is_steady = largest(&without) <= self.tolerance;
-            if self.fastest_is_steady {
-                errors = without;
+            let error = largest(self.errors(true));
+            if error <= self.tolerance {
+                self.fastest_is_steady = true;
+                self.error = error;
             }
         }
-        self.error = largest(&errors);
-        let overall = errors.iter().zip(&self.share).map(|(error, share)| error * self.overall / share);
-        self.overall_error = overall.fold(0.0, maximum);
     }
 
     /// Errors over scale and weight at every frequency, with the fastest shape as a state or quasi-static.
     fn errors(&self, fastest_is_steady: bool) -> Vec<f64> {
-        let residues: Vec<(f64, f64)> = self.basis.residues().map(|(rate, z)| (rate, z * z)).collect();
-        let states = residues.len().saturating_sub(usize::from(fastest_is_steady));
-        // A mode without trial functions is quasi-static altogether, where it has a steady state.
-        let direct: f64 = match (residues.is_empty(), self.steady) {
-            (true, true) => self.exact[FREQUENCIES].re / self.share[FREQUENCIES],
-            _ => residues[states..].iter().map(|(rate, residue)| residue / rate).sum(),
-        };
-        (self.frequency.iter().zip(&self.share).zip(&self.exact))
-            .map(|((&frequency, share), exact)| {
+        let residues: Vec<(f64, f64)> = self.basis.residues().map(|(rate, z)| (rate, z * z * self.share)).collect();
+        if residues.is_empty() {
+            // The whole mode is quasi-static, where it has a steady state.
+            let steady = if self.steady { self.exact[FREQUENCIES] } else { Complex::from(0.0) };
+            return self.exact.iter().map(|exact| (exact - steady).norm_sqr().sqrt()).collect();
+        }
+        let states = residues.len() - usize::from(fastest_is_steady);
+        let direct: f64 = residues[states..].iter().map(|(rate, residue)| residue / rate).sum();
+        (self.frequency.iter().zip(&self.exact))
+            .map(|(&frequency, exact)| {
                 let (mut real, mut imaginary) = (direct, 0.0);
                 for &(rate, residue) in &residues[..states] {
                     let part = residue / (rate * rate + frequency * frequency);
                     real += part * rate;
                     imaginary -= part * frequency;
                 }
-                (exact - Complex::new(real, imaginary) * *share).norm_sqr().sqrt()
+                (exact - Complex::new(real, imaginary)).norm_sqr().sqrt()
             })
             .collect()
     }
@@ -253,7 +210,7 @@ impl Mode {
 pub(super) struct Selection {
     /// Modes in ascending order; some of the last may have no state.
     pub modes: Vec<Mode>,
-    /// Largest remaining error, relative to the impedance at 1/duration.
+    /// Largest remaining error.
     pub error: f64,
     /// Its effect on the mean temperature of the contact: for the mode number m a fraction of 1/m^2. A discontinuous flux
     /// has a component of 1/m in a mode, and the temperature of the mode affects the mean only by the heat it diverts into
@@ -268,29 +225,25 @@ impl Selection {
         modes[0].basis.add_means(points);
         modes[0].judge();
         let mut states = modes[0].states();
-        // Where the states do not suffice for both, friction heat is followed before exchanged heat.
-        for measure in [Measure::Overall, Measure::Relative] {
-            loop {
-                // Errors of modes without states fall with their number, so one of them suffices for the comparison.
-                if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
-                    modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
-                }
-                let error = |m: usize| modes[m].error(measure);
-                let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
-                // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
-                let long = open().find(|&m| m < LONGEST && error(m) > modes[m].tolerance);
-                let worst = long.or_else(|| open().max_by(|&m, &n| error(m).total_cmp(&error(n))));
-                let Some(worst) = worst.filter(|&m| error(m) > modes[m].tolerance && states < most_states) else {
-                    break;
-                };
-                states -= modes[worst].states();
-                modes[worst].improve(points, measure);
-                states += modes[worst].states();
+        loop {
+            // Errors of modes without states fall with their number, so one of them suffices for the comparison.
+            if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
+                modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
             }
+            let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
+            // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
+            let long = open().find(|&m| m < LONGEST && modes[m].error > modes[m].tolerance);
+            let worst = long.or_else(|| open().max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error)));
+            let Some(worst) = worst.filter(|&m| modes[m].error > modes[m].tolerance && states < most_states) else {
+                break;
+            };
+            states -= modes[worst].states();
+            modes[worst].improve(points);
+            states += modes[worst].states();
         }
-        let error = modes.iter().map(|mode| mode.overall_error).fold(0.0, maximum);
+        let error = modes.iter().map(|mode| mode.error).fold(0.0, maximum);
         let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
-        let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.overall_error * part(m)).fold(0.0, maximum);
+        let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, maximum);
         Selection { modes, error, mean_error }
     }
 }

@@ -23,8 +23,7 @@ pub struct ErrorSweep {
     stationary: Vec<f64>,
     /// Reduction error of the mean mode at each frequency.
     mean: Vec<Complex<f64>>,
-    /// Mean contact temperature per flux at each frequency, from that of the duration on.
-    scales: Vec<f64>,
+    scale: f64,
 }
 
 impl ErrorSweep {
@@ -54,22 +53,22 @@ impl ErrorSweep {
             (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
         let stationary = layers.iter().map(|layer| layer.impedance(Complex::default()).re).collect();
         let mut error_sweep =
-            ErrorSweep { frequencies, weights, exact: Vec::new(), stationary, mean: Vec::new(), scales: Vec::new() };
-        for &frequency in &error_sweep.frequencies.clone() {
+            ErrorSweep { frequencies, weights, exact: Vec::new(), stationary, mean: Vec::new(), scale: 0.0 };
+        for &frequency in &error_sweep.frequencies {
             let s = Complex::new(0.0, frequency);
             error_sweep.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
             let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
             error_sweep.mean.push(error.unwrap_or_default());
-            let s = Complex::new(0.0, frequency.max(1.0 / resolution.duration));
-            let parts = layers.iter().zip(&error_sweep.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
-            let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
-            error_sweep.scales.push((uniform + parts.sum::<Complex<f64>>()).norm());
         }
+        let s = Complex::new(0.0, 1.0 / resolution.duration);
+        let parts = layers.iter().zip(&error_sweep.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
+        let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
+        error_sweep.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
         error_sweep
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// time's, relative to its value at the same frequency, from the depth modes of every `step`th Fourier mode with their static
+    /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode with their static
     /// correction, by which the stationary response is exact.
     pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
@@ -83,7 +82,7 @@ impl ErrorSweep {
                 error += (modes.impedance(s) + correction - self.exact[row * count + wave])
                     * (self.weights[wave] * step as f64);
             }
-            largest = maximum(largest, error.norm_sqr().sqrt() / self.scales[row]);
+            largest = maximum(largest, error.norm_sqr().sqrt() / self.scale);
         }
         largest
     }

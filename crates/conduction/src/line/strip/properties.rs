@@ -49,8 +49,7 @@ pub struct StripProperties {
 pub struct Resolution {
     /// Longest time over which heat is resolved, s.
     pub duration: f64,
-    /// Shortest time after a change of the flux at which temperature and distortion are right, s: what has decayed by then acts as direct
-    /// feedthrough.
+    /// Shortest step, s: faster decays act as direct feedthrough.
     pub shortest: f64,
     /// Permitted relative error of the contact temperature by the reduction.
     pub tolerance: f64,

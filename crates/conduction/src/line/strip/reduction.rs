@@ -6,7 +6,6 @@ use super::depth::{Depth, DepthModes};
 use super::error_sweep::ErrorSweep;
 use super::properties::{Resolution, StripProperties};
 use super::waves::{Shapes, Wave, harmonics};
-use crate::line::Times;
 use crate::reduced::ReducedBody;
 use crate::slab::Slab;
 use elasticity::Cells;
@@ -81,7 +80,7 @@ impl Layer<'_> {
     fn reduce_at(&self, resolution: &Resolution) -> Reduction {
         let Layer { properties, cells, slab, mean, period, reach, fresh, tolerance } = *self;
         let spacing = 2.0 * PI / period;
-        let fastest = Times { duration: resolution.duration, shortest: resolution.shortest }.fastest(tolerance);
+        let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
         let shortest_wave = (fastest / slab.diffusivity()).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let mut waves = harmonics(period, last, reach);

@@ -2,14 +2,13 @@
 //!
 //! Theory: docs/theory.md, sections 7.1, 5.3.
 
+use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, weighted};
-use super::{Iterate, ThermalCoupling};
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
 use crate::line::state::LineState;
-use conduction::line::contact_parts::ContactParts;
 use conduction::line::{GAMMA, Stage};
 use contact::friction::FrictionLaw;
 use numerics::dense;
@@ -34,48 +33,25 @@ pub(super) const LEAST_RISE: f64 = 0.1;
 const ALLOWANCE: f64 = 2.0;
 
 /// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
-/// deviates by (1/2 - gamma) of its change. A cell that opens or closes between the stages exchanges heat for up to (1 - 2 gamma) of the
-/// step more or less than it should, and deviates by half of its flux. Such a jump, one since the flux `before`, and one of the parts in contact, does
-/// not shrink with the step. But the heat it is about has spread by the shortest time of interest, so that of its effect on the
-/// surface a part `lasting` is left.
-fn flux_defect(
-    closed: [&[bool]; 2],
-    contact_parts: &[ContactParts; 2],
-    before: &[f64],
-    flux: [&Vec<f64>; 2],
-    lasting: f64,
-    defect: &mut [f64],
-) {
+/// deviates by (1/2 - gamma) of its change. A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the
+/// step more or less than it should, and deviates by half of its flux. One that closes counts as smooth: its flux jumps by the
+/// difference of both temperatures over the square root of the step, whose effect no shorter step makes smaller.
+fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
     let status = closed[0].iter().zip(closed[1]);
-    for (i, ((defect, (first, end)), (early, late))) in
-        defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status).enumerate()
-    {
-        let lasts = (before[i] != 0.0) == *early && contact_parts[0].equals(&contact_parts[1], i);
-        let part = match early == late {
-            true if lasts => 0.5 - GAMMA,
-            true => (0.5 - GAMMA) * lasting,
-            false => 0.5 * lasting,
-        };
-        *defect = part * (end - first);
+    for ((defect, (first, end)), (early, late)) in defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status) {
+        *defect = (end - first) * if *early && !late { 0.5 } else { 0.5 - GAMMA };
     }
 }
 
 impl Solved<'_> {
     /// Inexpensive upper bound of [`Solved::error`].
-    fn bound_of_error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
+    fn bound_of_error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
         let heat = &mut *self.0;
         let cells = &operators.cells;
         let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, LEAST_RISE);
-        let (closed, lasting) = ([0, 1].map(|stage| heat.partitions[stage].closed()), heat.lasting());
+        let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
-            flux_defect(
-                closed,
-                &heat.contact_parts,
-                &before[side],
-                [&heat.flux[0][side], &heat.flux[1][side]],
-                lasting,
-                &mut heat.iterate.difference,
-            );
+            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
             let room = heat.iterate.difference.iter().zip(&mut heat.iterate.sums[0]);
             for ((difference, weighted), c) in room.zip(cells.widths()) {
                 *weighted = c * *difference;
@@ -91,44 +67,26 @@ impl Solved<'_> {
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
-    /// the tolerance of the displacement, in m, `before` the fluxes at the start of the step. Where the error is small, an upper bound of it.
-    ///
-    /// The temperatures are those that the interface law leaves: where the deviations change the difference of both surfaces, they
-    /// exchange more or less heat, up to their common temperature. Without it the error of a cell that closes would be the
-    /// difference of both temperatures however short the step, since its flux goes as the reciprocal root of the time.
-    pub fn error(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
-        let mut error = maximum(self.bound_of_error(operators, before, bound), self.error_of_faces(operators, bound));
-        if error >= SMALL {
-            error = maximum(self.error_of_cells(operators, before, bound), self.error_of_faces(operators, bound));
+    /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
+    pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
+        let (most, faces) = (self.bound_of_error(operators, bound), self.error_of_faces(operators, bound));
+        if most < SMALL {
+            return maximum(most, faces);
         }
-        // Of a step below `tolerance` of the shortest time of interest, what is left of its effect by then counts: cells that open and
-        // close by turns, and faces whose neighbours jump, are not followed to smaller steps.
-        let lasting = self.0.lasting();
-        if lasting.powi(2) <= operators.scene.tolerance { lasting * error } else { error }
-    }
-
-    /// The error from the fluxes into the cells.
-    fn error_of_cells(&mut self, operators: &LineOperators, before: &[Vec<f64>; 2], bound: f64) -> f64 {
         let heat = &mut *self.0;
         let widths = operators.cells.widths();
         let width = 2.0 * operators.cells.half_width();
-        let (mut moved_square, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, LEAST_RISE);
+        let mut moved_square = 0.0;
+        let mut temperature_error: f64 = 0.0;
+        let mut rise = LEAST_RISE;
         heat.iterate.sums[1].fill(0.0);
-        let (closed, lasting) = ([0, 1].map(|stage| heat.partitions[stage].closed()), heat.lasting());
+        let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         for side in 0..2 {
-            let own_error = &mut heat.iterate.temperature_error[side];
-            own_error.fill(0.0);
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
-            flux_defect(
-                closed,
-                &heat.contact_parts,
-                &before[side],
-                [&heat.flux[0][side], &heat.flux[1][side]],
-                lasting,
-                &mut heat.iterate.difference,
-            );
-            dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, own_error);
+            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
+            heat.iterate.sums[0].fill(0.0);
+            dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {
                 dense::multiply_add(
                     influence.distortion.as_slice(),
@@ -136,12 +94,9 @@ impl Solved<'_> {
                     &mut heat.iterate.sums[1],
                 );
             }
-            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| maximum(highest, t.abs()));
-        }
-        heat.exchange_by_error();
-        for own_error in &heat.iterate.temperature_error {
-            let square: f64 = own_error.iter().zip(widths).map(|(t, c)| c * t * t).sum();
+            let square: f64 = heat.iterate.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             temperature_error = maximum(temperature_error, (square / width).sqrt());
+            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| maximum(highest, t.abs()));
         }
         // Under a given load a uniform displacement does not change the pressure.
         let mean = operators.cells.integral(&heat.iterate.sums[1]) / width;
@@ -149,7 +104,8 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        let cells = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
+        maximum(cells, faces)
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
@@ -164,28 +120,6 @@ impl Solved<'_> {
 }
 
 impl ThermalCoupling {
-    /// Part of the rise of a surface by heat of this step that is left after the shortest time of interest.
-    fn lasting(&self) -> f64 {
-        (self.step / self.parameters.shortest).sqrt().min(1.0)
-    }
-
-    /// Adds to the errors of both surfaces' temperatures the heat that the surfaces exchange because of them, at the end of the step.
-    fn exchange_by_error(&mut self) {
-        let [Some(punch), Some(strip)] = &self.bodies else { return };
-        if self.parameters.half_resistance == 0.0 {
-            return;
-        }
-        let Iterate { difference, sums: [flux, _], temperature_error: [of_punch, of_strip], .. } = &mut self.iterate;
-        for (difference, (punch, strip)) in difference.iter_mut().zip(of_punch.iter().zip(of_strip.iter())) {
-            *difference = strip - punch;
-        }
-        flux.fill(0.0);
-        self.partitions[1].exchange(difference, flux);
-        dense::multiply_add(punch.influence(Stage::End).temperature.as_slice(), flux, of_punch);
-        flux.iter_mut().for_each(|flux| *flux = -*flux);
-        dense::multiply_add(strip.influence(Stage::End).temperature.as_slice(), flux, of_strip);
-    }
-
     /// Updates the thermal state by the step whose stages are solved; `velocity` is the sliding velocity at its end, m/s. The
     /// first part of a communication step leaves its initial body states in `kept`, from which they can be restored.
     pub fn accept(

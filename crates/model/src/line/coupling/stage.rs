@@ -100,7 +100,7 @@ impl<'a> FirstSolved<'a> {
 }
 
 /// Thermal state at the start of the step.
-pub(in crate::line) fn state_of<'a>(given: &StepData<'a>) -> &'a HeatState {
+pub(super) fn state_of<'a>(given: &StepData<'a>) -> &'a HeatState {
     let Some(state) = &given.state.heat else { unreachable!("a scene with heat along the line has its state") };
     state
 }

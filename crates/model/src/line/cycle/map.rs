@@ -241,7 +241,7 @@ impl CycleMap {
         state.punch.copy_from_slice(&memory[worn[0].clone()]);
         state.strip.copy_from_slice(&memory[worn[1].clone()]);
         state.current = false;
-        state.next_step = 0.0;
+        state.refinement = 0;
         self.line.invalidate_equilibrium();
     }
 

@@ -5,9 +5,9 @@
 use crate::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::lumped::operators::moving_source;
 use conduction::lateral::Lateral;
+use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{ThermalBody, Times};
 use conduction::line::{field, punch};
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
@@ -64,10 +64,11 @@ impl Bodies {
         let whole = scene.tolerance.max(FINEST);
         let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
             .map(|part| (part * scene.tolerance).max(FINEST));
+        let duration = scene.nominal_duration;
         let punch: Option<Box<dyn ThermalBody>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
         } else {
-            punch::reduce_with_mean(scene, cells, [whole, of_the_mean], times(scene))
+            punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
                 .map(|body| body.map(|body| Box::new(body) as _))
         }
         .map_err(|error| format!("punch: {error}"))?;
@@ -119,8 +120,8 @@ impl Bodies {
 
 /// Mating ring of an annular contact.
 fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn ThermalBody>>, String> {
-    let ring =
-        punch::mate::reduce_mate(scene, cells, tolerance, times(scene)).map_err(|error| format!("strip: {error}"))?;
+    let ring = punch::mate::reduce_mate(scene, cells, tolerance, scene.nominal_duration)
+        .map_err(|error| format!("strip: {error}"))?;
     let Some(ring) = ring else { return Ok(None) };
     Ok(Some(match moving_source(scene) {
         Some(flash) => Box::new(DiscHeat::new(ring, flash, relative_radii(scene, cells))),
@@ -139,15 +140,15 @@ fn path_of(scene: &Scene) -> SlidingPath {
     }
 }
 
-/// Times between which heat is followed: the nominal duration and, in reciprocating sliding, the cycle.
-pub fn times(scene: &Scene) -> Times {
-    let times = Times::up_to(scene.nominal_duration);
-    match path_of(scene) {
+/// Shortest time to be resolved, s: a thousandth of the nominal duration, in reciprocating sliding at most a 60th of the cycle.
+pub fn shortest(scene: &Scene) -> f64 {
+    let cycle = match path_of(scene) {
         SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
-            times.with_cycle(2.0 * stroke / scene.nominal_velocity)
+            2.0 * stroke / scene.nominal_velocity / 60.0
         }
-        _ => times,
-    }
+        _ => f64::INFINITY,
+    };
+    cycle.min(1e-3 * scene.nominal_duration)
 }
 
 fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHeat>, String> {
@@ -173,8 +174,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         expansion,
         lateral: Lateral::of(scene),
     };
-    let Times { duration, shortest } = times(scene);
-    let resolution = Resolution { duration, shortest, tolerance };
+    let resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
     let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
     strip.expect(EXPECTED * scene.nominal_velocity);
     Ok(Some(strip))
