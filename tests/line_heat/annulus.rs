@@ -304,3 +304,21 @@ fn bands_grow_above_the_critical_speed_only() {
     assert!(above.1 < 0.9 && above.0[3] > 2.0 * below.0[3], "{above:?}");
     assert!(above.2 < 1e-9, "{above:?}");
 }
+
+/// A clutch that is closed from load 0 in one communication step: its friction work is that of the course of the load, `mu v F t/2`.
+#[test]
+fn a_load_that_begins_at_zero_is_felt_from_the_first_step_on() {
+    let work = |steps: u32| {
+        let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0)];
+        let mut drive = Drive::from_starts(&scene("clutch"), &line);
+        for step in 0..steps {
+            let load = 5e3 * f64::from(step) / f64::from(steps);
+            drive.set("sliding_velocity", 20.0).set("normal_load", load).slope("normal_load", 5e4);
+            drive.step(0.1 / f64::from(steps));
+        }
+        (drive.get("dissipated_energy"), drive.get("friction_power"))
+    };
+    let [(one, power), (many, _)] = [work(1), work(50)];
+    assert!((one / many - 1.0).abs() < 0.02, "{one} and {many} J");
+    assert!((one / (0.05 * power) - 1.0).abs() < 0.1, "{one} J at {power} W");
+}

@@ -194,6 +194,8 @@ macro_rules! body_rows {
                 concat!("Thermal conductivity of the ", $body, "; 0: an insulator"),
             )
             .within(0.0, 1e5)
+            // Below, the temperature of a surface has no meaning; still air has 0.026.
+            .zero_or_from(1e-6)
             .start($start.conductivity),
             real(
                 concat!($body, ".thermal_expansion"),
