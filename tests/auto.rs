@@ -37,18 +37,20 @@ fn judged(scene: &Application, tolerance: f64) -> Option<[f64; 2]> {
 
 #[test]
 fn tolerances_are_met_and_errors_are_stated_on_machine_elements() {
-    let scenes = SCENES.map(Application::read);
+    let mut scenes = SCENES.map(Application::read).to_vec();
     let mut stated = Vec::new();
     for tolerance in [1e-1, 1e-2, 1e-3] {
         let (mut met, mut count) = (0, 0);
-        for scene in &scenes {
-            let Some([error, estimate]) = judged(scene, tolerance) else { continue };
+        // What has no reference at one tolerance has none at the next.
+        scenes.retain(|scene| {
+            let Some([error, estimate]) = judged(scene, tolerance) else { return false };
             count += 1;
             met += usize::from(error <= tolerance);
             // A miss is stated.
             assert!(error <= 2.0 * tolerance || estimate > tolerance, "{}: {error:.1e} {estimate:.1e}", scene.name);
             stated.extend((estimate < 1.0).then_some(estimate / error));
-        }
+            true
+        });
         println!("{tolerance:e}: {met} of {count} met");
         assert!(10 * met >= 9 * count - 5, "{met} of {count} at {tolerance:e}");
     }
