@@ -77,7 +77,7 @@ fn heat_is_switched_off_only_where_neither_wear_nor_pressure_know_of_it() {
     // With heat the steps follow it.
     assert!(cold_record.work.0 < warm_record.work.0);
     for (cold, warm) in cold_record.samples.iter().zip(&warm_record.samples) {
-        assert!((cold[0] / warm[0] - 1.0).abs() < 1e-5 && (cold[3] / warm[3] - 1.0).abs() < 1e-4, "{cold:?} {warm:?}");
+        assert!((cold[0] / warm[0] - 1.0).abs() < 1e-5 && (cold[3] / warm[3] - 1.0).abs() < 5e-4, "{cold:?} {warm:?}");
     }
     for unknown in [Quantity::ContactTemperature, Quantity::FrictionForce] {
         assert!(errors.of(unknown).is_nan() && !warm.of(unknown).is_nan(), "{errors:?} {warm:?}");
