@@ -17,7 +17,12 @@ def stations(name):
 
 PRESSURE = stations("pressure")
 # Without thermal distortion: these tests check the contact.
-COLD = {"solver.fidelity": "line", "punch.thermal_expansion": 0.0, "strip.thermal_expansion": 0.0}
+COLD = {
+    "solver.fidelity": "line",
+    "solver.heat": "mean",
+    "punch.thermal_expansion": 0.0,
+    "strip.thermal_expansion": 0.0,
+}
 CHECKED = [*PRESSURE, *stations("wear_punch"), "approach", "tilt", "contact_temperature", "friction_force"]
 
 

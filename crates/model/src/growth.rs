@@ -21,49 +21,69 @@ use scene::Scene;
 /// the longest ones wherever the bodies conduct as in machines.
 const SHORTEST: f64 = 129.0;
 
+/// Speeds of the table of rates, over the critical one: this many, in a geometric series up to this ratio. Beyond, rates grow with the
+/// square of the speed.
+const SPEEDS: usize = 32;
+const FASTEST: f64 = 30.0;
+
 /// Growth of the perturbations of a scene.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PerturbationGrowth {
     /// Critical speed of thermoelastic instability.
     pub critical: CriticalSpeed,
-    /// Bounds for the mode that a contact line contains, and for those of a strip between two faces beyond it; none where nothing
-    /// grows at any speed.
-    bounds: Vec<FastestGrowth>,
+    /// Friction coefficient of the table, and its critical speed (m/s); 0: nothing grows at any speed.
+    friction: f64,
+    slowest: f64,
+    /// Upper bounds of the growth rate (1/s) at the speeds of the table, over the square of the speed's ratio to the critical one:
+    /// they hardly change.
+    rates: Vec<f64>,
 }
 
 impl PerturbationGrowth {
     /// Growth in a scene.
     pub fn new(scene: &Scene) -> PerturbationGrowth {
         let critical = CriticalSpeed::new(scene);
+        let friction = scene.friction_coefficient;
+        let slowest = if critical.is_neutral() { 0.0 } else { critical.at(friction) };
+        if slowest == 0.0 {
+            return PerturbationGrowth { critical, friction, slowest, rates: Vec::new() };
+        }
+        // The mode that a contact line contains, and those of a strip between two faces beyond it.
         let FarFaces { own, others } = FarFaces::of(scene);
-        let faces = if critical.is_neutral() { &[][..] } else { others };
-        let own = (!critical.is_neutral()).then_some(own);
-        let bound = |far| FastestGrowth::of_mode(scene, far, scene.width / SHORTEST);
-        let bounds = own.into_iter().chain(faces.iter().copied()).map(bound).collect();
-        PerturbationGrowth { critical, bounds }
+        let faces = std::iter::once(own).chain(others.iter().copied());
+        let bounds: Vec<_> = faces.map(|far| FastestGrowth::of_mode(scene, far, scene.width / SHORTEST)).collect();
+        let modelled = critical.modelled(friction);
+        let rate = |speed: f64| {
+            let contained = if modelled > 0.0 && speed > modelled { 0 } else { 1 };
+            bounds.iter().skip(contained).map(|bound| bound.fastest(friction, speed)).fold(0.0, maximum)
+        };
+        let ratios = (0..=SPEEDS).map(|i| FASTEST.powf(i as f64 / SPEEDS as f64));
+        let rates = ratios.map(|ratio| rate(slowest * ratio) / (ratio * ratio)).collect();
+        PerturbationGrowth { critical, friction, slowest, rates }
     }
 
-    /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s); 0 up to the critical speed.
+    /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s); 0 up to the critical speed. Friction
+    /// and speed count by their product, which heats.
     pub fn rate(&self, friction: f64, speed: f64) -> f64 {
-        if !self.critical.is_exceeded(friction, speed) {
+        if self.rates.is_empty() || !self.critical.is_exceeded(friction, speed) {
             return 0.0;
         }
-        let modelled = self.modelled_rate(friction, speed);
-        self.bounds.iter().skip(1).map(|bound| bound.fastest(friction, speed)).fold(modelled, maximum)
-    }
-
-    /// The same of the modes that a contact line contains; 0 up to their critical speed.
-    fn modelled_rate(&self, friction: f64, speed: f64) -> f64 {
-        let critical = self.critical.modelled(friction);
-        if !(critical > 0.0 && speed > critical) {
-            return 0.0;
-        }
-        self.bounds.first().map_or(0.0, |bound| bound.fastest(friction, speed))
+        let ratio = speed * friction / (self.slowest * self.friction);
+        let at = (ratio.max(1.0).ln() / FASTEST.ln() * SPEEDS as f64).min(SPEEDS as f64);
+        // The parabola through three nodes.
+        let node = (at.round() as usize).clamp(1, SPEEDS - 1);
+        let [before, here, after] = [node - 1, node, node + 1].map(|node| self.rates[node]);
+        let part = at - node as f64;
+        let change = 0.5 * (after - before) + 0.5 * part * (after - 2.0 * here + before);
+        ratio * ratio * (here + part * change)
     }
 
     /// Exponent by which perturbations grow while the velocity changes linearly between these (m/s) within `step` s: Simpson's rule
     /// over the time above the critical speed, in either direction.
     pub fn over(&self, friction: f64, [start, end]: [f64; 2], step: f64) -> f64 {
+        if self.rates.is_empty() || friction <= 0.0 {
+            return 0.0;
+        }
         let critical = self.critical.at(friction);
         let rate = |part: f64| self.rate(friction, (start + part * (end - start)).abs());
         if start == end {
