@@ -149,7 +149,7 @@ def line(name, tolerance):
     return Scene.load(name).set({"solver.fidelity": "line", "solver.cells": 9, "solver.tolerance": tolerance})
 
 
-def tests_of(loads, repetitions, speed, distance):
+def records_of(loads, repetitions, speed, distance):
     load = np.repeat(loads, repetitions)
     return wear_law.Records(load, np.full(load.size, speed), np.full(load.size, distance), np.ones(load.size))
 
@@ -158,8 +158,8 @@ def tests_of(loads, repetitions, speed, distance):
 @pytest.mark.parametrize(
     "scene, tests",
     [
-        (lambda: Scene.load("pin_on_disk").set("solver.fidelity", "lumped"), tests_of((2.5, 10.0, 40.0), 4, 0.1, 300.0)),
-        (lambda: line("disc_brake", 1e-2), tests_of((1000.0, 2000.0, 4000.0), 4, 10.0, 30.0)),
+        (lambda: Scene.load("pin_on_disk").set("solver.fidelity", "lumped"), records_of((2.5, 10.0, 40.0), 4, 0.1, 300.0)),
+        (lambda: line("disc_brake", 1e-2), records_of((1000.0, 2000.0, 4000.0), 4, 10.0, 30.0)),
     ],
     ids=["below the critical speed", "above it"],
 )
@@ -182,7 +182,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(scene, tests):
 @pytest.mark.parametrize("speed, distance, tolerance", [(0.1, 300.0, 1e-3), (1.0, 5.0, 1e-2)])
 def test_intervals_are_those_of_a_straight_line(speed, distance, tolerance):
     """ln V is nearly linear in ln load, below the critical speed and above, where hot spots are denser under less load."""
-    tests = tests_of((5.0, 20.0), 3, speed, distance)
+    tests = records_of((5.0, 20.0), 3, speed, distance)
     scene = line("pin_on_disk", tolerance)
     exact = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
     noise = np.random.default_rng(3).normal(0.0, 0.1, tests.load.size)
