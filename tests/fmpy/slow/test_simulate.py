@@ -28,7 +28,7 @@ def figures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
     (folder / "in.csv").write_text(INPUTS)
     (folder / "bench.csv").write_text(MEASURED)
-    line = ["--set", "solver.fidelity=line", "--set", "solver.cells=9"]
+    line = ["--set", "solver.fidelity=line", "--set", "solver.cells=9", "--step", "0.05"]
     for kind in ("svg", "pdf", "png"):
         simulate(folder, "disc_brake", "--inputs", "in.csv", "--measured", "bench.csv", *line, "--plot", f"figure.{kind}")
     return folder
