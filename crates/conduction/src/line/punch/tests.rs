@@ -275,6 +275,27 @@ fn heat_is_accounted_for() {
 }
 
 #[test]
+fn a_temperature_of_the_far_face_arrives_by_diffusion() {
+    // Slab of 0.1 m that is insulated at the contact: Carslaw and Jaeger, section 3.4.
+    let time = 0.1 * 0.1 * 7800.0 * 460.0 / 55.0;
+    let exact = |t: f64| {
+        let term = |n: i32| {
+            let root = (f64::from(n) + 0.5) * std::f64::consts::PI;
+            2.0 * (-root * root * t).exp() / (root * if n % 2 == 0 { 1.0 } else { -1.0 })
+        };
+        1.0 - (0..200).map(term).sum::<f64>()
+    };
+    for (part, bound) in [(1e-9, 2.5e-2), (0.003, 2e-3), (0.01, 2e-3), (0.03, 1e-3), (0.1, 1e-4), (1.0, 1e-5)] {
+        let mut run = Run::new(&scene(&[]), &cells(9), 1e-3, 1000.0);
+        run.surroundings = Surroundings::constant(Boundary { far: 1.0, ..Boundary::default() });
+        run.step(part * time, &[0.0; 9], &[0.0; 9]);
+        let (found, expected) = (run.temperature[4], if part < 1e-3 { 0.0 } else { exact(part) });
+        println!("{part}: {found} {expected}");
+        assert!((found - expected).abs() < bound, "after {part} of h^2/kd: {found} for {expected}");
+    }
+}
+
+#[test]
 fn a_body_as_warm_as_all_around_it_stays_so() {
     let cells = cells(9);
     for changes in [&[][..], &[("punch.convection", 300.0)], &[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]]
