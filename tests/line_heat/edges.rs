@@ -60,7 +60,7 @@ fn the_temperature_converges_where_ends_lift_off() {
         ("long_drag", [3e-3, 1.5e-3, 7e-4]),
         ("stiff_caliper", [1e-2, 3e-3, 2e-3]),
         ("cooled_disc", [1.4e-2, 5e-3, 1.5e-3]),
-        ("duty_cycle", [3e-3, 1e-3, 7e-4]),
+        ("duty_cycle", [3e-3, 1.3e-3, 4e-4]),
     ] {
         let scene = Application::read(name);
         let on = |cells: f64| {

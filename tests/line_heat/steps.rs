@@ -1,7 +1,7 @@
 //! Order in time, saved states, and quantities independent of heat without expansion.
 
 use sliding_contact::component::Snapshot;
-use test_support::{Drive, scene};
+use test_support::{Application, Drive, scene};
 
 fn reciprocating(changes: &[(&str, f64)]) -> Drive {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0)];
@@ -228,4 +228,35 @@ fn a_hundred_cycles_of_the_example_with_both_bodies_expanding() {
     assert!((worn / expected - 1.0).abs() < 1e-4, "{worn} {expected}");
     assert!((force.abs() / 2500.0 - 1.0).abs() < 1e-9 && imbalance < 1e-9);
     assert!(highest > mean && drive.get("contact_temperature") > 293.2);
+}
+
+#[test]
+fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
+    // Bodies that meet at different temperatures, and hot spots that grow until most of the ring is open.
+    let cold_pad = |step: f64| {
+        let scene = Application::read("cold_pad");
+        let changes = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-3)];
+        let mut drive = Drive::from_starts(&scene.starts, &changes);
+        drive.set("sliding_velocity", 3.8).set("normal_load", 300.0);
+        for _ in 0..(10.0 / step).round() as usize {
+            drive.step(step);
+        }
+        ["contact_temperature", "contact_temperature_max"].map(|name| drive.get(name) - 293.15)
+    };
+    let hot_spots = |step: f64| {
+        let changes = [("solver.cells", 32.0), ("solver.tolerance", 1e-3)];
+        let mut drive = Drive::from_starts(&scene("hot_spots"), &changes);
+        drive.set("sliding_velocity", 0.2).set("normal_load", 200.0);
+        for _ in 0..(200.0 / step).round() as usize {
+            drive.step(step);
+        }
+        ["contact_temperature_max", "pressure_max"].map(|name| drive.get(name))
+    };
+    let runs = [[cold_pad(10.0), cold_pad(0.1)], [hot_spots(200.0), hot_spots(2.0)]];
+    for [whole, parts] in runs {
+        println!("{whole:?} {parts:?}");
+        for (whole, parts) in whole.iter().zip(parts) {
+            assert!((whole / parts - 1.0).abs() < 1e-3, "{whole} and {parts}");
+        }
+    }
 }

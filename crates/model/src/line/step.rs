@@ -33,9 +33,6 @@ const DOUBLING: f64 = 0.175;
 /// Order of the error.
 const ORDER: u8 = 2;
 
-/// log2 of the number of parts of a piece from which on the thermal error no longer refines the step.
-const FOLLOWING: u8 = 8;
-
 /// Number of steps before a step size rejected by the growth guard is tried again.
 const RETRY_DELAY: u8 = 32;
 
@@ -247,8 +244,7 @@ impl Line {
         let bound = scene.tolerance * operators.displacement_scale * mean;
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
-            // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.
-            Some(mut solved) if step > path.length() / f64::from(1_u32 << FOLLOWING) => {
+            Some(mut solved) if solved.is_controlled(path.length()) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;

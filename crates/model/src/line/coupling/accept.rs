@@ -25,6 +25,11 @@ const SMALL: f64 = 0.15;
 /// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
 const PART_OF_TOLERANCE: f64 = 0.5;
 
+/// Length of a step below which its thermal error is not controlled, relative to the time of diffusion across a cell and to the
+/// communication step. The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of
+/// its first one, and what lasts of it goes with the root of the step.
+const SHORTEST_STEP: f64 = 1.0 / 256.0;
+
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
 pub(super) const LEAST_RISE: f64 = 0.1;
@@ -44,6 +49,12 @@ fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
 }
 
 impl Solved<'_> {
+    /// Whether the step, part of a communication step of the length `whole` (s), is long enough for its thermal error to be
+    /// controlled.
+    pub fn is_controlled(&self, whole: f64) -> bool {
+        self.0.step > SHORTEST_STEP * whole.min(self.0.parameters.cell_time)
+    }
+
     /// Inexpensive upper bound of [`Solved::error`].
     fn bound_of_error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
         let heat = &mut *self.0;
