@@ -54,13 +54,11 @@ fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
 
 /// The findings of a scene: data, reference, the cheapest settings within 1 %, and peers.
 pub fn describe(chart: &Chart, findings: &Findings) -> String {
-    // Where a reference is kept is in the table of all runs.
+    // Machine, commit and where a reference is kept are in the table of all runs.
     let how = chart.how.split(" (kept: ").next().unwrap_or_default();
     let how = how.strip_prefix("exact: ").unwrap_or(how);
-    let mut passage = format!(
-        "{}. Reference: {how}. {}\n\n| | run | largest error | processor time |\n|---|---|---|---|\n",
-        chart.data, chart.measured
-    );
+    let mut passage =
+        format!("{}. Reference: {how}.\n\n| | run | largest error | processor time |\n|---|---|---|---|\n", chart.data);
     passage += &row("cheapest within 1 % in wear, temperature, force", &findings.right);
     passage += &row("and in the peak pressure", &findings.with_pressure);
     if let Some(errors) = findings.lumped {
