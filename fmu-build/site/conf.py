@@ -57,7 +57,6 @@ SECTIONS = {
     "Model": [
         "docs/theory",
         "docs/accuracy",
-        "docs/accuracy/measurements",
         "examples/published/README",
         "docs/stability/README",
         "docs/robustness",

@@ -113,7 +113,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             for path in scaling.write(&folder)? {
                 print_line!("{}", path.display());
             }
-            descriptions.push((SCALING, document::Description { passage: scaling.table(), details: String::new() }));
+            descriptions.push((SCALING, scaling.table()));
         }
         return document::write(&descriptions);
     }
@@ -142,7 +142,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if wanted(SCALING) {
         let scaling = scaling::measure(arguments.quick)?;
         let paths = scaling.write(&folder)?;
-        passages.push((SCALING, document::Description { passage: scaling.table(), details: String::new() }));
+        passages.push((SCALING, scaling.table()));
         if arguments.json {
             records.push(scaling.record());
         } else {

@@ -204,14 +204,13 @@ fn summary(map: &Map) -> String {
 fn index(chapters: &[(Definition, Map)]) -> String {
     let mut text = String::from(
         "# Stability maps\n\n\
-         Where each method is right, rings, hides growth, grows or refuses, over the ranges that decide it, with the \
-         bound of the theory drawn in (dashed). Pictures, tables and every number on this page are written by \
-         `cargo fmu stability -o docs/stability`; `--map NAME` computes one map, `--fine` twice as many points on \
-         each axis.\n\n",
+         Where each method is accurate, oscillates, grows or refuses, with the bound of the theory (dashed). \
+         `cargo fmu stability -o docs/stability` writes this page with all numbers; `--map NAME` computes one map, `--fine` \
+         twice as many points on each axis.\n\n",
     );
     for (definition, map) in chapters {
         let anchor = map.title.to_lowercase().replace(' ', "-").replace(',', "");
-        let _ = writeln!(text, "- [{}](#{anchor}) (`{}`): {}", map.title, definition.name, definition.summary);
+        let _ = writeln!(text, "- [{}](#{anchor}) (`{}`)", map.title, definition.name);
     }
     for (definition, map) in chapters {
         let name = definition.name;

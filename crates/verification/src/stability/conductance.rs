@@ -77,9 +77,9 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     });
     let findings = vec![
         format!(
-            "The default is right in {} of {} runs, largest error {:.1e} of the heat: at steps a million times shorter and \
-             longer than the interface's own time, at a conductance of 0 (half of the heat each) and of 10¹² (the part of the \
-             effusivity).",
+            "The default is right in {} of {} runs, largest error {:.1e} of the heat. Steps are up to a million times shorter or \
+             longer than the time of the interface; a conductance of 0 gives half of the heat each, one of 10¹² the part of \
+             the effusivity.",
             judged.count(Verdict::Right),
             judged.points.len(),
             judged.largest_error()
@@ -93,7 +93,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
         ),
     ];
     let split = Panel {
-        title: "after ten steps of .1 s".to_owned(),
+        title: "after ten steps of 0.1 s".to_owned(),
         x: conductance(),
         y: axis("part of the heat in the punch", false, (0.0, 0.6)),
         points: Vec::new(),

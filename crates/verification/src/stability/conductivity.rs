@@ -57,19 +57,19 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let insulator = shares.first().map_or(f64::NAN, |point| point.1);
     let findings = vec![
         format!(
-            "The default is right in {} of {} runs with conductivities 10⁻⁸ to 1 apart and with an insulator; largest error \
-             {:.1e} of the heat.",
+            "The default is right in {} of {} runs, with conductivities whose ratio is 10⁻⁸ to 1 and with an insulator. Its largest \
+             error is {:.1e} of the heat.",
             judged.count(Verdict::Right),
             judged.points.len(),
             judged.largest_error()
         ),
         format!(
-            "The part of the heat in the poor conductor itself is within {apart:.1e} (relative) of √r/(1 + √r) down to r = \
-             10⁻⁸; an insulator takes {insulator:.1e}."
+            "The part of the heat in the poor conductor is √r/(1 + √r) within {apart:.1e} (relative) down to r = 10⁻⁸; an insulator \
+             takes {insulator:.1e}."
         ),
     ];
     let split = Panel {
-        title: "after ten steps of .1 s".to_owned(),
+        title: "after ten steps of 0.1 s".to_owned(),
         x: ratio(),
         y: axis("part of the heat in the punch", true, (1e-5, 1.0)),
         points: Vec::new(),

@@ -366,8 +366,8 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
     let growth = WaveScene::new(CELLS).exact(short).re * 1e-3;
     let findings = vec![
         format!(
-            "The operator split sees growth and decay on the right side of the critical speed in {} of {} runs ({} refused), but \
-             one step late: in {} runs its rate is off by more than a tenth, as its theory has it.",
+            "The operator split shows growth and decay on the right side of the critical speed in {} of {} runs ({} refused), one \
+             step late. In {} runs its rate is off by more than a tenth, as its theory predicts.",
             judged[0].points.len()
                 - judged[0].count(Verdict::Hides)
                 - judged[0].count(Verdict::Grows)
@@ -377,19 +377,19 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
             judged[0].count(Verdict::Inexact),
         ),
         format!(
-            "Without a growth limit the implicit step calls stable what grows in {} of {} runs above the critical speed, all \
-             beyond the theory's curve, which bisected runs meet within {farthest:.1e}; on short steps the curve tends to \
-             b h = {growth:.2}.",
+            "Without a growth limit the implicit step hides growth in {} of {} runs above the critical speed, all beyond the \
+             curve of the theory. Bisected runs agree with the curve within {farthest:.1e}; for short steps it tends to b h = \
+             {growth:.2}.",
             judged[1].count(Verdict::Hides),
             judged[1].points.iter().filter(|point| point.x > 1.0).count(),
         ),
         format!(
-            "In {} more runs that step shows the growth, at a rate that is off by more than a tenth.",
+            "In {} more runs it shows the growth, at a rate that is off by more than a tenth.",
             judged[1].count(Verdict::Inexact)
         ),
         format!(
-            "The default is right in {} of {} runs; it hides growth in {} and grows below the critical speed in {}. Where a step is \
-             long against the growth, the contact opens within it and goes on in patches (runs up to b h = {LARGEST_GROWTH}).",
+            "The default is right in {} of {} runs. It hides growth in {} and grows below the critical speed in {}. In steps that are \
+             long against the growth (up to b h = {LARGEST_GROWTH}) the contact opens and continues in patches.",
             judged[2].count(Verdict::Right),
             judged[2].points.len(),
             judged[2].count(Verdict::Hides),
@@ -401,8 +401,8 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
         header: vec![
             format!(
                 "Half-plane on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on {CELLS} \
-                 cells, no wear. The wave starts at 7·10⁻⁴ of the mean pressure: from 7·10⁻⁷, with which the linear step without \
-                 growth limit starts, shorter waves would open the contact first, which grow up to five times faster from rounding."
+                 cells, no wear. The wave starts at 7·10⁻⁴ of the mean pressure, at 7·10⁻⁷ in the step without growth limit. From \
+                 less, shorter waves that grow up to five times faster from rounding would open the contact first."
             ),
             format!(
                 "right: growth or decay as the exact solution has it, the rate within {AGREEMENT} (kd m² + |b|), or the \

@@ -116,8 +116,8 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     let right = |index: usize| judged[index].count(Verdict::Right);
     let findings = vec![
         format!(
-            "The default is right in {} of {} runs at Peclet numbers from 0 to 10⁶, largest error {:.1e}; implicit Euler in {}, \
-             Crank-Nicolson in {}.",
+            "The default is right in {} of {} runs at Peclet numbers from 0 to 10⁶, largest error {:.1e}. Implicit Euler is right \
+             in {}, Crank-Nicolson in {}.",
             right(2),
             judged[2].points.len(),
             judged[2].largest_error(),
@@ -125,9 +125,9 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
             right(1)
         ),
         format!(
-            "A disc at 10 m/s turns 1.35 times in a step of .1 s, its longest wave by 8.5 rad while that decays by a factor of \
-             .9999 besides what leaves through the depth: the default's largest error over {} steps is {:.1e}, implicit \
-             Euler's {:.1e}, Crank-Nicolson's {:.1e}.",
+            "A disc at 10 m/s turns 1.35 times in a step of 0.1 s. Its longest wave turns by 8.5 rad and decays by a factor of \
+             0.9999, besides what leaves through the depth. Over {} steps the largest error is {:.1e} by default, {:.1e} with \
+             implicit Euler and {:.1e} with Crank-Nicolson.",
             disc[2].len(),
             largest[2],
             largest[0],
@@ -141,7 +141,7 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     });
     let bound = curve("bound of the verdicts", vec![(0.0, AGREEMENT), (count + 1.0, AGREEMENT)], true);
     let trace = Panel {
-        title: "brake disc at 10 m/s, step .1 s".to_owned(),
+        title: "brake disc at 10 m/s, step 0.1 s".to_owned(),
         x: axis("steps from rest", false, (0.0, count + 1.0)),
         y: axis("error over the temperature", true, (1e-6, 1.0)),
         points: Vec::new(),

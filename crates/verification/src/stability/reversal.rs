@@ -171,15 +171,15 @@ fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<
     let amplitude = ringing[1..].iter().zip(&known[1..]).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max);
     let findings = vec![
         format!(
-            "Crank-Nicolson rings in {} of {} runs and is right in {}; at steps of 100 thermal times it swings by {amplitude:.2} \
-             of the steady temperature and does not settle in {} steps.",
+            "Crank-Nicolson rings in {} of {} runs and is right in {}. At steps of 100 thermal times it swings by {amplitude:.2} \
+             of the steady temperature for {} steps.",
             judged[0].count(Verdict::Rings),
             judged[0].points.len(),
             judged[0].count(Verdict::Right),
             ringing.len() - 1
         ),
         format!(
-            "The default is right in {} of {} runs, at steps from 10⁻³ to 10⁴ thermal times; its largest error is {:.1e}.",
+            "The default is right in {} of {} runs, at steps from 10⁻³ to 10⁴ thermal times. Its largest error is {:.1e}.",
             judged[1].count(Verdict::Right),
             judged[1].points.len(),
             judged[1].largest_error()

@@ -148,13 +148,13 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
     let stable = beyond.clone().filter(|point| point.verdict == Verdict::Right).count();
     let findings = vec![
         format!(
-            "The default calls growing what grows and stable what is stable in {} of {} runs.",
+            "The default shows growth and decay as the exact solution does in {} of {} runs.",
             judged.count(Verdict::Right),
             judged.points.len()
         ),
         format!(
-            "Thresholds measured by stepping lie within {:.1e} of the theory's speed, their oscillation within {:.1e} of its \
-             frequency ({CELLS} cells, which make wear (π/{CELLS})²/3 = {:.1e} too strong).",
+            "Thresholds found by stepping agree with the critical speed of the theory within {:.1e}, their oscillation with its \
+             frequency within {:.1e}. {CELLS} cells make wear (π/{CELLS})²/3 = {:.1e} too strong.",
             off[0],
             off[1],
             (PI / CELLS as f64).powi(2) / 3.0

@@ -1,22 +1,14 @@
-//! The generated passages of docs/accuracy.md and docs/accuracy/measurements.md.
+//! The generated passages of docs/accuracy.md.
 
 use super::Chart;
-use super::findings::{Findings, Reached, lumped_errors, time};
+use super::findings::{Findings, Reached, lumped_errors, significant, time};
 use crate::project;
 use anyhow::{Context, Result};
 use std::fmt::Write as _;
 use std::fs;
 
-/// Page with the charts, and the page with all comparisons and omissions.
-const PAGES: [&str; 2] = ["docs/accuracy.md", "docs/accuracy/measurements.md"];
-
-/// Description of a chart.
-pub struct Description {
-    /// Findings, for the page with the charts.
-    pub passage: String,
-    /// Every comparison with a peer, and what was not run.
-    pub details: String,
-}
+/// Page with the charts.
+const PAGE: &str = "docs/accuracy.md";
 
 fn row(what: &str, found: &Option<Reached>) -> String {
     match found {
@@ -27,17 +19,46 @@ fn row(what: &str, found: &Option<Reached>) -> String {
     }
 }
 
-/// Settings of a run; those of a peer begin with its name.
+/// Settings of a run, with lengths of steps as plain decimals; those of the comparison schemes begin with their name.
 fn settings(family: &str, setting: &str) -> String {
+    let plain = |part: &str| {
+        let number = part.strip_prefix("step ")?.strip_suffix(" s")?;
+        Some(format!("step {} s", number.parse::<f64>().ok()?))
+    };
+    let parts: Vec<String> = setting.split(", ").map(|part| plain(part).unwrap_or_else(|| part.to_owned())).collect();
+    let setting = parts.join(", ");
     // The operator split and explicit wear are schemes of the line.
     let own = ["auto", "line", "lumped", "field"].iter().any(|level| setting.starts_with(level));
-    if own { setting.to_owned() } else { format!("{family}: {setting}") }
+    if own { setting } else { format!("{family}: {setting}") }
 }
 
-/// The findings of a scene.
-pub fn describe(chart: &Chart, findings: &Findings) -> Description {
+/// Runs of a peer: the range of their errors and times, and of their times over those of equally accurate runs here.
+fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
+    let range = |values: &dyn Fn(&(Reached, Reached)) -> f64| {
+        let values = runs.iter().map(|run| values(run));
+        values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)))
+    };
+    let (errors, costs) = (range(&|run| run.0.error), range(&|run| run.0.cost));
+    let ratios = range(&|run| run.0.cost / run.1.cost);
+    format!(
+        "| {family} | {} runs, {} to {} times as long as equally accurate runs here | {:.1e} to {:.1e} | {} to {} |\n",
+        runs.len(),
+        significant(ratios.0),
+        significant(ratios.1),
+        errors.1,
+        errors.0,
+        time(costs.0),
+        time(costs.1)
+    )
+}
+
+/// The findings of a scene: data, reference, the cheapest settings within 1 %, and peers.
+pub fn describe(chart: &Chart, findings: &Findings) -> String {
+    // Machine, commit and where a reference is kept are in the table of all runs.
+    let how = chart.how.split(" (kept: ").next().unwrap_or_default();
+    let how = how.strip_prefix("exact: ").unwrap_or(how);
     let mut passage =
-        format!("Reference: {}.\n\n| | run | largest error | processor time |\n|---|---|---|---|\n", chart.how);
+        format!("{}. Reference: {how}.\n\n| | run | largest error | processor time |\n|---|---|---|---|\n", chart.data);
     passage += &row("cheapest within 1 % in wear, temperature, force", &findings.right);
     passage += &row("and in the peak pressure", &findings.with_pressure);
     if let Some(errors) = findings.lumped {
@@ -52,7 +73,8 @@ pub fn describe(chart: &Chart, findings: &Findings) -> Description {
         } else {
             (format!("{:.1e}", field.error), time(field.cost))
         };
-        let _ = writeln!(passage, "| unreduced punch | {} | {error} | {cost} |", field.setting);
+        let setting = settings(&field.family, &field.setting);
+        let _ = writeln!(passage, "| unreduced punch | {setting} | {error} | {cost} |");
     }
     let mut families: Vec<&str> = Vec::new();
     for (peer, _) in &findings.peers {
@@ -61,55 +83,23 @@ pub fn describe(chart: &Chart, findings: &Findings) -> Description {
         }
     }
     for family in families {
-        let ratios =
-            findings.peers.iter().filter(|(peer, _)| peer.family == family).map(|(peer, own)| peer.cost / own.cost);
-        let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), r| (least.min(r), most.max(r)));
-        let _ = writeln!(
-            passage,
-            "| {family} | {least:.1} to {most:.1} times the time of a run here that is as accurate | | |"
-        );
+        let runs: Vec<_> = findings.peers.iter().filter(|(peer, _)| peer.family == family).collect();
+        passage += &peer(family, &runs);
     }
-    let mut details = format!("{}. Reference: {}. Measured on: {}\n\n", chart.data, chart.how, chart.measured);
-    if !findings.peers.is_empty() {
-        details +=
-            "| peer | error | time | run here | error | time | ratio of times |\n|---|---|---|---|---|---|---|\n";
-        for (peer, own) in &findings.peers {
-            let _ = writeln!(
-                details,
-                "| {} | {:.1e} | {} | {} | {:.1e} | {} | {:.1} |",
-                settings(&peer.family, &peer.setting),
-                peer.error,
-                time(peer.cost),
-                settings(&own.family, &own.setting),
-                own.error,
-                time(own.cost),
-                peer.cost / own.cost
-            );
-        }
-        details += "\n";
-    }
-    if !chart.omissions.is_empty() {
-        details += "Not run:\n\n";
-        chart.omissions.iter().for_each(|text| details += &format!("- {text}\n"));
-    }
-    Description { passage, details }
+    passage
 }
 
-/// Puts every description between its marks; what has no marks in a page is left out.
+/// Puts every description between its marks; what has no marks is left out.
 ///
 /// # Errors
-/// Where a page cannot be read or written, or a mark has no end.
-pub fn write(descriptions: &[(&str, Description)]) -> Result<()> {
-    for page in PAGES {
-        let path = project::root().join(page);
-        let mut text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-        for (name, description) in descriptions {
-            let part = if page == PAGES[0] { &description.passage } else { &description.details };
-            text = replaced(&text, name, part).with_context(|| format!("{}: {name}", path.display()))?;
-        }
-        fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
+/// Where the page cannot be read or written, or a mark has no end.
+pub fn write(descriptions: &[(&str, String)]) -> Result<()> {
+    let path = project::root().join(PAGE);
+    let mut text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+    for (name, passage) in descriptions {
+        text = replaced(&text, name, passage).with_context(|| format!("{}: {name}", path.display()))?;
     }
-    Ok(())
+    fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
 }
 
 fn replaced(text: &str, name: &str, passage: &str) -> Result<String> {
@@ -123,6 +113,25 @@ fn replaced(text: &str, name: &str, passage: &str) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_are_decimals_and_a_scheme_begins_with_its_name() {
+        assert_eq!(
+            settings("line", "line, 9 cells, step 1.0000e-1 s, inputs held"),
+            "line, 9 cells, step 0.1 s, inputs held"
+        );
+        assert_eq!(settings("a scheme", "step 2.5000e-1 s"), "a scheme: step 0.25 s");
+    }
+
+    #[test]
+    fn a_peer_has_one_row_with_its_ranges() {
+        let run = |error: f64, cost: f64| Reached { family: "p".into(), setting: String::new(), error, cost };
+        let runs = [(run(1e-1, 2e-3), run(1e-1, 1e-3)), (run(1e-2, 8.0), run(1e-2, 1e-3))];
+        assert_eq!(
+            peer("p", &runs.iter().collect::<Vec<_>>()),
+            "| p | 2 runs, 2.00 to 8000 times as long as equally accurate runs here | 1.0e-1 to 1.0e-2 | 2.00 ms to 8.00 s |\n"
+        );
+    }
 
     #[test]
     fn a_passage_replaces_what_stood_between_its_marks() {

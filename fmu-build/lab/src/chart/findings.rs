@@ -114,11 +114,18 @@ impl fmt::Display for Reached {
 
 /// A time with its unit.
 pub fn time(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => format!("{:.3} µs", 1e6 * s),
-        s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
-        s => format!("{s:.3} s"),
-    }
+    let (factor, unit) = match seconds {
+        s if s < 1e-3 => (1e6, "µs"),
+        s if s < 1.0 => (1e3, "ms"),
+        _ => (1.0, "s"),
+    };
+    format!("{} {unit}", significant(factor * seconds))
+}
+
+/// A positive number with three digits, as far as they are behind the point.
+pub fn significant(number: f64) -> String {
+    let decimals = (2.0 - number.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{number:.decimals$}")
 }
 
 /// The errors that were judged, by quantity.
