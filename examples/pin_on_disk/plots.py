@@ -28,7 +28,7 @@ STYLE = {
 def over_the_distance(runs, path):
     """Worn volume, hottest point of the contact, mean temperature of pin and disk."""
     quantities = (
-        ("worn volume\nof the pin (10⁻³ mm³)", lambda run: 1e12 * run["wear_volume_punch"]),
+        ("worn volume\nof the pin (0.001 mm³)", lambda run: 1e12 * run["wear_volume_punch"]),
         ("hottest point\nof the contact (°C)", lambda run: run["contact_temperature_max"] - ZERO_CELSIUS),
         ("mean temperature\nof the pin (°C)", lambda run: run["punch.mean_temperature"] - ZERO_CELSIUS),
     )

@@ -10,7 +10,7 @@ use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
 /// Summary of the map.
-pub const SUMMARY: &str = "contact conductance 0 to 10¹² W/(m².K) by step: the heat partition against its closed form";
+pub const SUMMARY: &str = "contact conductance 0 to 1e12 W/(m².K) by step: the heat partition against its closed form";
 
 /// Conductivity of the punch over that of the strip.
 const RATIO: f64 = 0.02;
@@ -78,7 +78,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let findings = vec![
         format!(
             "The default is right in {} of {} runs, largest error {:.1e} of the heat. Steps are up to a million times shorter or \
-             longer than the time of the interface; a conductance of 0 gives half of the heat each, one of 10¹² the part of \
+             longer than the time of the interface; a conductance of 0 gives half of the heat each, one of 1e12 the part of \
              the effusivity.",
             judged.count(Verdict::Right),
             judged.points.len(),
@@ -104,7 +104,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
         header: vec![
             format!(
                 "Two half-spaces, conductivity of the punch {RATIO} of the strip's, heated by friction from rest; line level, \
-                 solver.tolerance = 10⁻³, ten communication steps, against the closed form."
+                 solver.tolerance = 1e-3, ten communication steps, against the closed form."
             ),
             format!("right: part of the heat, and its sum over both bodies, within {AGREEMENT}. inexact: beyond it."),
         ],

@@ -57,14 +57,14 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     let insulator = shares.first().map_or(f64::NAN, |point| point.1);
     let findings = vec![
         format!(
-            "The default is right in {} of {} runs, with conductivities whose ratio is 10⁻⁸ to 1 and with an insulator. Its largest \
+            "The default is right in {} of {} runs, with conductivities whose ratio is 1e-8 to 1 and with an insulator. Its largest \
              error is {:.1e} of the heat.",
             judged.count(Verdict::Right),
             judged.points.len(),
             judged.largest_error()
         ),
         format!(
-            "The part of the heat in the poor conductor is √r/(1 + √r) within {apart:.1e} (relative) down to r = 10⁻⁸; an insulator \
+            "The part of the heat in the poor conductor is √r/(1 + √r) within {apart:.1e} (relative) down to r = 1e-8; an insulator \
              takes {insulator:.1e}."
         ),
     ];
@@ -81,8 +81,8 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     Map {
         title: "A body of low conductivity",
         header: vec![
-            "Two half-spaces of equal heat capacity in perfect contact (10¹² W/(m².K)), heated by friction from rest; line \
-             level, solver.tolerance = 10⁻³, ten communication steps, against the closed form."
+            "Two half-spaces of equal heat capacity in perfect contact (1e12 W/(m².K)), heated by friction from rest; line \
+             level, solver.tolerance = 1e-3, ten communication steps, against the closed form."
                 .to_owned(),
             format!("right: part of the heat, and its sum over both bodies, within {AGREEMENT}. inexact: beyond it."),
         ],

@@ -401,7 +401,7 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
         header: vec![
             format!(
                 "Half-plane on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on {CELLS} \
-                 cells, no wear. The wave starts at 7·10⁻⁴ of the mean pressure, at 7·10⁻⁷ in the step without growth limit. From \
+                 cells, no wear. The wave starts at 7e-4 of the mean pressure, at 7e-7 in the step without growth limit. From \
                  less, shorter waves that grow up to five times faster from rounding would open the contact first."
             ),
             format!(

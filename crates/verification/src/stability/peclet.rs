@@ -16,7 +16,7 @@ use exact::reference::{ClosedPath, LayerBase};
 
 /// Summary of the map.
 pub const SUMMARY: &str =
-    "Peclet number 0 to 10⁶ by step: implicit Euler, Crank-Nicolson and the default, and a disc that turns";
+    "Peclet number 0 to 1e6 by step: implicit Euler, Crank-Nicolson and the default, and a disc that turns";
 
 /// Fourier modes and depth modes of the exact sum.
 const MODES: (u32, u32) = (200, 200);
@@ -116,7 +116,7 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     let right = |index: usize| judged[index].count(Verdict::Right);
     let findings = vec![
         format!(
-            "The default is right in {} of {} runs at Peclet numbers from 0 to 10⁶, largest error {:.1e}. Implicit Euler is right \
+            "The default is right in {} of {} runs at Peclet numbers from 0 to 1e6, largest error {:.1e}. Implicit Euler is right \
              in {}, Crank-Nicolson in {}.",
             right(2),
             judged[2].points.len(),

@@ -179,7 +179,7 @@ fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<
             ringing.len() - 1
         ),
         format!(
-            "The default is right in {} of {} runs, at steps from 10⁻³ to 10⁴ thermal times. Its largest error is {:.1e}.",
+            "The default is right in {} of {} runs, at steps from 1e-3 to 1e4 thermal times. Its largest error is {:.1e}.",
             judged[1].count(Verdict::Right),
             judged[1].points.len(),
             judged[1].largest_error()

@@ -390,7 +390,7 @@ fn assemble(
             apart(&bounds.curves[1])
         ),
         format!(
-            "The default scheme is right in {} of {} runs, to 10⁴ times the bound; its largest error from the tenth step on is \
+            "The default scheme is right in {} of {} runs, to 1e4 times the bound; its largest error from the tenth step on is \
              {:.1e}.",
             judged[2].count(Verdict::Right),
             judged[2].points.len(),
