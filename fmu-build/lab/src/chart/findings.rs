@@ -42,8 +42,6 @@ fn reached(point: &Point, error: f64) -> Reached {
 
 /// The quantities to which `solver.tolerance` refers.
 pub const MAIN: &[Quantity] = &[Quantity::WearDepth, Quantity::ContactTemperature, Quantity::FrictionForce];
-/// All that are charted.
-pub const ALL: &[Quantity] = &Quantity::ALL;
 
 /// Largest error of the quantities that are judged; `None` where the run did not finish.
 pub fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
