@@ -18,6 +18,7 @@ pub mod plot;
 pub mod project;
 pub mod python;
 pub mod realtime;
+pub mod reference;
 pub mod release;
 pub mod run;
 pub mod scenes;
