@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 from scipy.stats import qmc
 
-from sliding_contact.scene import quantity, split
+from sliding_contact._units import quantity, split
 
 FACTOR = ".factor"
 

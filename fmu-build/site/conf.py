@@ -15,7 +15,9 @@ html_title = project
 extensions = ["myst_parser"]
 root_doc = "README"
 include_patterns = ["**.md"]
-exclude_patterns = ["target", "**/target", "**/.*", "**/node_modules", "**/__pycache__"]
+# `cargo fmu site` writes the tables of variables and scenes to target/reference; nothing else in target is a page of the site.
+OTHER = [f"target/{path.name}" for path in ROOT.joinpath("target").iterdir() if path.name != "reference"]
+exclude_patterns = [*OTHER, "modelDescription", "**/target", "**/.*", "**/node_modules", "**/__pycache__"]
 
 # Formulas between dollars, and anchors as those of the Markdown that repositories show.
 myst_enable_extensions = ["dollarmath"]
@@ -39,10 +41,10 @@ SECTIONS = {
     "Use": [
         "docs/usage",
         "docs/python",
-        "docs/reference/manual",
-        "docs/reference/scenes",
-        "docs/reference/variables",
-        "docs/reference/messages",
+        "docs/manual",
+        "docs/messages",
+        "target/reference/scenes",
+        "target/reference/variables",
     ],
     "Examples": [
         "examples/disc_brake/README",

@@ -3,6 +3,7 @@
 //! This package depends on no crate of the model: what `cargo fmu package` and `run` need compiles in seconds, and the
 //! model itself once, for the library in the FMU.
 
+#![warn(missing_docs)]
 // Everything is printed by `output`, which bears that nobody reads it to the end.
 #![deny(clippy::print_stdout)]
 
@@ -18,6 +19,7 @@ pub mod plot;
 pub mod project;
 pub mod python;
 pub mod realtime;
+pub mod reference;
 pub mod release;
 pub mod run;
 pub mod scenes;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use fmu_build::native::Forwarded;
-use fmu_build::{batch, bench, fit, native, output, package, realtime, release, run, site, soak, test};
+use fmu_build::{batch, bench, fit, native, output, package, realtime, reference, release, run, site, soak, test};
 
 /// Wear and heat in a sliding contact: makes, runs and tests the FMU.
 #[derive(Parser, Debug)]
@@ -27,6 +27,7 @@ enum Command {
     Bench(bench::Arguments),
     Realtime(realtime::Arguments),
     Site(site::Arguments),
+    Reference(reference::Arguments),
     Soak(soak::Arguments),
     #[command(about = native::SIMULATE)]
     Simulate(Forwarded),
@@ -69,6 +70,7 @@ fn main() -> ExitCode {
             Command::Bench(arguments) => bench::execute(&arguments),
             Command::Realtime(arguments) => realtime::execute(&arguments),
             Command::Site(arguments) => site::execute(&arguments),
+            Command::Reference(arguments) => reference::execute(&arguments),
             Command::Soak(arguments) => soak::execute(&arguments),
             Command::Batch(arguments) => batch::execute(&arguments),
             Command::Fit(arguments) => fit::execute(&arguments),

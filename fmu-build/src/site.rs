@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::output::{self, print_line};
-use crate::{project, python};
+use crate::{project, python, reference};
 
 /// Makes a static site of README, docs, examples and the other Markdown pages, by Sphinx. A link that leads nowhere is an error.
 #[derive(Args, Debug)]
@@ -33,6 +33,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// Where the environment cannot be made, or with the warnings of the pages: links, anchors and pictures that do not exist.
 pub fn build(folder: &Path) -> Result<PathBuf> {
+    reference::write()?;
     let python = python::site_environment()?;
     // Beside the site, so that nothing but the site is in its folder.
     let cache = project::target().join("site-cache");

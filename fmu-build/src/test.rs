@@ -102,7 +102,7 @@ fn fast(tally: &mut Tally) {
         Ok(())
     });
     tally.step("policy and sources", |step| {
-        let targets = ["fmi_policy", "links", "modules", "sources", "supply_chain"].map(|name| ["--test", name]);
+        let targets = ["fmi_policy", "links", "sources"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
     for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time", "slow tests"] {

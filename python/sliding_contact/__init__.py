@@ -11,8 +11,8 @@ Values are in SI units unless a name says another one: `result["contact_temperat
 
 from __future__ import annotations
 
-from ._errors import Error, SceneWarning, StepFailed
-from .results import Cycles, Deviation, LevelComparison, Plan, Profiles, Simulation, SteadyState, Stroke
+from ._errors import Error, SceneWarning
+from .results import Cycles, Deviation, LevelComparison, Plan, Profiles, Simulation, SteadyState, StepFailed, Stroke
 from .scene import Scene, fmu, scenes
 
 __version__ = "0.1.0"

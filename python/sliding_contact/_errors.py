@@ -5,26 +5,11 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterator, Optional, Union
-
-if TYPE_CHECKING:
-    from .results import Simulation
+from typing import Iterator, Union
 
 
 class Error(ValueError):
     """What is wrong with a scene, a file or an argument, or why there is no result, in the words of the command line."""
-
-
-class StepFailed(Error):
-    """A step that failed; `result` holds the run before it, or is None where the exception came from another process: a run stays in its own."""
-
-    def __init__(self, reason: str, result: Optional["Simulation"] = None) -> None:
-        super().__init__(reason)
-        self.result = result
-
-    def __reduce__(self) -> Any:
-        # The run belongs to its process.
-        return StepFailed, (str(self),)
 
 
 class SceneWarning(UserWarning):
@@ -41,5 +26,5 @@ def writing(path: Union[str, "os.PathLike[str]"]) -> Iterator[None]:
         raise Error(f"writing {os.fspath(path)}: {error}") from error
 
 
-for _public in (Error, StepFailed, SceneWarning):
+for _public in (Error, SceneWarning):
     _public.__module__ = "sliding_contact"

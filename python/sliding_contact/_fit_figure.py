@@ -12,7 +12,6 @@ from matplotlib.ticker import NullLocator
 from scipy import stats
 
 from ._figure import COLOURS, WIDTH
-from .wear_law import EXPONENTS, Model, Records
 
 BLUE, RED, GREEN, ORANGE = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[4]
 
@@ -26,7 +25,7 @@ def figure_of(found: Any) -> Figure:
     return figure
 
 
-def law(axis: Axes, model: Model, found: Any) -> None:
+def law(axis: Axes, model: Any, found: Any) -> None:
     """Worn volume over load, one line for every speed and distance of the records."""
     records = model.records
     groups = np.unique(np.column_stack([records.speed, records.distance]), axis=0)
@@ -36,8 +35,7 @@ def law(axis: Axes, model: Model, found: Any) -> None:
         colour = colours[at % len(colours)]
         axis.plot(records.load[own], 1e9 * records.volume[own], "o", ms=4, mfc="none", color=colour)
         load = np.geomspace(records.load.min() / 1.2, 1.2 * records.load.max(), 12)
-        along = Records(load, np.full_like(load, speed), np.full_like(load, distance), np.ones_like(load))
-        volume = 1e9 * Model(model.scene, along).volumes(found.parameters())
+        volume = 1e9 * model.at(load, speed, distance).volumes(found.parameters())
         axis.plot(load, volume, color=colour, linewidth=1.1, label=f"{distance:,.0f} m at {speed:g} m/s")
     axis.set_xscale("log")
     axis.set_yscale("log")
@@ -74,7 +72,7 @@ def region(axis: Axes, found: Any) -> None:
         capsize=3,
         label=f"fit, separate {percent} intervals",
     )
-    kind = next(kind for kind, name in EXPONENTS.items() if name == found.names[1])
+    kind = "pressure" if "pressure" in found.names[1] else "velocity"
     axis.set_xlabel(f"wear coefficient k ($10^{{{power}}}$ mm³/(N·m))")
     axis.set_ylabel(f"{kind} exponent")
     axis.set_title("what the records determine", fontsize=9)

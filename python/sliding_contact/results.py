@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union
 import numpy as np
 
 from . import _native
-from ._errors import Error, writing
+from ._drawing import drawn
+from ._errors import Error
+from ._tables import Table, source
+from ._units import converted, split
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
-
-    from .scene import Table
 
 PROFILES = ("pressure", "temperature", "wear_punch", "wear_strip")
 
@@ -110,8 +111,6 @@ class Simulation(Mapping):
         return self._profiles
 
     def __getitem__(self, name: str) -> np.ndarray:
-        from .scene import converted, split
-
         plain, unit = split(name)
         if plain in ("time",):
             values = self.time
@@ -149,7 +148,7 @@ class Simulation(Mapping):
         names = columns or tuple(f"{name} [{unit}]" for name, unit in self.units.items())
         return pandas.DataFrame({"time [s]": self.time, **{name: self[name] for name in names}})
 
-    def compare(self, measured: "Table") -> dict[str, Deviation]:
+    def compare(self, measured: Table) -> dict[str, Deviation]:
         """Deviation from a measured record, by name: columns as those of inputs, of any inputs and outputs.
 
         >>> from sliding_contact import Scene
@@ -158,8 +157,6 @@ class Simulation(Mapping):
         >>> deviation["contact_temperature"].range
         10.0
         """
-        from .scene import source
-
         found = _native.ask({"analysis": "compare", "measured": source(measured, "measured")}, self._answer).record
         deviations = {}
         for own in found:
@@ -168,16 +165,29 @@ class Simulation(Mapping):
         return deviations
 
     def plot(
-        self, path: Union[str, "os.PathLike[str]", None] = None, *, measured: Optional["Table"] = None
+        self, path: Union[str, "os.PathLike[str]", None] = None, *, measured: Optional[Table] = None
     ) -> "Figure":
         """Draws inputs, outputs, energy balance and profiles over the contact, beside a measured record; needs matplotlib.
 
         Returns the figure, and writes it to `path` (svg, pdf or png) where one is given.
         """
-        from .scene import source
-
         content = _native.ask({"analysis": "figure", "measured": source(measured, "measured")}, self._answer).record
-        return drawn("simulation", content, path)
+        return drawn(lambda figure: figure.figure_of(content), path)
+
+
+class StepFailed(Error):
+    """A step that failed; `result` holds the run before it, or is None where the exception came from another process: a run stays in its own."""
+
+    def __init__(self, reason: str, result: Optional[Simulation] = None) -> None:
+        super().__init__(reason)
+        self.result = result
+
+    def __reduce__(self) -> Any:
+        # The run belongs to its process.
+        return StepFailed, (str(self),)
+
+
+StepFailed.__module__ = "sliding_contact"
 
 
 @dataclass(frozen=True)
@@ -224,7 +234,7 @@ class SteadyState:
 
     def plot(self, path: Union[str, "os.PathLike[str]", None] = None) -> "Figure":
         """Draws pressure and worn shape, and with heat the temperatures; needs matplotlib."""
-        return drawn("steady", self, path)
+        return drawn(lambda figure: figure.steady(self), path)
 
 
 class Cycles:
@@ -261,7 +271,7 @@ class Cycles:
 
     def plot(self, path: Union[str, "os.PathLike[str]", None] = None) -> "Figure":
         """Draws pressure, wear and temperature over the cycles; needs matplotlib."""
-        return drawn("cycles", self, path)
+        return drawn(lambda figure: figure.cycles(self), path)
 
 
 class Plan:
@@ -327,33 +337,3 @@ def _arrays(value: Any) -> Any:
             return np.array(value, dtype=float)
         return [_arrays(own) for own in value]
     return value
-
-
-def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -> "Figure":
-    """Draws and writes a figure; the ending of the path says the format."""
-    endings: Sequence[str] = ("svg", "pdf", "png")
-    ending = os.path.splitext(os.fspath(path))[1].lower().lstrip(".") or "svg" if path is not None else "svg"
-    if ending not in endings:
-        raise Error(f"{path}: .{', .'.join(endings)} are drawn, not .{ending}")
-    try:
-        import matplotlib
-        import matplotlib.pyplot as plt
-    except ImportError as error:
-        raise ImportError("figures need matplotlib: pip install matplotlib") from error
-    from . import _figure
-
-    with plt.rc_context(_figure.STYLE):
-        if kind == "fit":
-            from . import _fit_figure
-
-            figure: "Figure" = _fit_figure.figure_of(content)
-        else:
-            draw = {"simulation": _figure.figure_of, "steady": _figure.steady, "cycles": _figure.cycles}[kind]
-            figure = draw(content)
-        interactive = matplotlib.is_interactive()
-    # A notebook's backend turns this on when it is first used, which the end of the context undoes.
-    matplotlib.interactive(interactive)
-    if path is not None:
-        with writing(path):
-            _figure.save(figure, os.fspath(path), ending)
-    return figure

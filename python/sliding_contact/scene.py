@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import codecs
-import csv
 import difflib
-import io
-import json
 import os
 import warnings
 from dataclasses import dataclass
@@ -16,18 +12,14 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _native
-from ._errors import Error, SceneWarning, StepFailed
+from ._errors import Error, SceneWarning
 from ._numbers import number, plain
-from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState
+from ._tables import Table, source
+from ._units import Value, converted, count, literal, seconds, split, with_unit
+from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
 
 if TYPE_CHECKING:
-    import pandas
-
     from .wear_law import Fit, Records
-
-Value = Union[float, int, bool, str, Sequence[Union[float, str]], np.ndarray]
-#: Quantities over time: columns by name with a unit, a table of pandas, or a CSV file.
-Table = Union[Mapping[str, Any], "pandas.DataFrame", str, "os.PathLike[str]"]
 
 
 def scenes() -> list[str]:
@@ -117,14 +109,14 @@ class Scene:
         given: dict[str, Any] = {}
         for name, own in named.items():
             plain, unit = split(name)
-            given[plain] = own if unit is None else _with_unit(name, own, unit)
+            given[plain] = own if unit is None else with_unit(name, own, unit)
 
         def is_replaced(assignment: str) -> bool:
             name = assignment.split("=", 1)[0].strip()
             return name in given or name.split("[")[0] in given
 
         kept = [assignment for assignment in self._assignments if not is_replaced(assignment)]
-        self._read([*kept, *(f"{name}={_literal(name, own)}" for name, own in given.items())])
+        self._read([*kept, *(f"{name}={literal(name, own)}" for name, own in given.items())])
         return self
 
     def set_numbers(self, values: Mapping[str, float]) -> "Scene":
@@ -310,116 +302,3 @@ class Scene:
                 self._warned.add(text)
                 warnings.warn(text, SceneWarning, stacklevel=3)
         return record
-
-
-def split(name: str) -> tuple[str, Optional[str]]:
-    """Name and unit of `name [unit]`."""
-    if not isinstance(name, str):
-        raise Error(f"{name!r} is no name of a variable")
-    # Elements of arrays have an index right behind the name, units stand apart.
-    at = name.rfind(" [")
-    return (name[:at].rstrip(), name[at + 2 : -1].strip()) if at > 0 and name.endswith("]") else (name, None)
-
-
-def converted(name: str, unit: str, values: Any) -> Any:
-    """SI values of a variable in another unit."""
-    record = _native.ask({"analysis": "unit", "name": name, "unit": unit}).record
-    return (values - record["zero"]) / record["slope"]
-
-
-def quantity(name: str, text: str, difference: bool = False) -> float:
-    """SI value of a number with or without a unit, as a value of a variable; `difference`: of two of its values.
-
-    >>> quantity("sliding_velocity", "36 km/h"), quantity("ambient_temperature", "20 degC"), quantity("punch.width", "0.1")
-    (10.0, 293.15, 0.1)
-    """
-    return float(_native.ask({"analysis": "quantity", "name": name, "text": text, "difference": difference}).record)
-
-
-def count(name: str, value: Any, most: int = 1025) -> Optional[int]:
-    """A whole number from 1 among the arguments, or none."""
-    if value is None:
-        return None
-    own = number(name, value)
-    if not (1 <= own <= most and own == int(own)):
-        raise Error(f"{name} = {value!r} must be a whole number from 1 to {most}")
-    return int(own)
-
-
-def seconds(name: str, value: Any) -> float:
-    """A time among the arguments, in seconds or with its unit as "20 ms"."""
-    if not isinstance(value, str):
-        return number(name, value)
-    try:
-        return quantity("nominal.duration", value)
-    except Error as error:
-        raise Error(f"{name} = {value!r}: {str(error).split(': ', 1)[-1]}") from None
-
-
-def _with_unit(name: str, value: Any, unit: str) -> Value:
-    """A number or numbers in a unit, as texts."""
-    if isinstance(value, (str, bytes)):
-        raise Error(f"{name} = {value!r}: the name has the unit already; a number is accepted")
-    if np.ndim(value) == 0:
-        return f"{number(name, value)!r} {unit}"
-    return [f"{number(name, entry)!r} {unit}" for entry in value]
-
-
-def _literal(name: str, value: Value) -> str:
-    """A value as it stands in a scene file."""
-    value = plain(name, value)
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return value
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(json.dumps(entry) if isinstance(entry, str) else _literal(name, entry) for entry in value) + "]"
-    if not isinstance(value, (float, np.floating)):
-        raise Error(f"{name} = {value!r}: accepted are numbers, texts with a unit or of an item, and lists of them")
-    return repr(float(value))
-
-
-def _is_text(path: str) -> bool:
-    """Whether a file begins as text in UTF-8; one that cannot be read is left to the native library, which says why."""
-    try:
-        with open(path, "rb") as file:
-            beginning = file.read(4096)
-    except OSError:
-        return True
-    try:
-        # A character may be cut at the end.
-        codecs.getincrementaldecoder("utf-8")().decode(beginning)
-    except UnicodeDecodeError:
-        return False
-    return b"\0" not in beginning
-
-
-def source(table: Optional[Table], name: str) -> Optional[dict[str, Any]]:
-    """A table as the native library takes it: the path of a file, or the same text as in one."""
-    if table is None:
-        return None
-    accepted = "accepted are CSV files, dictionaries and tables of pandas, with columns as in `time [s],contact_temperature [degC]`"
-    if isinstance(table, (str, os.PathLike)):
-        path = os.fspath(table)
-        if not _is_text(path):
-            raise Error(f"{path} is no text in UTF-8; {accepted}")
-        return {"path": path}
-    if not hasattr(table, "keys"):
-        raise Error(f"{name}: {type(table).__name__} is no table; {accepted}")
-    columns = {str(header): table[header] for header in table.keys()}
-    count = max((len(values) for values in columns.values() if np.ndim(values) == 1), default=1)
-    cells = []
-    for header, values in columns.items():
-        place = f"{name}: the column {header!r}"
-        column = [values] * count if np.ndim(values) == 0 else list(values)
-        if len(column) != count:
-            raise Error(f"{place} has {len(column)} rows, others have {count}")
-        column = [plain(place, cell) for cell in column]
-        cells.append([repr(float(cell)) if isinstance(cell, (int, float, np.number)) else str(cell) for cell in column])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*cells))
-    return {"text": text.getvalue(), "name": name}

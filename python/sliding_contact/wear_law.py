@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 import numpy as np
 
 from . import _native
+from ._drawing import drawn
 from ._errors import Error, SceneWarning
 from ._numbers import numbers
 
@@ -30,7 +31,8 @@ except ImportError as missing:
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .scene import Scene
+#: A `sliding_contact.Scene`; its module uses this one.
+Scene = Any
 
 COEFFICIENT = "punch.wear_coefficient"
 EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
@@ -76,7 +78,7 @@ class Model:
     With `solver.fidelity = auto` the level is chosen once, so that volumes are smooth in the parameters.
     """
 
-    def __init__(self, scene: "Scene", records: Records) -> None:
+    def __init__(self, scene: Scene, records: Records) -> None:
         auto = scene["solver.fidelity"] == "auto"
         self.scene = scene.copy().set(scene.plan().settings) if auto else scene
         self.records = records
@@ -102,6 +104,10 @@ class Model:
         """The same on half the cells, or of the lumped level the line with `COARSE` cells."""
         cells = (self.cells + 1) // 2 if self.cells else COARSE
         return Model(self.scene.copy().set({"solver.fidelity": "line", "solver.cells": cells}), self.records)
+
+    def at(self, load: np.ndarray, speed: float, distance: float) -> "Model":
+        """The same under other loads, at one speed over one distance."""
+        return Model(self.scene, Records(load, np.full_like(load, speed), np.full_like(load, distance), np.ones_like(load)))
 
     def volumes(self, parameters: Mapping[str, float]) -> np.ndarray:
         """Predicted volume of every test [m3] for these parameters by name."""
@@ -156,9 +162,9 @@ class Fit:
 
     def plot(self, path: Union[str, "os.PathLike[str]", None] = None) -> "Figure":
         """Draws the tests beside the law, and how well the records determine its parameters; needs matplotlib."""
-        from .results import drawn
+        from . import _fit_figure
 
-        return drawn("fit", self, path)
+        return drawn(lambda _: _fit_figure.figure_of(self), path)
 
 
 def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: float = 0.95) -> Fit:

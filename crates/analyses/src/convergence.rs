@@ -8,10 +8,13 @@ const CONVERGED: f64 = 1e-2;
 /// A number on the cells of a contact line, and on half of them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Convergence {
+    /// On `cells` cells.
     pub value: f64,
+    /// Cells of the contact line.
     pub cells: usize,
     /// On `coarser_cells`; NaN where there is none.
     pub coarser: f64,
+    /// About half of them.
     pub coarser_cells: usize,
 }
 

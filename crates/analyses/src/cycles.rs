@@ -31,10 +31,15 @@ impl Default for Options {
 
 /// Recorded quantities of a jump.
 pub struct Station {
+    /// Cycles so far.
     pub cycles: f64,
+    /// Length of the jump in cycles; 1: computed directly.
     pub length: f64,
+    /// Estimated relative error of the jump.
     pub estimate: f64,
+    /// Sum of the estimates so far.
     pub accumulated: f64,
+    /// Cycles computed so far.
     pub computed: usize,
     /// Largest pressure of the forward half-stroke's mean, Pa.
     pub highest_pressure: f64,
@@ -46,14 +51,19 @@ pub struct Station {
 
 /// A scene over its cycles.
 pub struct Course {
+    /// Name of the scene.
     pub name: String,
+    /// Whether heat is part of it.
     pub warm: bool,
     /// What a reader of the course should know.
     pub warning: Option<String>,
+    /// Pa.
     pub mean_pressure: f64,
+    /// Jumps.
     pub stations: Vec<Station>,
     /// Worn depth of the punch in the end, by cell, m.
     pub depth: Vec<f64>,
+    /// Positions of the cells, m.
     pub x: Vec<f64>,
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 2.1, 6.6.
 
+#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod complementarity;

@@ -24,7 +24,16 @@ pub enum BodyReason {
     /// Refused by the finite elements of the block.
     Block(BlockError),
     /// Height, in m, over the width of the contact outside the limits of the method.
-    Proportions { height: f64, width: f64, least: f64, largest: f64 },
+    Proportions {
+        /// Height of the body, m.
+        height: f64,
+        /// Width of the contact, m.
+        width: f64,
+        /// Least accepted ratio, 1.
+        least: f64,
+        /// Largest accepted ratio, 1.
+        largest: f64,
+    },
 }
 
 impl From<OutOfRange> for BodyReason {

@@ -6,6 +6,7 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
+#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod antisymmetric;

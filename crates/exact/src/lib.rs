@@ -5,6 +5,7 @@
 //!
 //! Theory: docs/theory.md, section 10.
 
+#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod cyclic;

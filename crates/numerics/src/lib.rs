@@ -1,5 +1,6 @@
 //! Numerical tools shared by all parts of the physics.
 
+#![warn(missing_docs)]
 #![cfg_attr(not(test), forbid(unsafe_code))]
 
 pub mod acceleration;

@@ -1,5 +1,7 @@
 //! A scene: the parameters of the physical model, built from the values of the variable table.
 
+#![warn(missing_docs)]
+
 mod fade;
 pub mod fnv;
 mod friction_table;
@@ -194,27 +196,47 @@ pub const STATIONS: usize = 33;
 /// A body. Symbols and units as in the variable table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Body {
+    /// Height of the body across the contact, m.
     pub height: f64,
+    /// Elastic model.
     pub mechanical: MechanicalBody,
+    /// E, Pa.
     pub youngs_modulus: f64,
+    /// nu, 1.
     pub poissons_ratio: f64,
+    /// Pressure over displacement of an elastic foundation, Pa/m.
     pub foundation_stiffness: f64,
+    /// rho, kg/m3.
     pub density: f64,
+    /// c, J/(kg K).
     pub specific_heat: f64,
+    /// K, W/(m K); 0: an insulator.
     pub conductivity: f64,
+    /// alpha, 1/K.
     pub thermal_expansion: f64,
+    /// k of the wear law, m2/N.
     pub wear_coefficient: f64,
+    /// b of the wear law, 1.
     pub wear_pressure_exponent: f64,
+    /// a of the wear law, 1.
     pub wear_velocity_exponent: f64,
+    /// Factor of the wear rate over the temperature, 1.
     pub wear_fade: FadeTable,
+    /// Worn depth at the start, m.
     pub initial_wear: f64,
+    /// Worn depth at the end of life, m; 0: none.
     pub wear_limit: f64,
     /// K; 0: ambient.
     pub initial_temperature: f64,
+    /// Heat transfer coefficient to ambient at rest, W/(m2 K).
     pub convection: f64,
+    /// Its part that grows with the cooling velocity, at 1 m/s, W/(m2 K).
     pub convection_forced: f64,
+    /// Emissivity of the free surfaces, 1.
     pub emissivity: f64,
+    /// Free surface beside the contact, per face, m2; 0: by the geometry.
     pub cooled_area: f64,
+    /// Conductance to a neighbour outside the FMU, W/K.
     pub external_conductance: f64,
     /// Condition of the face opposite to the contact.
     pub far_thermal: ThermalBoundary,
@@ -251,40 +273,69 @@ impl Body {
 /// The parameters of a scene. Symbols and units as in the variable table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Scene {
+    /// Body above, fixed to x.
     pub punch: Body,
+    /// Body below.
     pub strip: Body,
+    /// Width of the contact along x, m.
     pub width: f64,
+    /// Depth of the contact across x, m.
     pub depth: f64,
+    /// Equal punches spread over a closed path.
     pub count: f64,
+    /// Path of the punch on the strip.
     pub path: Path,
     /// Circumference of a closed path, resolved from the mean radius where not given; 0 for a straight one without a given length.
     pub length: f64,
+    /// Whether the base of the strip is free to slide on its rigid support.
     pub smooth_base: bool,
+    /// Geometry of the contact.
     pub geometry: Geometry,
+    /// Radius from angular to sliding velocity, m.
     pub mean_radius: f64,
+    /// Faces in contact.
     pub faces: f64,
+    /// mu before fade and Stribeck effect, 1.
     pub friction_coefficient: f64,
+    /// Factor of mu over the temperature, 1.
     pub friction_fade: FadeTable,
+    /// Static over kinetic friction, 1.
     pub static_friction_ratio: f64,
+    /// Velocity over which static friction decays, m/s.
     pub stribeck_velocity: f64,
     /// Friction coefficient over sliding speed, in place of the Stribeck formula.
     pub friction_table: Option<FrictionTable>,
+    /// Velocity of regularised friction, m/s; 0: off.
     pub regularization_velocity: f64,
+    /// Stiffness of the bristle, N/m; 0: off.
     pub stick_stiffness: f64,
+    /// Damping of the bristle, N s/m.
     pub stick_damping: f64,
+    /// Thermal contact conductance, W/(m2 K).
     pub conductance: f64,
+    /// Gap between the undeformed bodies at initialisation.
     pub initial_shape: InitialShape,
+    /// Whether friction tractions displace the surfaces normal to the contact.
     pub shear_coupling: bool,
     /// K; 0: no limit.
     pub temperature_limit: f64,
+    /// Freedom of the punch in its holder.
     pub constraint: Constraint,
+    /// Height of the pivot above the contact, m.
     pub pivot_height: f64,
+    /// Stiffness of the holder, N/m; 0: rigid.
     pub holder_stiffness: f64,
+    /// K.
     pub ambient_temperature: f64,
+    /// N per face.
     pub nominal_load: f64,
+    /// m/s.
     pub nominal_velocity: f64,
+    /// s.
     pub nominal_duration: f64,
+    /// m; 0: sliding in one direction.
     pub nominal_stroke: f64,
+    /// Level of the model.
     pub fidelity: Fidelity,
     /// Number of cells of the contact line; 0: by the tolerance.
     pub cells: usize,
@@ -292,8 +343,11 @@ pub struct Scene {
     pub heat_resolution: HeatResolution,
     /// Measure of the error of the run.
     pub error_estimate: ErrorEstimate,
+    /// Time stepping.
     pub scheme: Scheme,
+    /// Relative tolerance: the scene's own, else the importer's.
     pub tolerance: f64,
+    /// Factor of all wear, 1.
     pub wear_acceleration: f64,
 }
 

@@ -6,6 +6,7 @@
 //!
 //! Theory: docs/theory.md, section 9.
 
+#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod box_programme;

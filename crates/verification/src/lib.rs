@@ -6,6 +6,8 @@
 //!
 //! Theory: docs/theory.md, section 10.
 
+#![warn(missing_docs)]
+
 mod annulus;
 mod bodies;
 pub mod clock;

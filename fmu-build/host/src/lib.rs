@@ -10,6 +10,8 @@
 //!
 //! The C interface of the same is in [`c_interface`].
 
+#![warn(missing_docs)]
+
 pub mod c_interface;
 mod description;
 mod error;

@@ -333,7 +333,7 @@ fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
         }
         if let Err(Failure { reason, .. }) = description.find_as(column, Causality::Parameter) {
             bail!(
-                "{}: {reason}; accepted are parameters of the FMU (docs/reference/variables.md) and {}",
+                "{}: {reason}; accepted are parameters of the FMU (`cargo fmu reference` lists them) and {}",
                 place(),
                 factors()
             );

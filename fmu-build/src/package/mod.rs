@@ -16,6 +16,7 @@ pub mod wheel;
 mod xml;
 
 pub use description::write as model_description;
+pub use documentation::pages::write as reference_pages;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -51,7 +52,7 @@ pub struct Arguments {
     /// Platforms whose library the FMU holds; give it several times, or several with commas [default: that of this machine]
     #[arg(long, value_delimiter = ',')]
     platform: Vec<Platform>,
-    /// Only write what is made from the variable table in this source tree anew: modelDescription.xml, docs/reference
+    /// Only write modelDescription.xml, which is made from the variable table, in this source tree anew
     #[arg(long, conflicts_with_all = ["scene", "output", "ssv", "platform"])]
     write_description: bool,
 }
@@ -80,11 +81,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         let path = project::root().join("modelDescription/modelDescription.xml");
         write(&path, description::write(&slot::Packaged::stock(), "").as_bytes())?;
         print_line!("{}", path.display());
-        for (name, text) in documentation::pages::write()? {
-            let path = project::root().join(documentation::pages::FOLDER).join(name);
-            write(&path, text.as_bytes())?;
-            print_line!("{}", path.display());
-        }
         return Ok(());
     }
     output::check_ending(arguments.output.as_deref(), if arguments.ssv { &["ssv"] } else { &["fmu"] })?;

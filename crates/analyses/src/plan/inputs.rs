@@ -33,9 +33,11 @@ const MOST: f64 = 0.5;
 /// A level on the inputs.
 #[derive(Clone, Debug)]
 pub struct Candidate {
+    /// The level.
     pub level: ModelLevel,
     /// Errors of the main outputs.
     pub errors: Main,
+    /// Internal steps.
     pub steps: u64,
     /// Time of the communication steps, s.
     pub seconds: f64,
@@ -44,7 +46,9 @@ pub struct Candidate {
 /// All levels that were run.
 #[derive(Debug)]
 pub struct Levels {
+    /// Relative tolerance that a level must meet.
     pub tolerance: f64,
+    /// Levels with their errors.
     pub candidates: Vec<Candidate>,
     /// Levels that could not be run.
     pub failed: Vec<String>,

@@ -22,26 +22,36 @@ const FLAT: f64 = 0.2;
 /// The same below which the shape is rounding, and not drawn.
 const ROUNDING: f64 = 1e-9;
 
+/// A curve.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Series {
+    /// Name in the legend.
     pub name: String,
     /// Index of the colour.
     pub colour: usize,
     /// Points instead of a line.
     pub measured: bool,
+    /// Abscissas.
     pub x: Vec<f64>,
+    /// Ordinates.
     pub y: Vec<f64>,
 }
 
+/// Curves over the same axes.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Panel {
+    /// Label of the abscissa.
     pub x: String,
+    /// Label of the ordinate.
     pub y: String,
+    /// Curves.
     pub series: Vec<Series>,
 }
 
+/// The figure of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Figure {
+    /// Title.
     pub title: String,
     /// Panels over the time.
     pub courses: Vec<Panel>,

@@ -11,7 +11,9 @@ use std::path::Path;
 /// A measured quantity and its deviation from the simulated one of the same name, in SI units.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Measured {
+    /// Name of the variable.
     pub name: String,
+    /// SI unit.
     pub unit: &'static str,
     /// Measured points within the simulated time: time and value.
     pub points: Vec<(f64, f64)>,

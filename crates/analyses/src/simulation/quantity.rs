@@ -5,6 +5,7 @@
 pub struct Shown {
     /// The shown value is `factor * value + offset`.
     pub factor: f64,
+    /// In the shown unit.
     pub offset: f64,
     /// Sign of the unit; empty of a number.
     pub unit: String,

@@ -15,9 +15,11 @@ use std::time::Instant;
 /// A recorded variable.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Channel {
+    /// Name of the variable.
     pub name: &'static str,
     /// SI unit; `1` of a number.
     pub unit: &'static str,
+    /// Its value reference.
     pub reference: ValueReference,
     /// Values at the communication points.
     pub values: Vec<f64>,
@@ -44,8 +46,11 @@ pub type Progress<'a> = &'a mut dyn FnMut(f64);
 /// A run, complete or up to its failure.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Recording {
+    /// Communication points, s.
     pub times: Vec<f64>,
+    /// Inputs and outputs at them.
     pub channels: Vec<Channel>,
+    /// Distributions at the times asked for.
     pub profiles: Vec<Profiles>,
     /// Level at which the scene ran.
     pub level: String,

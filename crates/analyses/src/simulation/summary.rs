@@ -11,9 +11,13 @@ const ROUNDING: f64 = 1e-12;
 
 /// A run with everything that the table and the JSON state about it.
 pub struct Summary<'a> {
+    /// Name of the scene.
     pub scene: &'a str,
+    /// Where the inputs are from.
     pub inputs: &'a str,
+    /// The run.
     pub recording: &'a Recording,
+    /// Measured quantities.
     pub measured: &'a [Measured],
     /// Files written.
     pub files: &'a [String],

@@ -34,10 +34,15 @@ pub struct Options {
 
 /// A solved scene.
 pub struct Solved {
+    /// Name of the scene.
     pub name: String,
+    /// The scene.
     pub scene: Scene,
+    /// Cells of the contact.
     pub cells: Cells,
+    /// State without heat.
     pub state: SteadyState,
+    /// Contributions to the velocity beside the sliding velocity.
     pub velocity: RelativeVelocity,
     /// With heat, or the reason why there is none; `None`: nothing is heated, or without heat.
     pub hot: Option<Result<HotState, String>>,

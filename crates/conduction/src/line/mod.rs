@@ -63,7 +63,9 @@ pub enum Stage {
 /// Number of cooled faces, through which heat flows beyond their constant heat transfer: the free surface beside the contact, and
 /// the far face (punch top, strip base) where its temperature is not prescribed.
 pub const FACES: usize = 2;
+/// The free surface beside the contact.
 pub const BESIDE: usize = 0;
+/// The far face.
 pub const FAR: usize = 1;
 
 /// Boundary values of a body apart from the contact, at one instant.
@@ -162,8 +164,9 @@ impl Surroundings {
 /// Responses of one stage to a unit flux into a cooled face, and of the mean temperature of that face to the fluxes of the stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceInfluence {
-    /// Temperatures (K per W/m2) and distortion (m per W/m2) of the N cells.
+    /// Temperatures of the N cells, K per W/m2.
     pub temperature: Vec<f64>,
+    /// Distortion of the N cells, m per W/m2.
     pub distortion: Vec<f64>,
     /// Mean temperatures of the cooled faces, K per W/m2.
     pub faces: [f64; FACES],

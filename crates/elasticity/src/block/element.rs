@@ -37,7 +37,9 @@ pub struct Shape {
     pub size_x: f64,
     /// Extent along z [m].
     pub size_z: f64,
+    /// Polynomial order along x.
     pub order_x: usize,
+    /// Polynomial order along z.
     pub order_z: usize,
 }
 

@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 /// Half-plane of a given Poisson's ratio.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfPlane {
+    /// nu, 1.
     pub poissons_ratio: f64,
     /// Length at which the logarithm of the displacement under a line load is zero [m].
     pub scale: f64,
@@ -20,8 +21,11 @@ pub struct HalfPlane {
 /// Stress components (xx, zz, xz) per unit pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stress {
+    /// Normal stress along the surface, 1.
     pub xx: f64,
+    /// Normal stress across it, 1.
     pub zz: f64,
+    /// Shear stress, 1.
     pub xz: f64,
 }
 

@@ -103,7 +103,9 @@ pub struct Entity {
 /// The mesh: columns times rows of rectangles, x along the contact, z from the contact (0) to the top.
 #[derive(Clone, Debug)]
 pub struct Mesh {
+    /// Columns.
     pub x: Grid,
+    /// Rows.
     pub z: Grid,
     /// Skeleton entities in the order of their numbers; those of the top edge come last if the top is held.
     pub entities: Vec<Entity>,

@@ -59,15 +59,48 @@ pub const LARGEST_FLATNESS: f64 = 500.0;
 #[derive(Clone, Debug, PartialEq)]
 pub enum BlockError {
     /// A number outside its range.
-    OutOfRange { name: &'static str, value: f64, limit: &'static str },
+    OutOfRange {
+        /// Name of the number.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is accepted, in words.
+        limit: &'static str,
+    },
     /// Cell boundary `index` is not above its predecessor.
-    CellsNotAscending { index: usize, before: f64, value: f64 },
+    CellsNotAscending {
+        /// Index of the boundary.
+        index: usize,
+        /// The boundary before it, m.
+        before: f64,
+        /// Its own value, m.
+        value: f64,
+    },
     /// The first or last cell boundary is not an end of the contact.
-    CellsDoNotSpanContact { first: f64, last: f64, half_width: f64 },
+    CellsDoNotSpanContact {
+        /// First boundary, m.
+        first: f64,
+        /// Last boundary, m.
+        last: f64,
+        /// Half of the contact's width, m.
+        half_width: f64,
+    },
     /// Temperatures of one mesh were given to a block of another; the numbers of elements.
-    DifferentMeshes { mechanical: usize, thermal: usize },
+    DifferentMeshes {
+        /// Elements of the mesh of the displacements.
+        mechanical: usize,
+        /// Elements of the mesh of the temperatures.
+        thermal: usize,
+    },
     /// The stiffness or conduction matrix of `degrees` unknowns could not be factorised.
-    Factorization { quantity: &'static str, degrees: usize, reason: FactorizationError },
+    Factorization {
+        /// What the matrix is of.
+        quantity: &'static str,
+        /// Number of unknowns.
+        degrees: usize,
+        /// Why it could not.
+        reason: FactorizationError,
+    },
 }
 
 impl fmt::Display for BlockError {

@@ -40,6 +40,7 @@ pub struct ThermalProperties {
     pub volumetric_heat_capacity: f64,
     /// Convection h at the two sides [W/(m2 K)], >= 0.
     pub side_convection: f64,
+    /// Condition at the top.
     pub top: FarBoundary,
 }
 

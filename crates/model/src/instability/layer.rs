@@ -86,6 +86,7 @@ impl Layer {
 /// Both bodies at one wave number.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
+    /// Punch and strip.
     pub bodies: [Layer; 2],
     /// Wave number, 1/m.
     pub wave: f64,

@@ -54,7 +54,9 @@ pub(super) struct Least {
 /// Far face of the strip in the mode that a contact line contains, and in those that a strip between two faces has beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct FarFaces {
+    /// In the mode of the contact line.
     pub own: FarFace,
+    /// In the modes beside it.
     pub others: &'static [FarFace],
 }
 

@@ -41,8 +41,9 @@ pub struct BodyOperators {
     pub least_wear: f64,
     /// Worn volume per worn depth under the contact, per face, m2.
     pub worn_area: f64,
-    /// Initial wear depth, and the depth at which life ends (0: never), m.
+    /// Initial wear depth, m.
     pub initial_wear: f64,
+    /// Wear depth at which life ends, m; 0: never.
     pub wear_limit: f64,
     /// Mean outward displacement per kelvin of mean temperature, m/K.
     pub expansion: f64,
@@ -113,7 +114,9 @@ impl FastPathBounds {
 pub struct LumpedOperators {
     /// Scene from which the operators were built.
     pub scene: Scene,
+    /// Of the punch.
     pub punch: BodyOperators,
+    /// Of the strip.
     pub strip: BodyOperators,
     /// Flash temperature of the strip under the contact; `None` where the contact covers the whole path or the strip is an
     /// insulator.

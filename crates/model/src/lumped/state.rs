@@ -37,7 +37,9 @@ impl BodyState {
 /// State of the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LumpedState {
+    /// Of the punch.
     pub punch: BodyState,
+    /// Of the strip.
     pub strip: BodyState,
     /// States of the moving source, K.
     pub flash: [f64; MAX_FLASH_STATES],
@@ -51,8 +53,9 @@ pub struct LumpedState {
     pub dissipated: f64,
     /// Bristle deflection, m.
     pub bristle: f64,
-    /// Prescribed temperatures of the far faces (punch, strip) at initialisation and now, K above the reference.
+    /// Prescribed temperatures of the far faces (punch, strip) at initialisation, K above the reference.
     pub far_start: [f64; 2],
+    /// The same now.
     pub far: [f64; 2],
     /// Largest temperature rise at the contact so far, K.
     pub peak_rise: f64,
@@ -68,8 +71,9 @@ pub struct LumpedState {
     pub refinement: u8,
     /// Reference temperature: ambient temperature at initialisation, K.
     pub reference: f64,
-    /// Contact temperature (K above the reference) and friction force (N) at the end of the last step.
+    /// Contact temperature at the end of the last step, K above the reference.
     pub end_temperature: f64,
+    /// Friction force at the end of the last step, N.
     pub end_force: f64,
     /// Running estimate of the relative error.
     pub error: f64,
@@ -81,23 +85,33 @@ pub struct LumpedState {
 
 /// Thermal state of a body at the end of a step, before the step is accepted: see [`BodyState`].
 pub struct NewHeat {
+    /// States of the reduced conduction problem.
     pub heat: [f64; MAX_STATES],
+    /// Time integrals of the fluxes through the ports since initialisation, by port.
     pub received: [f64; 4],
+    /// Heat that has left by the path to the neighbour since initialisation, J/m2 of reference area.
     pub external: f64,
 }
 
 /// Result of a step from a [`LumpedState`], before it is accepted.
 pub struct NewState {
+    /// Of the punch.
     pub punch: NewHeat,
+    /// Of the strip.
     pub strip: NewHeat,
+    /// States of the moving source, K.
     pub flash: [f64; MAX_FLASH_STATES],
     /// Travel of the punch, m.
     pub travel: f64,
+    /// Friction heat per contact area, J/m2.
     pub dissipated: f64,
+    /// Distance slid, m.
     pub distance: f64,
     /// Depths worn off (punch, strip), m.
     pub worn: [f64; 2],
+    /// Contact temperature at the end, K above the reference.
     pub end_temperature: f64,
+    /// Friction force at the end, N.
     pub end_force: f64,
 }
 

@@ -48,9 +48,13 @@ pub struct Attempt {
 
 /// Data of a step that are constant during it.
 pub struct Stepper<'a> {
+    /// Operators of the scene.
     pub operators: &'a LumpedOperators,
+    /// Friction law.
     pub friction: &'a FrictionLaw,
+    /// Values that may change between steps.
     pub tunables: &'a Tunables,
+    /// Of the thermal states over the step.
     pub propagators: &'a Propagators,
     /// Number of parts of the piece without events, and the conditions at its ends where they change: scale of the wear error of
     /// a part.

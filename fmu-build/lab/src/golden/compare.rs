@@ -81,14 +81,14 @@ impl fmt::Display for Value {
 
 /// The least scale of a variable's differences; the scale is the variable's largest magnitude in the scene where that is more.
 ///
-/// A thousandth of the variable's nominal value: rounding around 0, as of the heat flow through a base that no heat has reached
-/// yet, counts as 0. Errors and residuals are relative numbers already.
+/// A tenth of the variable's nominal value: rounding around 0, as of the heat flow through a base that no heat has reached yet,
+/// counts as 0. Errors and residuals are relative numbers already.
 fn least_scale(variable: &str) -> f64 {
     if variable.contains("error") || variable.contains("change_of") {
         return 1.0;
     }
     match TABLE.iter().find(|row| row.name == variable).map(|row| row.kind) {
-        Some(Kind::Real { nominal, .. }) => 1e-3 * nominal,
+        Some(Kind::Real { nominal, .. }) => 0.1 * nominal,
         _ => 0.0,
     }
 }
@@ -277,7 +277,7 @@ mod tests {
         };
         // W, of 100 W; m, of 1e-6 m; relative.
         assert!(same("heat_flow_strip_base", [1e-12, -7e-12]) && !same("heat_flow_strip_base", [1e-3, 2e-3]));
-        assert!(same("wear_depth", [0.0, 9e-16]) && !same("wear_depth", [0.0, 1.1e-15]));
+        assert!(same("wear_depth", [0.0, 9e-14]) && !same("wear_depth", [0.0, 1.1e-13]));
         assert!(same("estimated_error", [1e-9, 5e-7]) && !same("estimated_error", [1e-9, 1e-5]));
     }
 

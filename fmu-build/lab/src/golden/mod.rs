@@ -30,9 +30,8 @@ fn tolerance(given: &str) -> Result<f64, String> {
     }
 }
 
-/// Relative tolerance on a machine other than the one that recorded, five times the largest difference that another
-/// choice of mathematical functions was seen to make; see tests/golden/README.md.
-const OTHER_MACHINE: f64 = 1e-4;
+/// Relative tolerance of all scenes on any machine; see tests/golden/README.md.
+const TOLERANCE: f64 = 1e-6;
 
 /// Record what the golden scenes compute, or compare it with the records to the bit.
 #[derive(clap::Args, Debug)]
@@ -47,15 +46,18 @@ enum Action {
     Record(Chosen),
     /// Compute the golden scenes and show where they differ first from their records.
     ///
-    /// Ends with an error where any differs. On a machine whose mathematical functions or products of matrices have other
-    /// bits than those of the machine that recorded, values that differ are compared with a small tolerance, and that is told.
+    /// Ends with an error where any differs by more than 1e-6, and on a machine like the one that recorded where a bit of the
+    /// scenes marked by `bits` differs.
     Compare {
         #[command(flatten)]
         chosen: Chosen,
         /// Compare values with this tolerance instead of bits, relative to the largest magnitude of the variable in the scene
-        /// or a thousandth of its nominal value; work counters and derivatives are then not compared.
+        /// or a tenth of its nominal value; work counters and derivatives are then not compared.
         #[arg(long, value_parser = tolerance, allow_negative_numbers = true)]
         tolerance: Option<f64>,
+        /// Compare the bits of all scenes, for changes that must not alter any.
+        #[arg(long, conflicts_with = "tolerance")]
+        bits: bool,
     },
 }
 
@@ -81,7 +83,7 @@ impl Chosen {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     match &arguments.action {
         Action::Record(chosen) => record_all(chosen),
-        Action::Compare { chosen, tolerance } => compare_all(chosen, *tolerance),
+        Action::Compare { chosen, tolerance, bits } => compare_all(chosen, *tolerance, *bits),
     }
 }
 
@@ -146,19 +148,15 @@ fn without_scene(folder: &Path, golden: &[GoldenScene]) -> Result<Vec<PathBuf>> 
     Ok(stale)
 }
 
-fn compare_all(chosen: &Chosen, tolerance: Option<f64>) -> Result<()> {
+fn compare_all(chosen: &Chosen, tolerance: Option<f64>, all_bits: bool) -> Result<()> {
     let folder = chosen.folder();
     let golden = scenes::read(&chosen.scenes)?;
     let recorded_on = fs::read_to_string(machine_file(&folder))
         .with_context(|| format!("reading {}; cargo fmu golden record writes it", machine_file(&folder).display()))?;
     let machine = machine::describe();
     let same_machine = recorded_on.trim() == machine;
-    let allowed = match (tolerance, same_machine) {
-        (Some(tolerance), _) => Allowed::Relative(tolerance),
-        (None, true) => Allowed::Nothing,
-        (None, false) => Allowed::Relative(OTHER_MACHINE),
-    };
-    let (mut differing, mut other_bits) = (Vec::new(), 0);
+    let most = tolerance.unwrap_or(TOLERANCE);
+    let (mut differing, mut in_bits, mut other_bits) = (Vec::new(), 0, 0);
     let mut largest = (0.0, String::new());
     for scene in &golden {
         let path = file(&folder, scene);
@@ -166,9 +164,13 @@ fn compare_all(chosen: &Chosen, tolerance: Option<f64>) -> Result<()> {
             .with_context(|| format!("reading {}; cargo fmu golden record writes it", path.display()))?;
         let recorded = Record::parse(&text).with_context(|| format!("reading {}", path.display()))?;
         let now = run::record(scene)?;
-        let in_bits = compare(&recorded, &now, Allowed::Nothing);
-        other_bits += usize::from(!in_bits.is_none());
-        let found = if allowed == Allowed::Nothing { in_bits } else { compare(&recorded, &now, allowed) };
+        let mut found = compare(&recorded, &now, Allowed::Nothing);
+        other_bits += usize::from(!found.is_none());
+        if all_bits || (scene.bits && same_machine && tolerance.is_none()) {
+            in_bits += 1;
+        } else {
+            found = compare(&recorded, &now, Allowed::Relative(most));
+        }
         if found.largest.0 > largest.0 {
             largest = (found.largest.0, format!("{} of {}", found.largest.1, scene.name));
         }
@@ -177,15 +179,14 @@ fn compare_all(chosen: &Chosen, tolerance: Option<f64>) -> Result<()> {
             show(scene, &now, &found);
         }
     }
-    if let Allowed::Relative(most) = allowed {
-        if !same_machine {
-            print_line!("recorded on {}", recorded_on.trim());
-            print_line!("now on      {machine}");
-        }
-        print_line!(
-            "compared with the relative tolerance {most:e} and not to the bit; {other_bits} scenes have other bits"
-        );
+    if !same_machine {
+        print_line!("recorded on {}", recorded_on.trim());
+        print_line!("now on      {machine}");
     }
+    print_line!(
+        "{in_bits} compared to the bit, {} with the relative tolerance {most:e}; {other_bits} scenes have other bits",
+        golden.len() - in_bits
+    );
     if largest.0 > 0.0 {
         print_line!("largest relative difference {:.1e}: {}", largest.0, largest.1);
     }

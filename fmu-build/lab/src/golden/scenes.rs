@@ -15,6 +15,9 @@ pub struct GoldenScene {
     pub name: String,
     /// Purpose of the scene.
     pub what: String,
+    /// Whether its bits are compared where the machine is the one that recorded.
+    #[serde(default)]
+    pub bits: bool,
     /// A shipped scene; the stock scene where there is none.
     pub scene: Option<String>,
     /// Lines of a scene file, `key = value`, that change it.

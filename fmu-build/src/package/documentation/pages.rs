@@ -1,4 +1,4 @@
-//! docs/reference: the page inside the FMU as Markdown, from the same tables and texts.
+//! The variables and the shipped scenes as Markdown, from their tables.
 
 use std::fmt::Write;
 
@@ -10,88 +10,33 @@ use scene_file::SceneFile;
 use scene_file::materials::MATERIALS;
 use scene_file::unit_names;
 
-use super::markdown::{anchor, escaped, from_html, headings};
+use super::markdown::{contents, escaped};
 use super::tables::{Entry, topics, value};
-use super::{IMPORTERS, MESSAGES, PAGE, categories};
 use crate::package::description::enumerations;
 use crate::package::xml::number;
 use crate::scenes;
 
-/// Folder of the pages in the source tree.
-pub const FOLDER: &str = "docs/reference";
-
 /// Elements of an array up to which all of its values are listed.
 const MOST_SHOWN: usize = 16;
-
-const MADE: &str = "<!-- Written by `cargo fmu package --write-description` from the variable table, the scene files and modelDescription/documentation. -->\n\n";
 
 /// File names and texts of the pages.
 ///
 /// # Errors
 /// Where a shipped scene cannot be read.
-pub fn write() -> Result<Vec<(&'static str, String)>> {
-    let pages =
-        [("manual.md", manual()), ("messages.md", messages()), ("scenes.md", scenes()?), ("variables.md", variables())];
-    Ok(pages.map(|(name, text)| (name, format!("{MADE}{text}"))).into())
+pub fn write() -> Result<[(&'static str, String); 2]> {
+    let of = "Start values are those of the stock FMU, a car's front disc brake; those of the other scenes are in [scenes](scenes.md). Scene \
+              files, `--set` and Python accept other units too ([scenes](scenes.md#units)).";
+    Ok([("scenes.md", scenes()?), ("variables.md", variables(&Packaged::stock().starts, of))])
 }
 
-/// The page's sections between first steps and messages: model, levels, standstill, importers, balance, calls.
-fn manual_html() -> String {
-    let from = PAGE.find("<h2 id=\"models\">").expect("the section on the model");
-    let to = PAGE.find("{{messages}}").expect("the place of the messages");
-    PAGE[from..to].replace("{{importers}}", IMPORTERS).replace("{{categories}}", &categories())
-}
-
-/// Link from a page to an anchor of the page in the FMU.
-fn resolve(page: &str, target: &str) -> String {
-    let known = [("manual.md", manual_html()), ("messages.md", MESSAGES.to_owned())];
-    let heading = known.iter().find_map(|(name, html)| {
-        let found = headings(html).into_iter().find(|(anchor, _)| anchor == target)?;
-        Some((*name, anchor(&found.1)))
-    });
-    let (name, anchor) = match heading {
-        Some((name, anchor)) => (name, format!("#{anchor}")),
-        None if target == "variables" => ("variables.md", String::new()),
-        None => panic!("#{target} is no heading of the page"),
-    };
-    if name == page { anchor } else { format!("{name}{anchor}") }
-}
-
-/// List of links to headings of a page.
-fn contents(headings: impl Iterator<Item = String>) -> String {
-    let links: Vec<String> = headings.map(|heading| format!("[{heading}](#{})", anchor(&heading))).collect();
-    format!("{}\n\n", links.join(" ·\n"))
-}
-
-fn manual() -> String {
-    let html = manual_html();
-    let sections = html.split("<h2 id=\"").skip(1).map(|part| {
-        let (_, rest) = part.split_once("\">").expect("a heading with an anchor");
-        rest.split_once("</h2>").expect("a heading ends").0.to_owned()
-    });
-    format!(
-        "# Manual of the FMU\n\nHow to use the FMU in any importer; the same text is in `documentation/index.html` inside every .fmu. \
-         The equations of the model in full are in [theory](../theory.md).\n\n{}{}",
-        contents(sections),
-        from_html(&html, &|anchor| resolve("manual.md", anchor))
-    )
-}
-
-fn messages() -> String {
-    let text = from_html(MESSAGES, &|anchor| resolve("messages.md", anchor));
-    // The title of a page is of the first level.
-    text.replacen("## ", "# ", 1).replace("\n### ", "\n## ")
-}
-
-fn variables() -> String {
-    let packaged = Packaged::stock();
-    let topics = topics(&packaged.starts);
-    let mut text = "# Variables\n\nValues pass through the interface in the unit given, and start values are those of the stock FMU, a \
-                    car's front disc brake; those of the other scenes are in [scenes](scenes.md). Limits are inclusive. Outputs are \
-                    meant to be connected, results to be read. Tables over the temperature (`friction_fade`, `wear_fade`) are linear \
-                    between their temperatures, which must increase, and constant outside. Scene files, `--set` and Python accept \
-                    other units too ([scenes](scenes.md#units)).\n\n"
-        .to_owned();
+/// The variables with these start values, and what there is to say about those.
+pub fn variables(starts: &[f64], of: &str) -> String {
+    let topics = topics(starts);
+    let mut text = format!(
+        "# Variables\n\nValues pass through the interface in the unit given. Limits are inclusive. Outputs are meant to be connected, \
+         results to be read. Tables over the temperature (`friction_fade`, `wear_fade`) are linear between their temperatures, which must \
+         increase, and constant outside. {of}\n\n"
+    );
     let title = |index: usize| {
         let topic = &topics[index];
         match topic.title {
@@ -173,7 +118,7 @@ friction_fade.temperature = ["20 degC", "100 degC", "200 degC", "300 degC", "400
 ```
 
 Whatever is wrong is reported together, each with line, column, key and what is accepted. Rules that join parameters are in
-[messages](messages.md#parameters-that-do-not-fit-together).
+[messages](../../docs/messages.md#parameters-that-do-not-fit-together).
 
 ## Materials
 
@@ -307,20 +252,6 @@ fn section(name: &str, scene: &SceneFile) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::project;
-
-    #[test]
-    fn the_committed_pages_are_up_to_date() {
-        for (name, text) in write().unwrap() {
-            let path = project::root().join(FOLDER).join(name);
-            let committed = std::fs::read_to_string(&path).unwrap_or_default();
-            assert!(
-                committed == text,
-                "{} is not what its sources say; run `cargo fmu package --write-description`",
-                path.display()
-            );
-        }
-    }
 
     #[test]
     fn every_row_of_a_page_has_the_columns_of_its_head() {
@@ -328,12 +259,10 @@ mod tests {
             let mut columns = 0;
             for line in text.lines() {
                 let own = line.replace("\\|", "").matches('|').count();
-                columns = if !line.starts_with('|') {
-                    0
-                } else if columns == 0 {
-                    own
-                } else {
-                    columns
+                columns = match own {
+                    _ if !line.starts_with('|') => 0,
+                    own if columns == 0 => own,
+                    _ => columns,
                 };
                 assert!(!line.starts_with('|') || own == columns, "{name}: {line}");
             }

@@ -1,4 +1,4 @@
-//! The variables by topic, as the page inside the FMU and docs/reference list them.
+//! The variables by topic, as the page inside the FMU and `cargo fmu reference` list them.
 
 use scene::variables::units::Unit;
 use scene::variables::{Causality, Kind, Row, TABLE};

@@ -53,9 +53,9 @@ pub struct Edges {
 /// State of the contact from which its edges are found; part of a saved state.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EdgeState {
-    /// Overlap of the undeformed surfaces at the end of the last step, m, and its rate over that step, m/s; the rate is 0 after a
-    /// jump and after a reversal. N values each.
+    /// Overlap of the undeformed surfaces at the end of the last step, m; N values.
     pub overlap: Vec<f64>,
+    /// Its rate over that step, m/s; 0 after a jump and after a reversal. N values.
     pub rate: Vec<f64>,
     /// Worn depth of the cells at the end of the last step, m.
     pub worn: Vec<f64>,
@@ -87,11 +87,12 @@ impl EdgeState {
     }
 }
 
-/// Worn depths that shape the contact along the line, m: N values of the punch, and of the strip where it wears by radius. A strip
-/// with an even path or a worn track has no kink at the edge.
+/// Worn depths that shape the contact along the line. A strip with an even path or a worn track has no kink at the edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Worn<'a> {
+    /// Of the punch at N cells, m.
     pub punch: &'a [f64],
+    /// Of the strip at N cells where it wears by radius, m.
     pub strip: Option<&'a [f64]>,
 }
 
