@@ -27,7 +27,8 @@ const PART_OF_TOLERANCE: f64 = 0.5;
 
 /// Length of a step below which its thermal error is not controlled, relative to the time of diffusion across a cell and to the
 /// communication step. The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of
-/// its first one, and what lasts of it goes with the root of the step.
+/// its first one, and what lasts of it goes with the root of the step. Its square is the limit relative to the communication step
+/// alone, so that a contact that opens and closes all the time does not exhaust the number of internal steps.
 const SHORTEST_STEP: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
@@ -52,7 +53,7 @@ impl Solved<'_> {
     /// Whether the step, part of a communication step of the length `whole` (s), is long enough for its thermal error to be
     /// controlled.
     pub fn is_controlled(&self, whole: f64) -> bool {
-        self.0.step > SHORTEST_STEP * whole.min(self.0.parameters.cell_time)
+        self.0.step > SHORTEST_STEP * whole.min(self.0.parameters.cell_time).max(SHORTEST_STEP * whole)
     }
 
     /// Inexpensive upper bound of [`Solved::error`].
