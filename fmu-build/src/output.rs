@@ -30,7 +30,7 @@ pub fn print(text: fmt::Arguments<'_>) {
     }
 }
 
-/// Prints a line; see [`print`].
+/// Prints a line; see [`print()`].
 #[macro_export]
 macro_rules! print_line {
     ($($text:tt)*) => {
@@ -38,7 +38,7 @@ macro_rules! print_line {
     };
 }
 
-/// Prints a text as it is; see [`print`].
+/// Prints a text as it is; see [`print()`].
 #[macro_export]
 macro_rules! print_text {
     ($($text:tt)*) => {

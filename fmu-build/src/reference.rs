@@ -16,7 +16,7 @@ pub struct Arguments {}
 /// Runs the command.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn execute(_: &Arguments) -> Result<()> {
     for path in write()? {
         print_line!("{}", path.display());

@@ -107,7 +107,7 @@ fn spell(symbol: &str) -> String {
 pub struct Table {
     /// The file.
     pub path: PathBuf,
-    /// Time of every row [s], strictly increasing.
+    /// Time of every row, s, strictly increasing.
     pub times: Vec<f64>,
     /// Quantities, in the order of the file, without the time.
     pub names: Vec<String>,

@@ -13,13 +13,13 @@ const QUANTITIES: [(&str, &Unit); 4] =
 /// Tests at constant load and speed, one value each.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Records {
-    /// Normal load [N].
+    /// Normal load, N.
     pub load: Vec<f64>,
     /// Sliding speed [m/s].
     pub speed: Vec<f64>,
-    /// Sliding distance [m].
+    /// Sliding distance, m.
     pub distance: Vec<f64>,
-    /// Volume that the punch lost [m3].
+    /// Volume that the punch lost, m3.
     pub volume: Vec<f64>,
 }
 

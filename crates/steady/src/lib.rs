@@ -50,7 +50,8 @@ pub enum SteadyError {
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
-        /// Lever in m above which no pair of pressures with uniform wear is in equilibrium; see [`rocking_limit`].
+        /// Lever in m above which no pair of pressures with uniform wear is in equilibrium; see
+        /// [`contact::wear::rocking::rocking_limit`].
         limit: f64,
         /// Pressure exponent b of the wear law of this limit.
         exponent: f64,

@@ -1,5 +1,7 @@
 //! `fmu-lab`: commands of `cargo fmu` that compute with the model natively, which forwards them to here.
 
+// Help texts have units in brackets, as the headers of columns.
+#![allow(rustdoc::broken_intra_doc_links)]
 // Everything is printed by `output`, which bears that nobody reads it to the end.
 #![deny(clippy::print_stdout)]
 

@@ -36,7 +36,7 @@ pub fn are_symmetric(boundaries: &[f64]) -> bool {
     boundaries.iter().zip(boundaries.iter().rev()).all(|(x, mirrored)| (x + mirrored).abs() <= 1e-14 * width)
 }
 
-/// Integrals of the contact's shape functions over each cell: (scalar degree of freedom, integral [m]). Exact, also
+/// Integrals of the contact's shape functions over each cell: (scalar degree of freedom, integral, m). Exact, also
 /// where a cell covers a part of an element.
 pub fn contact_integrals(mesh: &Mesh, cells: &[(f64, f64)]) -> Vec<Vec<(usize, f64)>> {
     let grid = &mesh.x;

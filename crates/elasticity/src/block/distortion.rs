@@ -23,9 +23,9 @@ use nalgebra::DMatrix;
 /// A quadrature point through the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthPoint {
-    /// Distance from the contact [m].
+    /// Distance from the contact, m.
     pub z: f64,
-    /// Weight of the quadrature [m].
+    /// Weight of the quadrature, m.
     pub weight: f64,
     /// Row of elements.
     row: usize,
@@ -47,7 +47,7 @@ pub struct FunctionsAcross<'a> {
 
 impl Block {
     /// Mean normal displacement over each cell per unit thermal expansion coefficient by each column of `fields`
-    /// (temperatures in the order of `thermal`'s vectors), N x columns [m].
+    /// (temperatures in the order of `thermal`'s vectors), N x columns, m.
     ///
     /// # Errors
     /// The two blocks differ in shape or discretisation; boundaries that do not ascend or do not span the contact.

@@ -33,9 +33,9 @@ pub fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, 
 /// Size and orders of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Extent along x [m].
+    /// Extent along x, m.
     pub size_x: f64,
-    /// Extent along z [m].
+    /// Extent along z, m.
     pub size_z: f64,
     /// Polynomial order along x.
     pub order_x: usize,
@@ -102,7 +102,7 @@ pub fn capacity(reference: &ReferenceMatrices, shape: Shape, volumetric_heat_cap
     })
 }
 
-/// int T div v dx dz [m]: rows are the displacement functions (components alternating), columns those of T.
+/// int T div v dx dz, m: rows are the displacement functions (components alternating), columns those of T.
 pub fn dilatation(reference: &ReferenceMatrices, shape: Shape) -> DMatrix<f64> {
     let (functions, _) = local_functions(shape.order_x, shape.order_z);
     let ReferenceMatrices { mass, mixed, .. } = reference;

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 pub struct HalfPlane {
     /// nu, 1.
     pub poissons_ratio: f64,
-    /// Length at which the logarithm of the displacement under a line load is zero [m].
+    /// Length at which the logarithm of the displacement under a line load is zero, m.
     pub scale: f64,
 }
 
@@ -93,7 +93,7 @@ impl HalfPlane {
 /// unit flux into the body, the constant fixed by the scale of the logarithm.
 #[derive(Clone, Copy, Debug)]
 pub struct ConductingHalfPlane {
-    /// Length at which the temperature by a line source is zero [m].
+    /// Length at which the temperature by a line source is zero, m.
     pub scale: f64,
 }
 

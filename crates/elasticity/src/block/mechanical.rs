@@ -15,11 +15,11 @@ use nalgebra::DMatrix;
 /// Shape and elasticity of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockProperties {
-    /// Extent along the sliding direction [m], > 0.
+    /// Extent along the sliding direction, m, > 0.
     pub width: f64,
-    /// Extent from the contact to the holder [m], > 0.
+    /// Extent from the contact to the holder, m, > 0.
     pub height: f64,
-    /// Young's modulus [Pa], > 0.
+    /// Young's modulus, Pa, > 0.
     pub youngs_modulus: f64,
     /// Poisson's ratio, above -1 and below 0.5.
     pub poissons_ratio: f64,
@@ -36,7 +36,7 @@ impl BlockProperties {
         Ok(())
     }
 
-    /// G = E / (2 (1 + nu)) [Pa].
+    /// G = E / (2 (1 + nu)), Pa.
     pub fn shear_modulus(&self) -> f64 {
         0.5 * self.youngs_modulus / (1.0 + self.poissons_ratio)
     }
@@ -133,7 +133,7 @@ impl Block {
         Ok(Compliance { normal: symmetric, shear, asymmetry })
     }
 
-    /// Strain energy per unit depth [J/m] under the smooth pressure `pressure(x)` [Pa], by finite elements alone.
+    /// Strain energy per unit depth [J/m] under the smooth pressure `pressure(x)`, Pa, by finite elements alone.
     ///
     /// For a pressure that is analytic on the contact the error falls exponentially with the order.
     pub fn strain_energy(&self, pressure: impl Fn(f64) -> f64) -> Result<f64, BlockError> {

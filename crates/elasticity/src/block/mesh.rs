@@ -17,7 +17,7 @@ use super::element::Shape;
 /// Break points and polynomial orders of one direction of the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Ascending coordinates of the element boundaries [m], one more than there are intervals.
+    /// Ascending coordinates of the element boundaries, m, one more than there are intervals.
     pub points: Vec<f64>,
     /// Polynomial order of each interval.
     pub orders: Vec<usize>,
@@ -32,7 +32,7 @@ pub struct Division {
     pub last_layers: usize,
     /// Ratio of neighbouring layers' sizes, in (0, 1).
     pub grading: f64,
-    /// Largest element [m].
+    /// Largest element, m.
     pub largest: f64,
 }
 
@@ -61,12 +61,12 @@ impl Grid {
         self.orders.len()
     }
 
-    /// Length of interval `i` [m].
+    /// Length of interval `i`, m.
     pub fn size(&self, i: usize) -> f64 {
         self.points[i + 1] - self.points[i]
     }
 
-    /// Smallest interval [m].
+    /// Smallest interval, m.
     pub fn smallest(&self) -> f64 {
         (0..self.intervals()).map(|i| self.size(i)).fold(f64::INFINITY, f64::min)
     }

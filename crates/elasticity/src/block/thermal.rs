@@ -30,9 +30,9 @@ use scene::FarBoundary;
 /// Shape and thermal properties of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThermalProperties {
-    /// Extent along the sliding direction [m], > 0.
+    /// Extent along the sliding direction, m, > 0.
     pub width: f64,
-    /// Extent from the contact to the holder [m], > 0.
+    /// Extent from the contact to the holder, m, > 0.
     pub height: f64,
     /// Conductivity k [W/(m K)], > 0.
     pub conductivity: f64,
@@ -124,7 +124,7 @@ impl ThermalBlock {
         skeleton.map(|degree| (degree < self.mesh.free).then_some(degree)).chain(interior).collect()
     }
 
-    /// F: heat per unit depth into each degree of freedom by unit flux on each cell [m].
+    /// F: heat per unit depth into each degree of freedom by unit flux on each cell, m.
     pub fn flux_loads(&self, boundaries: &[f64]) -> Result<Mat<f64>, BlockError> {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let mut loads = Mat::zeros(self.degrees(), cells.len());
@@ -136,7 +136,7 @@ impl ThermalBlock {
         Ok(loads)
     }
 
-    /// Mean temperature over each cell of each column of `fields`, N x columns [K].
+    /// Mean temperature over each cell of each column of `fields`, N x columns, K.
     pub fn contact_temperatures(&self, boundaries: &[f64], fields: &Mat<f64>) -> Result<DMatrix<f64>, BlockError> {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let integrals = contact_integrals(&self.mesh, &cells);
@@ -157,7 +157,7 @@ impl ThermalBlock {
         self.over_top(self.properties.top_convection())
     }
 
-    /// int_top v [m]: heat per unit depth and unit flux into a top that is not held; 0 for a held one.
+    /// int_top v, m: heat per unit depth and unit flux into a top that is not held; 0 for a held one.
     pub fn top_integrals(&self) -> Mat<f64> {
         self.over_top(1.0)
     }

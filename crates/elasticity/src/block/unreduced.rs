@@ -35,13 +35,13 @@ impl ThermalBlock {
         field
     }
 
-    /// Integrals of the shape functions over both sides, n x 1 [m].
+    /// Integrals of the shape functions over both sides, n x 1, m.
     pub fn side_integrals(&self) -> Mat<f64> {
         let sides = side_loads(&self.mesh, 1, |_, _, _| [1.0]);
         Mat::from_fn(self.degrees(), 1, |i, _| if i < self.mesh.free { sides[(i, 0)] } else { 0.0 })
     }
 
-    /// Integrals of the shape functions over each cell, by cell: (degree of freedom, integral [m]).
+    /// Integrals of the shape functions over each cell, by cell: (degree of freedom, integral, m).
     ///
     /// # Errors
     /// Boundaries that do not ascend or do not span the contact.
