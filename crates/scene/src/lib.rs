@@ -205,6 +205,7 @@ pub struct Body {
     pub thermal_expansion: f64,
     pub wear_coefficient: f64,
     pub wear_pressure_exponent: f64,
+    pub wear_threshold: f64,
     pub wear_velocity_exponent: f64,
     pub wear_fade: FadeTable,
     pub initial_wear: f64,
@@ -332,6 +333,7 @@ macro_rules! body {
             thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
             wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
             wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
+            wear_threshold: value!($v, concat!($body, ".wear_threshold")),
             wear_velocity_exponent: value!($v, concat!($body, ".wear_velocity_exponent")),
             wear_fade: FadeTable::new(
                 eight!($v, concat!($body, ".wear_fade.temperature")),

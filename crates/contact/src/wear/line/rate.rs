@@ -255,4 +255,37 @@ mod tests {
             assert!(open.wear_slope <= 1.0 + 1e-15 && open.pressure_slope <= 1.0 / 0.7);
         }
     }
+    #[test]
+    fn laws_with_thresholds() {
+        // Coefficient, exponent, threshold over p0 = 2.
+        for terms in [
+            vec![(3.0, 1.0, 0.4)],
+            vec![(3.0, 0.3, 0.4)],
+            vec![(3.0, 2.5, 0.4)],
+            vec![(3.0, 0.5, 0.4), (2.0, 0.3, 1.1)],
+            vec![(1e-3, 0.5, 0.0), (10.0, 3.0, 0.7), (1.0, 0.8, 0.7)],
+        ] {
+            let law = |exponent, threshold| PressureLaw::power(exponent).above(threshold);
+            let term = |&(c, b, z): &(f64, f64, f64)| WearTerm { coefficient: c.into(), law: law(b, z) };
+            let rate = CellRate { reference_pressure: 2.0, terms: terms.iter().map(term).collect() };
+            let exact = |p: f64| terms.iter().map(|(c, b, z)| c * (0.5 * p - z).max(0.0).powf(*b)).sum::<f64>();
+            for pressure in [1e-3, 0.1, 0.79, 0.8, 0.80001, 1.0, 1.4, 1.6, 2.2, 2.3, 7.0, 1e3] {
+                let case = format!("{terms:?} p {pressure}");
+                assert!((rate.rate(0, pressure) - exact(pressure)).abs() <= 1e-14 * exact(pressure), "{case}");
+                let (value, slope) = rate.rate_and_slope(0, pressure);
+                assert_eq!(value, rate.rate(0, pressure), "{case}");
+                assert!(slope == rate.slope(0, pressure) || (slope / rate.slope(0, pressure) - 1.0).abs() < 1e-13);
+                let h = 1e-6 * pressure;
+                let numeric = (exact(pressure + h) - exact(pressure - h)) / (2.0 * h);
+                if terms.iter().all(|(_, _, z)| (pressure - 2.0 * z).abs() > 1e-2) {
+                    assert!((slope - numeric).abs() <= 1e-6 * slope, "{case}: {slope} {numeric}");
+                }
+                let displacement = rate.local(0, 0.7, 0.2, pressure).displacement;
+                assert!((rate.invert(0, 0.7, 0.2, displacement) / pressure - 1.0).abs() < 1e-13, "{case}");
+                if value > 0.0 {
+                    assert!((rate.pressure_at(0, value) / pressure - 1.0).abs() < 1e-13, "{case}");
+                }
+            }
+        }
+    }
 }
