@@ -84,13 +84,14 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     // By default heat is resolved, because the bodies expand; without expansion it is lumped, as it is with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let annulus = [("contact.geometry", 2.0), ("strip.path", 2.0), ("strip.length", 0.0), ("contact.mean_radius", 0.1)];
-    let scenes: [&[(&str, f64)]; 11] = [
+    let scenes: [&[(&str, f64)]; 12] = [
         &[],
         // Sliding faster than planned: the strip computes its responses within the steps.
         &[("contact.geometry", 1.0), ("nominal.velocity", 1e-4)],
         &cold,
         &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)],
         &[("punch.wear_pressure_exponent", 0.5), ("contact.initial_shape", 2.0), ("contact.initial_radius", 20.0)],
+        &[("punch.wear_pressure_exponent", 0.7), ("punch.wear_threshold", 1e6), ("strip.wear_threshold", 2e5)],
         &[("strip.path", 1.0), ("contact.geometry", 1.0), ("nominal.stroke", 0.05)],
         &[("holder.stiffness", 1e8), ("contact.friction_fade.factor[2]", 0.5)],
         &[("contact.geometry", 1.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.02)],

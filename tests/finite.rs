@@ -24,6 +24,7 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
             "punch.emissivity",
             "punch.wear_pressure_exponent",
             "punch.wear_velocity_exponent",
+            "punch.wear_threshold",
         ],
         [
             "strip.conductivity",
@@ -35,6 +36,7 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
             "strip.emissivity",
             "strip.wear_pressure_exponent",
             "strip.wear_velocity_exponent",
+            "strip.wear_threshold",
         ],
     ];
     for (own, insulates) in [(punch, false), (strip, random.next() < 0.1)] {
@@ -48,6 +50,7 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
             one_of(random, &[0.0, 0.8]),
             one_of(random, &[0.5, 1.0, 2.0]),
             one_of(random, &[0.5, 1.0, 2.0]),
+            one_of(random, &[0.0, 0.0, 1e5, 1e7]),
         ];
         changes.extend(own.into_iter().zip(values));
     }

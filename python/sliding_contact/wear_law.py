@@ -2,11 +2,11 @@
 
 The law of the pin is
 
-    dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a,   p0 = 1 MPa, v0 = 1 m/s
+    dw/dt = k p0 v0 ((p - p_th)/p0)^b (|v|/v0)^a,   p0 = 1 MPa, v0 = 1 m/s,
 
-and what is measured is the volume lost over a distance at constant load and speed. Every prediction is a run of
-the scene, so whatever it holds (geometry, temperature, a fade of the wear) is part of the fit. Errors of wear measurements
-are relative, so logarithms are fitted: residual = ln(measured / predicted).
+p_th the scene's `punch.wear_threshold`, which is not fitted. What is measured is the volume lost over a distance at constant
+load and speed. Every prediction is a run of the scene, so whatever it holds (geometry, temperature, a fade of the wear) is
+part of the fit. Errors of wear measurements are relative, so logarithms are fitted: residual = ln(measured / predicted).
 """
 
 from __future__ import annotations

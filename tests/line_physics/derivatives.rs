@@ -34,6 +34,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         ("punch.wear_coefficient", 1e-13 * random.next()),
         ("punch.wear_pressure_exponent", random.between(0.4, 2.0)),
         ("punch.wear_velocity_exponent", random.between(0.2, 2.0)),
+        ("punch.wear_threshold", 2e5),
         ("strip.wear_coefficient", 1e-13 * random.next()),
         ("strip.wear_velocity_exponent", random.between(0.2, 2.0)),
         ("contact.faces", 1.0 + (3.0 * random.next()).floor()),

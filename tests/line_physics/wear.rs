@@ -269,3 +269,130 @@ fn the_error_follows_the_tolerance_where_edges_lift_off_and_touch_down() {
         assert!((7.0..13.0).contains(&ratio), "b = {exponent}: {results:?}");
     }
 }
+
+/// A rigid punch on a Winkler foundation of this stiffness, Pa/m.
+const FOUNDATION: f64 = 1e13;
+const WINKLER: [(&str, f64); 2] = [("strip.body", 2.0), ("strip.foundation_stiffness", FOUNDATION)];
+
+/// 10 kN on 600 mm2 are 16.7 MPa.
+#[test]
+fn uniform_pressure_wears_by_what_is_above_the_threshold_at_both_levels() {
+    let (load, speed, time) = (1e4, 0.1, 140.0);
+    for exponent in [0.6, 1.0, 1.8] {
+        for threshold in [0.0, 0.5e6, 0.9e6, 2e6, 16.6e6, 17e6] {
+            let laws = [
+                ("punch.wear_coefficient", 2e-14),
+                ("punch.wear_pressure_exponent", exponent),
+                ("punch.wear_threshold", threshold),
+                ("strip.wear_coefficient", 1e-14),
+                ("strip.wear_threshold", 0.5 * threshold),
+            ];
+            let above = |threshold: f64| (MEAN - threshold).max(0.0) / 1e6;
+            let punch = 2e-14 * 1e6 * above(threshold).powf(exponent) * speed * time;
+            // The strip wears along all of its path, 2 m.
+            let strip = 1e-14 * 1e6 * above(0.5 * threshold) * speed * time * 0.06 / 2.0;
+            for level in [1.0, 3.0] {
+                let mut drive = line(&[&WINKLER[..], &laws, &[("solver.fidelity", level)]].concat());
+                drive.set("normal_load", load).set("sliding_velocity", speed);
+                for _ in 0..7 {
+                    drive.step(time / 7.0);
+                }
+                for (name, exact) in [("wear_depth_punch", punch), ("wear_depth_strip", strip)] {
+                    let found = drive.get(name);
+                    let case = format!("level {level}, b = {exponent}, threshold {threshold}: {name}");
+                    assert!((found - exact).abs() <= 1e-9 * exact, "{case} {found:e}, exact {exact:e}");
+                }
+            }
+        }
+    }
+    // Without an exponent the volume is that of the load above the threshold, whatever the pressure does above it.
+    for (threshold, depth) in [(0.5e6, 4.53e-6), (0.9e6, 4.41e-6), (2e6, 4.11e-6)] {
+        let mut drive = line(&[("punch.wear_coefficient", 2e-14), ("punch.wear_threshold", threshold)]);
+        drive.set("normal_load", load).set("sliding_velocity", speed).step(time);
+        let found = drive.get("wear_depth_punch");
+        assert!((found - depth).abs() < 0.005e-6, "{threshold}: {found:e}, {depth:e}");
+        let exact = 2e-14 * (MEAN - threshold) * speed * time;
+        assert!((found / exact - 1.0).abs() < 1e-9, "{threshold}: {found:e}, {exact:e}");
+    }
+}
+
+/// Pressure on a Winkler foundation follows from its own place and one approach: a fine explicit integration of a parabolic
+/// punch, with ends that do not wear at first.
+#[test]
+fn uneven_pressure_wears_above_the_threshold() {
+    const POINTS: usize = 640;
+    let (radius, threshold, speed) = (200.0, 9e6, 0.1);
+    let loads = [8e3, 1.4e4, 3e3, 1e4];
+    let duration = 20.0;
+    for exponent in [0.6, 1.0, 1.8] {
+        // The same rate at the mean pressure.
+        let coefficient = 2e-14 * ((MEAN - threshold) / 1e6).powf(1.0 - exponent);
+        let mut drive = line(
+            &[
+                &WINKLER[..],
+                &[
+                    ("contact.initial_shape", 2.0),
+                    ("contact.initial_radius", radius),
+                    ("punch.wear_coefficient", coefficient),
+                    ("punch.wear_pressure_exponent", exponent),
+                    ("punch.wear_threshold", threshold),
+                    ("solver.tolerance", 1e-4),
+                ],
+            ]
+            .concat(),
+        );
+        let x = |i: usize| 0.06 * ((i as f64 + 0.5) / POINTS as f64 - 0.5);
+        let shape: Vec<f64> = (0..POINTS).map(|i| x(i) * x(i) / (2.0 * radius)).collect();
+        let mut worn = vec![0.0; POINTS];
+        let pressure = |worn: &[f64], load: f64| -> Vec<f64> {
+            let at = |approach: f64| -> Vec<f64> {
+                worn.iter().zip(&shape).map(|(w, g)| (FOUNDATION * (approach - g - w)).max(0.0)).collect()
+            };
+            let (mut low, mut high) = (0.0, 1e-4);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                let carried = at(middle).iter().sum::<f64>() * 0.06 / POINTS as f64 * 0.01;
+                (low, high) = if carried < load { (middle, high) } else { (low, middle) };
+            }
+            at(0.5 * (low + high))
+        };
+        let rates = |pressure: &[f64]| -> Vec<f64> {
+            let above = |p: &f64| ((p - threshold).max(0.0) / 1e6).powf(exponent);
+            pressure.iter().map(|p| coefficient * 1e6 * above(p) * speed).collect()
+        };
+        drive.set("sliding_velocity", speed);
+        let mut unworn = 0;
+        for load in loads {
+            drive.set("normal_load", load).step(duration);
+            let parts = 400;
+            let h = duration / f64::from(parts);
+            for _ in 0..parts {
+                // The midpoint rule.
+                let first = rates(&pressure(&worn, load));
+                let middle: Vec<f64> = worn.iter().zip(&first).map(|(w, rate)| w + 0.5 * h * rate).collect();
+                let rate = rates(&pressure(&middle, load));
+                worn.iter_mut().zip(&rate).for_each(|(w, rate)| *w += h * rate);
+            }
+            let pressure = pressure(&worn, load);
+            let (own, own_worn) =
+                (stations(&mut drive, "profile.pressure"), stations(&mut drive, "profile.wear_punch"));
+            let most = worn.iter().copied().fold(0.0, f64::max);
+            for station in 1..32 {
+                // Means over the interval of the station, of 1/32 of the width.
+                let first = (f64::from(station) - 0.5) / 32.0 * POINTS as f64;
+                let range = first.round() as usize..(first + POINTS as f64 / 32.0).round() as usize;
+                let mean = |values: &[f64]| values[range.clone()].iter().sum::<f64>() / range.len() as f64;
+                let case = format!("b = {exponent}, {load} N, station {station}");
+                let difference = (own[station as usize] - mean(&pressure)).abs() / MEAN;
+                assert!(difference < 3e-3, "{case}: pressure {difference:e}");
+                let difference = (own_worn[station as usize] - mean(&worn)).abs() / most;
+                assert!(difference < 3e-3, "{case}: worn {difference:e}");
+            }
+            unworn = unworn.max(worn.iter().filter(|depth| **depth == 0.0).count());
+            let depth = worn.iter().sum::<f64>() / POINTS as f64;
+            let found = drive.get("wear_depth_punch");
+            assert!((found / depth - 1.0).abs() < 5e-4, "b = {exponent}, {load} N: {found:e} {depth:e}");
+        }
+        assert!(unworn > POINTS / 50, "b = {exponent}: {unworn}");
+    }
+}

@@ -40,6 +40,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         ("contact.stribeck_velocity", random.between(0.1, 3.0)),
         ("punch.wear_pressure_exponent", random.between(0.4, 2.0)),
         ("punch.wear_velocity_exponent", random.between(0.2, 2.0)),
+        ("punch.wear_threshold", 2e4),
         ("strip.wear_velocity_exponent", random.between(0.2, 2.0)),
         ("contact.geometry", 1.0 + (2.0 * random.next()).floor()),
         ("contact.faces", 1.0 + (3.0 * random.next()).floor()),

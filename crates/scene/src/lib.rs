@@ -218,6 +218,8 @@ pub struct Body {
     pub wear_coefficient: f64,
     /// b of the wear law, 1.
     pub wear_pressure_exponent: f64,
+    /// Pressure up to which the body does not wear, Pa.
+    pub wear_threshold: f64,
     /// a of the wear law, 1.
     pub wear_velocity_exponent: f64,
     /// Factor of the wear rate over the temperature, 1.
@@ -386,6 +388,7 @@ macro_rules! body {
             thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
             wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
             wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
+            wear_threshold: value!($v, concat!($body, ".wear_threshold")),
             wear_velocity_exponent: value!($v, concat!($body, ".wear_velocity_exponent")),
             wear_fade: FadeTable::new(
                 eight!($v, concat!($body, ".wear_fade.temperature")),

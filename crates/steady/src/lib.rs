@@ -65,6 +65,13 @@ pub enum SteadyError {
         /// Newton iterations tried.
         iterations: usize,
     },
+    /// A run-in state of a wear law that is not a power of the pressure.
+    NotAPower {
+        /// Body, as in the names of variables.
+        body: &'static str,
+        /// Parameter of the body by which the law is none.
+        parameter: &'static str,
+    },
     /// No wear reshapes the contact, so it does not run in.
     NothingWears,
     /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
@@ -127,6 +134,10 @@ impl fmt::Display for SteadyError {
                 f,
                 "no steady state found in {iterations} iterations: with mu H = {lever} m on a half-width of \
                  {half_width} m the tilt may grow without bound"
+            ),
+            Self::NotAPower { body, parameter } => write!(
+                f,
+                "no run-in state with {body}.{parameter}: it is known for wear by a power of the pressure alone"
             ),
             Self::NothingWears => write!(f, "no run-in state: no wear reshapes the contact"),
             Self::OnlyStripWears => write!(

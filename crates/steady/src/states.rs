@@ -7,7 +7,7 @@ use super::{
     punch_run_in,
 };
 use contact::friction::FrictionLaw;
-use contact::wear::law::{REFERENCE_PRESSURE, WearLaw};
+use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Direction, WearTerm};
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactError, ContactSolver, Normal, Tilt, pair_compliance};
@@ -237,6 +237,10 @@ impl<'a> Contact<'a> {
         if !punch && closed && !annular {
             return self.elastic();
         }
+        // The shape of these states is found from wear alone, by a law without a range of pressures that do not wear.
+        for body in 0..if annular { 2 } else { 1 } {
+            self.exponent(body)?;
+        }
         if annular || self.scene.geometry == Geometry::Periodic {
             return self.without_shift();
         }
@@ -245,6 +249,12 @@ impl<'a> Contact<'a> {
         }
         can_run_in_reciprocating(punch, strip, closed)?;
         self.reciprocating()
+    }
+
+    /// Exponent of the pressure in the wear law of a body (0: punch, 1: strip); 1 without wear.
+    fn exponent(&self, body: usize) -> Result<f64, SteadyError> {
+        let power = self.strokes[0].rates[body].terms.first().map_or(Ok(1.0), |term| term.law.as_power());
+        power.map_err(|parameter| SteadyError::NotAPower { body: ["punch", "strip"][body], parameter })
     }
 
     /// Pivot height where friction exerts a moment on the punch.
@@ -315,11 +325,11 @@ impl<'a> Contact<'a> {
             for (rate, share) in stroke.rates.iter().zip(shares).filter(|(_, share)| *share > 0.0) {
                 terms.extend(rate.terms.iter().map(|term| WearTerm {
                     coefficient: scaled(&term.coefficient, share * stroke.duration / total),
-                    exponent: term.exponent,
+                    law: term.law,
                 }));
             }
         }
-        let rate = CellRate { reference_pressure: REFERENCE_PRESSURE, terms };
+        let rate = CellRate::of_bodies(terms);
         let run_in = punch_run_in(self.cells, &self.weights, &rate, self.load, self.tilt(&self.strokes[0]))?;
         let shape = run_in.shape(&vec![0.0; self.cells.count()], &self.compliance(&self.strokes[0]));
         let pressures = vec![run_in.pressure; self.strokes.len()];
@@ -330,11 +340,10 @@ impl<'a> Contact<'a> {
         let [punch, strip] = self.compliances;
         let [forward, backward] = [&self.strokes[0], &self.strokes[1]];
         let friction = [forward.friction, -backward.friction];
-        let exponent = self.scene.punch.wear_pressure_exponent;
+        let exponent = self.exponent(0)?;
         // Durations at the rate of the forward speed with the wear of the strokes.
-        let depth = |stroke: &Stroke| stroke.duration * stroke.rates[0].rate(0, REFERENCE_PRESSURE);
-        let durations =
-            [depth(forward), depth(backward)].map(|depth| depth / forward.rates[0].rate(0, REFERENCE_PRESSURE));
+        let coefficient = |stroke: &Stroke| stroke.rates[0].terms[0].coefficient.at(0);
+        let durations = [forward, backward].map(|stroke| stroke.duration * coefficient(stroke) / coefficient(forward));
         let equal = |pair: [f64; 2]| (pair[0] - pair[1]).abs() <= 1e-14 * (pair[0] + pair[1]);
         let symmetric = equal(durations) && equal(friction);
         let pivot_height = self.pivot_height();
@@ -440,20 +449,18 @@ pub(crate) fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f6
     let law = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let at = |radius: &f64| -> f64 {
         let speed = velocity.abs() * radius;
-        scene.wear_acceleration * law.rate(REFERENCE_PRESSURE, speed, friction, scene.ambient_temperature)
+        scene.wear_acceleration * law.coefficient(speed, friction, scene.ambient_temperature)
     };
     let coefficient = radii.iter().map(at).collect::<Vec<f64>>().into();
-    let term = WearTerm { coefficient, exponent: body.wear_pressure_exponent };
-    let terms = if body.wear_coefficient > 0.0 { vec![term] } else { Vec::new() };
-    CellRate { reference_pressure: REFERENCE_PRESSURE, terms }
+    let term = WearTerm { coefficient, law: law.pressure };
+    let terms = if law.active() { vec![term] } else { Vec::new() };
+    CellRate::of_bodies(terms)
 }
 
 /// Wear depth of a body per sliding distance.
 pub(crate) fn per_distance(rate: &CellRate, velocity: f64) -> CellRate {
-    let slower = |term: &WearTerm| WearTerm {
-        coefficient: scaled(&term.coefficient, 1.0 / velocity.abs()),
-        exponent: term.exponent,
-    };
+    let slower =
+        |term: &WearTerm| WearTerm { coefficient: scaled(&term.coefficient, 1.0 / velocity.abs()), law: term.law };
     CellRate { reference_pressure: rate.reference_pressure, terms: rate.terms.iter().map(slower).collect() }
 }
 

@@ -1,5 +1,6 @@
 //! Direct steady states against closed forms, against time stepping, and as minima of their functionals.
 
+use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Conditions, Direction, WearTerm, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};
 use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
@@ -235,7 +236,7 @@ fn unidirectional_closed_forms() {
         let coefficient: Vec<f64> = relative.iter().map(|r: &f64| r.powf(a)).collect();
         let rate = CellRate {
             reference_pressure: 1.0,
-            terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }],
+            terms: vec![WearTerm { coefficient: coefficient.into(), law: PressureLaw::power(b) }],
         };
         let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).unwrap();
         for (x, p) in cells.centres().iter().zip(&state.pressure) {

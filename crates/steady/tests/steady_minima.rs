@@ -1,5 +1,6 @@
 //! Steady states as minima of their functionals over the whole set of admissible pressures, and their cost.
 
+use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};
 use elasticity::discretization::{cells_for, compliances};
@@ -90,7 +91,7 @@ fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
             reference_pressure: 1.0,
             terms: vec![WearTerm {
                 coefficient: Coefficient::PerCell(x.iter().map(|x| 1.0 + 0.4 * x).collect()),
-                exponent,
+                law: PressureLaw::power(exponent),
             }],
         };
         let rate = law(exponent);

@@ -188,6 +188,21 @@ fn unidirectional_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
         // The worn volume leaving at the trailing edge per time equals the wear rate of the strip.
         let left_behind = groove.iter().copied().fold(0.0, f64::max) * 0.01 * 0.01;
         assert!((left_behind / solved.state.volume_rates[1] - 1.0).abs() < 0.02, "{left_behind:e}");
+        // Above a threshold between the pressures at both edges.
+        let threshold = 1.5e7;
+        let solved = solve_as(&[&only[..], &[("strip.wear_threshold", threshold)]].concat(), sliding).unwrap();
+        assert_eq!(solved.state.kind, SteadyKind::Groove);
+        solved.check_equilibrium();
+        let (pressure, x, widths) = (&solved.state.strokes[0].pressure, solved.cells.centres(), solved.cells.widths());
+        assert!(pressure.iter().any(|p| *p < threshold) && pressure.iter().any(|p| *p > 1.1 * threshold));
+        for i in 0..33 {
+            let share = |j: usize| match (x[j] - x[i]) * velocity {
+                0.0 => 0.5,
+                ahead => f64::from(u8::from(ahead > 0.0)),
+            };
+            let depth: f64 = (0..33).map(|j| share(j) * widths[j] * 1e-11 * (pressure[j] - threshold).max(0.0)).sum();
+            assert!((depth - solved.state.groove[i]).abs() < 1e-9 * groove[16], "{i}: {depth:e}");
+        }
     }
     let lifting = solve(&[unidirectional, ("holder.constraint", 2.0), ("holder.pivot_height", 0.06)]);
     // mu H = a/2 is beyond a third of the half-width: part of the contact lifts off.
@@ -316,6 +331,13 @@ fn states_that_do_not_exist_are_refused_with_the_numbers() {
     let text = refuse(&[("strip.wear_coefficient", 1e-14)]);
     assert!(text.contains("strip wears on a straight reciprocating track"), "{text}");
     assert!(refuse(&[("punch.wear_coefficient", 0.0)]).contains("no wear reshapes the contact"));
+    let threshold = [("punch.wear_threshold", 1e6), ("strip.wear_threshold", 2e6)];
+    let text = refuse(&threshold);
+    assert!(text.contains("no run-in state with punch.wear_threshold: it is known for wear by a power"), "{text}");
+    let annular =
+        [("contact.geometry", 2.0), ("contact.mean_radius", 0.1), ("strip.path", 2.0), ("nominal.stroke", 0.0)];
+    let text = refuse(&[&annular[..], &threshold[1..], &[("strip.wear_coefficient", 1e-14)]].concat());
+    assert!(text.contains("no run-in state with strip.wear_threshold"), "{text}");
     assert!(refuse(&[("nominal.load", 0.0)]).contains("nominal.load = 0 is out of range"));
     assert!(refuse(&[("nominal.velocity", 0.0)]).contains("sliding speed = 0 is out of range"));
     assert!(refuse(&[("punch.body", 1.0), ("strip.body", 1.0)]).contains("two rigid bodies"));

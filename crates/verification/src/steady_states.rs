@@ -6,6 +6,7 @@ use super::contact_line::deviation;
 use super::wear_line::half_plane;
 use super::{Problem, known};
 use crate::integrator::{Integrator, Scheme};
+use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Conditions, WearTerm, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};
 use elasticity::block::{Block, BlockProperties, Discretization};
@@ -75,7 +76,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
                 let radii: Vec<f64> = cells.centres().iter().map(|x| (1.5 + x) / 1.5).collect();
                 let weights: Vec<f64> = cells.widths().iter().zip(&radii).map(|(c, r)| c * r).collect();
                 let coefficient: Vec<f64> = radii.iter().map(|r: &f64| r.powf(a)).collect();
-                let terms = vec![WearTerm { coefficient: coefficient.into(), exponent: b }];
+                let terms = vec![WearTerm { coefficient: coefficient.into(), law: PressureLaw::power(b) }];
                 let rate = CellRate { reference_pressure: 1.0, terms };
                 let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).map_err(text)?;
                 let error =

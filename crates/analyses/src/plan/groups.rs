@@ -31,7 +31,7 @@ pub struct Groups {
     pub speed_over_critical: f64,
     /// mu H/a: lever of the friction force over the half-width; 0 where the punch cannot rotate.
     pub lever: f64,
-    /// Larger |b - 1| of the bodies that wear.
+    /// Larger |b - 1| of the bodies that wear, b the exponent of the pressure at the nominal load.
     pub exponent: f64,
     /// Largest change of a fade table's factor between ambient temperature and T, of friction and of wear.
     pub fade: [f64; 2],
@@ -52,13 +52,10 @@ impl Groups {
             .map(|body| body.thermal_expansion * (1.0 + body.poissons_ratio) * rise * body.height.min(scene.width))
             .sum();
         let covered = if scene.coverage() > 0.0 { scene.coverage() } else { 1.0 };
+        let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
         let worn = |body: &Body| {
-            WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade).rate(
-                pressure,
-                scene.nominal_velocity,
-                scene.friction_coefficient,
-                scene.ambient_temperature,
-            ) * scene.nominal_duration
+            law(body).rate(pressure, scene.nominal_velocity, scene.friction_coefficient, scene.ambient_temperature)
+                * scene.nominal_duration
                 * scene.wear_acceleration
         };
         let depths = [worn(&scene.punch), worn(&scene.strip) * covered];
@@ -96,7 +93,7 @@ impl Groups {
                 .iter()
                 .zip(wears)
                 .filter(|(_, wears)| *wears)
-                .map(|(body, _)| (body.wear_pressure_exponent - 1.0).abs())
+                .map(|(body, _)| (law(body).logarithmic_slope(pressure) - 1.0).abs())
                 .fold(0.0, f64::max),
             fade: [
                 change(&scene.friction_fade),

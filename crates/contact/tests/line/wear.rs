@@ -1,6 +1,7 @@
 //! Wear of the contact line against closed forms: Galin's eigenvalues, the explicit bound, annulus, rotating punch.
 
 use super::implicit_step;
+use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
 use contact::{ContactSolver, Normal, Tilt, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
@@ -166,7 +167,7 @@ fn annular_punch_runs_in() {
         let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
         let rate = CellRate {
             reference_pressure: 1.0,
-            terms: vec![WearTerm { coefficient: Coefficient::PerCell(coefficient), exponent: b }],
+            terms: vec![WearTerm { coefficient: Coefficient::PerCell(coefficient), law: PressureLaw::power(b) }],
         };
         let mut contact =
             WearingContact::new(&cells, &weights, compliance.clone(), &compliance * 0.0, vec![0.0; 33]).unwrap();
@@ -221,7 +222,8 @@ fn a_load_of_zero_stops_the_wear() {
 #[test]
 fn light_loads_on_wide_gaps_are_solved_to_rounding() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let terms = [1.52, 0.88].map(|exponent| WearTerm { exponent, coefficient: Coefficient::Uniform(1.0) });
+    let terms = [1.52, 0.88]
+        .map(|exponent| WearTerm { law: PressureLaw::power(exponent), coefficient: Coefficient::Uniform(1.0) });
     let rate = CellRate { terms: terms.to_vec(), reference_pressure: 1.0 };
     for wide in [1e-3, 1e-1, 1.0] {
         let gap = cells.centres().iter().map(|x| wide + 1e-6 * (9.0 * x).sin()).collect();

@@ -29,7 +29,7 @@ impl LineOperators {
         }
         let wear = (0..2).filter(|&side| self.reshapes(side)).map(|side| {
             let (law, factor) = &self.wear[side];
-            law.pressure_exponent * law.rate(pressure, speed, friction, scene.ambient_temperature) * factor
+            law.logarithmic_slope(pressure) * law.rate(pressure, speed, friction, scene.ambient_temperature) * factor
         });
         let depth = acceleration * wear.sum::<f64>() / (pressure * speed);
         depth * body.capacity() / (friction * body.thermal_expansion * (1.0 + body.poissons_ratio))

@@ -7,7 +7,7 @@ use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
-use contact::wear::law::{REFERENCE_PRESSURE, WearLaw};
+use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactState, Normal, Tilt, check_operators};
@@ -176,24 +176,25 @@ impl LineOperators {
         let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
         // Checks the matrices once.
         check_operators(count, &normal, &shear).map_err(|error| error.to_string())?;
-        let law = |body: &scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
+        let laws = [&scene.punch, &scene.strip]
+            .map(|body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade));
         let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
             (false, ..) => StripWear::None,
             (true, Geometry::Annular, _) => StripWear::ByRadius,
             (true, _, Path::Closed) => StripWear::Even,
             (true, _, Path::Straight) => StripWear::Track,
         };
-        let radial = [&scene.punch, &scene.strip]
-            .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
+        let radial = laws.each_ref().map(|law| radius_ratio.iter().map(|&ratio| law.by_radius(ratio)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
         let mean = Arc::new(lumped::operators::LumpedOperators::with_heat_of(&mean_scene(scene, heat), known));
         let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
+        let [punch, strip] = laws;
         let operators = LineOperators {
             heat,
             profile: Profile::new(&cells),
             hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
-            wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
+            wear: [(punch, 1.0), (strip, coverage)],
             shared_depth: scene.depth * scene.count,
             pivot: (rotates && scene.geometry == Geometry::Line).then_some(scene.pivot_height),
             scene: scene.clone(),
@@ -245,14 +246,14 @@ impl LineOperators {
                 Geometry::Annular => Coefficient::PerCell(vec![0.0; self.count()]),
                 _ => Coefficient::Uniform(0.0),
             },
-            exponent: self.wear[body].0.pressure_exponent,
+            law: self.wear[body].0.pressure,
         };
         let terms = (0..2).filter(|&body| self.reshapes(body)).map(term).collect();
         Conditions {
             signed_friction: 0.0,
             normal: Normal::Load(0.0),
             tilt: Tilt::Fixed(0.0),
-            rate: CellRate { reference_pressure: REFERENCE_PRESSURE, terms },
+            rate: CellRate::of_bodies(terms),
         }
     }
 
@@ -375,10 +376,11 @@ impl LineOperators {
                 Number(critical)
             ));
         }
-        let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
+        let limit = |exponent: f64| rocking_limit(exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot
             && scene.nominal_stroke > 0.0
             && scene.punch.wear_coefficient > 0.0
+            && let Ok(limit) = self.wear[0].0.pressure.as_power().map(limit)
             && scene.friction_coefficient * height >= limit
         {
             warnings.push(format!(

@@ -318,7 +318,8 @@ impl LineOperators {
         let of = |body: usize| {
             let (law, factor) = &self.wear[body];
             let relative = self.relative_rate(body, i, pressure) / if body == 1 { *factor } else { 1.0 };
-            relative * (laws[body].derivative * pressure + laws[body].value * (1.0 + law.pressure_exponent) * change)
+            let rise = 1.0 + law.logarithmic_slope(pressure);
+            relative * (laws[body].derivative * pressure + laws[body].value * rise * change)
         };
         of(0) + of(1)
     }

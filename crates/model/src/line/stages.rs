@@ -10,7 +10,6 @@ use crate::budget::Budget;
 use crate::lumped::conditions::Tunables;
 use conduction::line::Stage;
 use contact::friction::FrictionLaw;
-use contact::wear::law::REFERENCE_PRESSURE;
 use contact::wear::line::{Coefficient, Conditions, ContactRate, LineTrack, StageError, WarmStart, WearingContact};
 use contact::{ContactState, Normal, Tilt};
 use nalgebra::DMatrix;
@@ -201,12 +200,11 @@ impl ContactStages {
             && let Normal::Spring { load, stiffness } = &mut self.conditions.normal
         {
             let pressure = &given.state.pressure;
-            let rate = operators.even_rate(coefficients[1], pressure);
+            let [rate, change] = operators.even_rate(coefficients[1], pressure);
             let carried: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
-            let exponent = operators.wear[1].0.pressure_exponent;
-            let slope = if carried > 0.0 { tau * exponent * rate / carried } else { 0.0 };
+            let slope = if carried > 0.0 { tau * change / carried } else { 0.0 };
             let softened = 1.0 + *stiffness * slope;
-            *load = (*load - *stiffness * tau * (1.0 - exponent) * rate) / softened;
+            *load = (*load - *stiffness * tau * (rate - change)) / softened;
             *stiffness /= softened;
         }
     }
@@ -298,8 +296,9 @@ impl ContactStages {
             return;
         }
         let laws = given.coefficients(moment);
+        let least = operators.wear.each_ref().map(|(law, _)| law.least_wearing_pressure());
         for j in 0..operators.count() {
-            let pressure = given.state.pressure[j].max(1e-3 * REFERENCE_PRESSURE);
+            let pressure = given.state.pressure[j].max(least[0].min(least[1]));
             let [punch, strip] = std::array::from_fn(|body| laws[body] * operators.relative_rate(body, j, pressure));
             let share = if strip > 0.0 { strip / (punch + strip) } else { 0.0 };
             for i in 0..operators.count() {

@@ -4,7 +4,6 @@
 
 use super::operators::{LineOperators, StripWear};
 use super::trajectory::StageConditions;
-use contact::wear::law::REFERENCE_PRESSURE;
 use numerics::scalar::Scalar;
 
 impl LineOperators {
@@ -33,7 +32,7 @@ impl LineOperators {
     ) -> [S; 2] {
         std::array::from_fn(|body| {
             let (law, factor) = &self.wear[body];
-            law.rate(S::from(REFERENCE_PRESSURE), speed, kinetic_coefficient, temperature) * (factor * acceleration)
+            law.coefficient(speed, kinetic_coefficient, temperature) * (factor * acceleration)
         })
     }
 
@@ -41,17 +40,14 @@ impl LineOperators {
     /// radius.
     #[inline]
     pub(super) fn relative_rate(&self, body: usize, i: usize, pressure: f64) -> f64 {
-        self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
+        self.wear[body].0.rate_of(self.radial[body][i], pressure)
     }
 
     /// Multiplies `rates`, of all cells, by [`LineOperators::relative_rate`].
     pub(super) fn scale_by_relative_rates(&self, body: usize, pressure: &[f64], rates: &mut [f64]) {
-        let exponent = self.wear[body].0.pressure_exponent;
+        let law = &self.wear[body].0;
         let cells = rates.iter_mut().zip(self.radial[body].iter().zip(pressure));
-        if exponent == 1.0 {
-            return cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE));
-        }
-        cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE).powf(exponent));
+        cells.for_each(|(rate, (radial, p))| *rate *= law.rate_of(*radial, *p));
     }
 
     /// Wear depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
@@ -74,16 +70,16 @@ impl LineOperators {
         }
     }
 
-    /// Mean wear depth rate (m/s) of a strip that wears uniformly, `coefficient` at the reference pressure.
-    pub(super) fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> f64 {
-        let exponent = self.wear[1].0.pressure_exponent;
-        let sum: f64 =
-            self.cells.widths().iter().zip(pressure).map(|(c, p)| c * power(p / REFERENCE_PRESSURE, exponent)).sum();
-        coefficient * sum / (2.0 * self.cells.half_width())
+    /// Mean wear depth rate (m/s) of a strip that wears uniformly, `coefficient` at the reference pressure, and its change with
+    /// the logarithm of the load.
+    pub(super) fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> [f64; 2] {
+        let law = &self.wear[1].0;
+        let [mut rate, mut change] = [0.0; 2];
+        for (width, p) in self.cells.widths().iter().zip(pressure) {
+            let part = law.rate_of(*width, *p);
+            rate += part;
+            change += law.logarithmic_slope(*p) * part;
+        }
+        [rate, change].map(|sum| coefficient * sum / (2.0 * self.cells.half_width()))
     }
-}
-
-#[inline]
-fn power(base: f64, exponent: f64) -> f64 {
-    if exponent == 1.0 { base } else { base.powf(exponent) }
 }

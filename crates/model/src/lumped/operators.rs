@@ -304,6 +304,7 @@ fn stroke_cell(scene: &Scene) -> f64 {
 }
 
 fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, punch: bool) -> BodyOperators {
+    let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     BodyOperators {
         heat: None,
         coverage,
@@ -314,29 +315,22 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         far_temperature: body.far_temperature,
         initial_temperature: body.initial_temperature,
         least_wear: 1e-6
-            * WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade).rate(
+            * wear.rate(
                 scene.nominal_load / scene.contact_area(),
                 scene.nominal_velocity,
                 scene.friction_coefficient,
                 scene.ambient_temperature,
             ),
-        wear: WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade),
-        wear_factor: annular_mean(scene, 1.0 + body.wear_velocity_exponent),
+        wear_factor: match scene.geometry {
+            Geometry::Annular => wear.annular_mean(0.5 * scene.width / scene.mean_radius),
+            _ => 1.0,
+        },
+        wear,
         worn_area: 0.0,
         initial_wear: body.initial_wear,
         wear_limit: body.wear_limit,
         expansion: mean_expansion(scene, body, punch),
     }
-}
-
-/// Mean of (r/r_m)^power over the contact of an annular scene; 1 otherwise.
-fn annular_mean(scene: &Scene, power: f64) -> f64 {
-    if scene.geometry != Geometry::Annular {
-        return 1.0;
-    }
-    let half = 0.5 * scene.width / scene.mean_radius;
-    let (outer, inner) = (1.0 + half, 1.0 - half);
-    (outer.powf(power + 1.0) - inner.powf(power + 1.0)) / ((power + 1.0) * 2.0 * half)
 }
 
 /// Slab model of the punch under the contact's `area`, m2.

@@ -31,10 +31,9 @@
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
 use super::partition::ActivePartition;
-use crate::states::{Sliding, SteadyState, steady_state};
+use crate::states::{Sliding, SteadyState, depth_rate, steady_state};
 use crate::{CycleProblem, SteadyError};
 use conduction::line::Stage;
-use contact::wear::line::CellRate;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::cycle::{Resolution, SolveOptions};
@@ -177,7 +176,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
         friction: [friction; 2],
         load: scene.nominal_load / (scene.count * scene.depth),
         pivot_height: (scene.constraint == scene::Constraint::TranslateAndRotate).then_some(scene.pivot_height),
-        rate: &CellRate::uniform(1.0, 1.0, scene.punch.wear_pressure_exponent),
+        rate: &depth_rate(&scene, &scene.punch, &vec![1.0; cells.count()], speed, scene.friction_coefficient),
         durations: [1.0; 2],
     };
     let hot = problem.solve().map_err(|reason| {

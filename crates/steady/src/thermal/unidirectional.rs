@@ -14,7 +14,7 @@ use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initia
 use crate::{SteadyError, groove, punch_run_in};
 use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, Stage, Surroundings, ThermalBody};
 use contact::friction::FrictionLaw;
-use contact::wear::law::{REFERENCE_PRESSURE, WearLaw};
+use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
 use contact::{ContactSolver, Normal};
 use elasticity::discretization::relative_radii;
@@ -245,12 +245,12 @@ impl Problem<'_> {
         let (scene, law, speed) = (self.scene(), &self.laws[body], self.velocity().abs());
         let factor = scene.wear_acceleration * if self.annular() && body == 1 { scene.coverage() } else { 1.0 };
         let at = |((t, kinetic_coefficient), radius): ((&f64, &f64), &f64)| -> f64 {
-            factor * law.rate(REFERENCE_PRESSURE, speed * radius, *kinetic_coefficient, t + scene.ambient_temperature)
+            factor * law.coefficient(speed * radius, *kinetic_coefficient, t + scene.ambient_temperature)
         };
         let coefficient =
             local_temperature.iter().zip(kinetic_coefficient).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
-        let term = WearTerm { coefficient, exponent: law.pressure_exponent };
-        CellRate { reference_pressure: REFERENCE_PRESSURE, terms: if law.active() { vec![term] } else { Vec::new() } }
+        let term = WearTerm { coefficient, law: law.pressure };
+        CellRate::of_bodies(if law.active() { vec![term] } else { Vec::new() })
     }
 
     /// Pressure on the gap displaced by `undeformed` (m) by heat without friction, with the thermal compliance `thermal_compliance` (m/Pa).

@@ -1,7 +1,7 @@
 //! Newton's method for stages whose depth rate is not linear in the pressure.
 //!
-//! In the local displacement `t = alpha p + tau f<(p)`, f< the terms with exponents below 1, pressure and wear are Lipschitz
-//! continuous for every exponent, which Newton's method needs where a cell touches down or lifts off. Each iteration is one
+//! In the local displacement `t = alpha p + tau f<(p)`, f< the concave terms of the rate, pressure and wear are Lipschitz
+//! continuous for every law, which Newton's method needs where a cell touches down or lifts off. Each iteration is one
 //! contact solve in `z = (dp/dt) t` with the wear diagonal `d = tau f'(p)` of the last iterate, and thus one factorisation.
 //!
 //! Otherwise, where the contact set is unchanged and the slopes differ little from those of an earlier stage, the Jacobian
@@ -82,7 +82,7 @@ impl WearingContact {
         state: &mut ContactState,
     ) -> Result<bool, StageError> {
         let (count, side) = (gap.len(), stroke(conditions));
-        let concave = conditions.rate.terms.iter().any(|term| term.exponent < 1.0);
+        let concave = conditions.rate.is_concave();
         self.kept.copy_from_slice(&self.status.strokes[side].pressure);
         let deviation = self.slopes_at_iterate(tau, conditions, side);
         let mut refactored = deviation > CHORD_DEVIATION;

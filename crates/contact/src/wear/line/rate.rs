@@ -1,6 +1,8 @@
-//! Depth rate of wear as a function of the local pressure, in a variable that is regular for every exponent.
+//! Depth rate of wear as a function of the local pressure, in a variable that is regular for every wear law.
 //!
 //! Theory: docs/theory.md, sections 2.3, 6.7.
+
+use crate::wear::law::{PressureLaw, REFERENCE_PRESSURE};
 
 /// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance), >= 0,
 /// including speed, friction and temperature factors.
@@ -43,16 +45,16 @@ impl From<Vec<f64>> for Coefficient {
     }
 }
 
-/// Depth rate of one body: `coefficient (p/p0)^exponent` on every cell.
+/// Depth rate of one body: coefficient times law of p/p0 on every cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WearTerm {
     /// Depth rate at the reference pressure.
     pub coefficient: Coefficient,
-    /// Pressure exponent b > 0.
-    pub exponent: f64,
+    /// Factor of the pressure.
+    pub law: PressureLaw,
 }
 
-/// Depth rate `f(p) = sum_i c_i (p/p0)^b_i` of the cells, over all bodies that wear in the frame of the punch.
+/// Depth rate `f(p) = sum_i c_i f_i(p/p0)` of the cells, over all bodies that wear in the frame of the punch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellRate {
     /// Reference pressure p0, in Pa.
@@ -61,8 +63,8 @@ pub struct CellRate {
     pub terms: Vec<WearTerm>,
 }
 
-/// Pressure of a cell with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the terms with
-/// exponents below 1.
+/// Pressure of a cell with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the
+/// concave terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LocalState {
     pub pressure: f64,
@@ -77,6 +79,11 @@ pub(super) struct LocalState {
 }
 
 impl CellRate {
+    /// Sum of these terms, of the wear laws of bodies.
+    pub fn of_bodies(terms: Vec<WearTerm>) -> Self {
+        Self { reference_pressure: REFERENCE_PRESSURE, terms }
+    }
+
     /// Archard's law `f = k |v| p` with the same k for all cells: k in 1/Pa, speed in m/s.
     pub fn archard(wear: f64, speed: f64) -> Self {
         Self::uniform(1.0, wear * speed.abs(), 1.0)
@@ -84,8 +91,8 @@ impl CellRate {
 
     /// One term `coefficient (p/p0)^exponent` for all cells: m/s, p0 in Pa.
     pub fn uniform(reference_pressure: f64, coefficient: f64, exponent: f64) -> Self {
-        let coefficient = Coefficient::Uniform(coefficient);
-        Self { reference_pressure, terms: vec![WearTerm { coefficient, exponent }] }
+        let term = WearTerm { coefficient: Coefficient::Uniform(coefficient), law: PressureLaw::power(exponent) };
+        Self { reference_pressure, terms: vec![term] }
     }
 
     /// Whether all cells have the same coefficients.
@@ -95,41 +102,45 @@ impl CellRate {
 
     /// Whether f is linear in p.
     pub fn is_linear(&self) -> bool {
-        self.terms.iter().all(|term| term.exponent == 1.0)
+        self.terms.iter().all(|term| term.law.is_linear())
+    }
+
+    /// Whether a term has an infinite slope where its wear begins.
+    pub(super) fn is_concave(&self) -> bool {
+        self.terms.iter().any(|term| term.law.is_concave())
     }
 
     /// Depth rate of a cell at the pressure p >= 0.
     pub fn rate(&self, cell: usize, pressure: f64) -> f64 {
         let relative = pressure / self.reference_pressure;
-        self.terms.iter().map(|term| term.coefficient.at(cell) * power(relative, term.exponent)).sum()
+        self.terms.iter().map(|term| term.law.rate(term.coefficient.at(cell), relative)).sum()
     }
 
-    /// df/dp of a cell at the pressure p > 0; infinite at 0 for exponents below 1.
+    /// df/dp of a cell at the pressure p >= 0; infinite where the wear of a concave term begins.
     pub fn slope(&self, cell: usize, pressure: f64) -> f64 {
         let relative = pressure / self.reference_pressure;
         let term = |term: &WearTerm| match term.coefficient.at(cell) {
             0.0 => 0.0,
-            coefficient => coefficient * term.exponent * power(relative, term.exponent - 1.0),
+            coefficient => term.law.slope(coefficient, relative),
         };
         self.terms.iter().map(term).sum::<f64>() / self.reference_pressure
     }
 
-    /// Depth rate and df/dp of a cell at the pressure p >= 0; the slope at 0 is that of the terms linear in p, and infinite
-    /// for exponents below 1.
+    /// Depth rate and df/dp of a cell at the pressure p >= 0, as [`Self::rate`] and [`Self::slope`] with one power.
     pub fn rate_and_slope(&self, cell: usize, pressure: f64) -> (f64, f64) {
         let relative = pressure / self.reference_pressure;
         let (mut rate, mut slope) = (0.0, 0.0);
-        for term in &self.terms {
-            let coefficient = term.coefficient.at(cell);
+        for WearTerm { coefficient, law } in &self.terms {
+            let coefficient = coefficient.at(cell);
             if coefficient == 0.0 {
                 continue;
             }
-            let part = coefficient * power(relative, term.exponent);
+            let part = law.rate(coefficient, relative);
             rate += part;
-            slope += if pressure > 0.0 {
-                term.exponent * part / pressure
+            slope += if part > 0.0 {
+                law.logarithmic_slope(relative) * part / pressure
             } else {
-                coefficient * term.exponent * power(0.0, term.exponent - 1.0) / self.reference_pressure
+                law.slope(coefficient, relative) / self.reference_pressure
             };
         }
         (rate, slope)
@@ -137,49 +148,28 @@ impl CellRate {
 
     /// Inverse of the rate: pressure at which the depth rate of a cell is f >= 0, to rounding; infinite for a cell without
     /// wear.
-    ///
-    /// Newton's method in `(p/p0)^beta`, beta the smallest exponent, monotone as in [`CellRate::invert`].
     pub fn pressure_at(&self, cell: usize, rate: f64) -> f64 {
-        if rate <= 0.0 {
-            return 0.0;
-        }
-        let active = || self.terms.iter().filter(|term| term.coefficient.at(cell) > 0.0);
-        let beta = active().map(|term| term.exponent).fold(f64::INFINITY, f64::min);
-        let bound = |term: &WearTerm| power(rate / term.coefficient.at(cell), beta / term.exponent);
-        let mut y = active().map(bound).fold(f64::INFINITY, f64::min);
-        if !y.is_finite() {
-            return f64::INFINITY;
-        }
-        for _ in 0..60 {
-            let (mut value, mut slope) = (-rate, 0.0);
-            for term in active() {
-                let part = term.coefficient.at(cell) * power(y, term.exponent / beta);
-                value += part;
-                slope += part * term.exponent / (beta * y);
-            }
-            let next = y - value / slope;
-            if next >= y * (1.0 - 4.0 * f64::EPSILON) {
-                break;
-            }
-            y = next;
-        }
-        self.reference_pressure * power(y, 1.0 / beta)
+        let active = self.terms.iter().map(|term| (term.coefficient.at(cell), term.law)).filter(|(c, _)| *c > 0.0);
+        self.reference_pressure * PressureLaw::inverse(active, 0.0, rate)
     }
 
     /// Linearised state of a cell at the pressure p, for an elastic scale alpha > 0 (m/Pa) and a stage length tau (s).
     ///
-    /// A term with an exponent below 1 has an infinite slope at p = 0, but not in the local displacement t: p(t) and
+    /// A concave term has an infinite slope in p where its wear begins, but not in the local displacement t: p(t) and
     /// f<(p(t)) are Lipschitz continuous with the constants 1/alpha and 1/tau, as Newton's method needs. The other terms are
     /// convex in p, and Newton's method in p, that is in t without the first terms, is suitable for them.
     pub(super) fn local(&self, cell: usize, alpha: f64, tau: f64, pressure: f64) -> LocalState {
         let relative = pressure / self.reference_pressure;
         let (mut displacement, mut concave, mut convex, mut wear) = (alpha * pressure, 0.0, 0.0, 0.0);
-        for term in self.terms.iter().filter(|term| tau * term.coefficient.at(cell) > 0.0) {
-            let part = tau * term.coefficient.at(cell) * power(relative, term.exponent);
-            let slope = tau * term.coefficient.at(cell) * term.exponent * power(relative, term.exponent - 1.0)
-                / self.reference_pressure;
+        for WearTerm { coefficient, law } in &self.terms {
+            let coefficient = tau * coefficient.at(cell);
+            if coefficient <= 0.0 {
+                continue;
+            }
+            let part = law.rate(coefficient, relative);
+            let slope = law.slope(coefficient, relative) / self.reference_pressure;
             wear += part;
-            if term.exponent < 1.0 {
+            if law.is_concave() {
                 displacement += part;
                 concave += slope;
             } else {
@@ -191,51 +181,11 @@ impl CellRate {
         LocalState { pressure, displacement, pressure_slope, wear, wear_slope }
     }
 
-    /// The pressure at which `alpha p + tau f<(p) = t`, t >= 0, to rounding.
-    ///
-    /// Newton's method in `y = (p/p0)^beta`, beta the smallest exponent or 1: the sum is then convex and increasing,
-    /// and from a point above the root the iterates fall monotonically to it.
+    /// The pressure at which `alpha p + tau f<(p) = t`, to rounding; 0 for t <= 0.
     pub(super) fn invert(&self, cell: usize, alpha: f64, tau: f64, displacement: f64) -> f64 {
-        if displacement <= 0.0 {
-            return 0.0;
-        }
-        let active = || self.terms.iter().filter(|term| term.exponent < 1.0 && tau * term.coefficient.at(cell) > 0.0);
-        let beta = active().map(|term| term.exponent).fold(1.0, f64::min);
-        let elastic = alpha * self.reference_pressure;
-        let mut y = power(displacement / elastic, beta);
-        for term in active() {
-            y = y.min(power(displacement / (tau * term.coefficient.at(cell)), beta / term.exponent));
-        }
-        for _ in 0..60 {
-            let p = power(y, 1.0 / beta);
-            let (mut value, mut slope) = (elastic * p - displacement, elastic * p / (beta * y));
-            for term in active() {
-                let part = tau * term.coefficient.at(cell) * power(y, term.exponent / beta);
-                value += part;
-                slope += part * term.exponent / (beta * y);
-            }
-            let next = y - value / slope;
-            if next >= y * (1.0 - 4.0 * f64::EPSILON) {
-                break;
-            }
-            y = next;
-        }
-        self.reference_pressure * power(y, 1.0 / beta)
-    }
-}
-
-/// `base^exponent`, base >= 0, by a root or a product where one suffices instead of the general power.
-fn power(base: f64, exponent: f64) -> f64 {
-    if exponent == 1.0 {
-        base
-    } else if exponent == 0.0 {
-        1.0
-    } else if exponent == 0.5 {
-        base.sqrt()
-    } else if exponent == 2.0 {
-        base * base
-    } else {
-        base.powf(exponent)
+        let concave = self.terms.iter().filter(|term| term.law.is_concave());
+        let active = concave.map(|term| (tau * term.coefficient.at(cell), term.law)).filter(|(c, _)| *c > 0.0);
+        self.reference_pressure * PressureLaw::inverse(active, alpha * self.reference_pressure, displacement)
     }
 }
 
@@ -244,7 +194,10 @@ mod tests {
     use super::*;
 
     fn rate(terms: &[(f64, f64)]) -> CellRate {
-        let term = |&(coefficient, exponent): &(f64, f64)| WearTerm { coefficient: coefficient.into(), exponent };
+        let term = |&(coefficient, exponent): &(f64, f64)| WearTerm {
+            coefficient: coefficient.into(),
+            law: PressureLaw::power(exponent),
+        };
         CellRate { reference_pressure: 2.0, terms: terms.iter().map(term).collect() }
     }
 
@@ -300,6 +253,39 @@ mod tests {
             }
             let open = rate.local(0, 0.7, 0.2, 0.0);
             assert!(open.wear_slope <= 1.0 + 1e-15 && open.pressure_slope <= 1.0 / 0.7);
+        }
+    }
+    #[test]
+    fn laws_with_thresholds() {
+        // Coefficient, exponent, threshold over p0 = 2.
+        for terms in [
+            vec![(3.0, 1.0, 0.4)],
+            vec![(3.0, 0.3, 0.4)],
+            vec![(3.0, 2.5, 0.4)],
+            vec![(3.0, 0.5, 0.4), (2.0, 0.3, 1.1)],
+            vec![(1e-3, 0.5, 0.0), (10.0, 3.0, 0.7), (1.0, 0.8, 0.7)],
+        ] {
+            let law = |exponent, threshold| PressureLaw::power(exponent).above(threshold);
+            let term = |&(c, b, z): &(f64, f64, f64)| WearTerm { coefficient: c.into(), law: law(b, z) };
+            let rate = CellRate { reference_pressure: 2.0, terms: terms.iter().map(term).collect() };
+            let exact = |p: f64| terms.iter().map(|(c, b, z)| c * (0.5 * p - z).max(0.0).powf(*b)).sum::<f64>();
+            for pressure in [1e-3, 0.1, 0.79, 0.8, 0.80001, 1.0, 1.4, 1.6, 2.2, 2.3, 7.0, 1e3] {
+                let case = format!("{terms:?} p {pressure}");
+                assert!((rate.rate(0, pressure) - exact(pressure)).abs() <= 1e-14 * exact(pressure), "{case}");
+                let (value, slope) = rate.rate_and_slope(0, pressure);
+                assert_eq!(value, rate.rate(0, pressure), "{case}");
+                assert!(slope == rate.slope(0, pressure) || (slope / rate.slope(0, pressure) - 1.0).abs() < 1e-13);
+                let h = 1e-6 * pressure;
+                let numeric = (exact(pressure + h) - exact(pressure - h)) / (2.0 * h);
+                if terms.iter().all(|(_, _, z)| (pressure - 2.0 * z).abs() > 1e-2) {
+                    assert!((slope - numeric).abs() <= 1e-6 * slope, "{case}: {slope} {numeric}");
+                }
+                let displacement = rate.local(0, 0.7, 0.2, pressure).displacement;
+                assert!((rate.invert(0, 0.7, 0.2, displacement) / pressure - 1.0).abs() < 1e-13, "{case}");
+                if value > 0.0 {
+                    assert!((rate.pressure_at(0, value) / pressure - 1.0).abs() < 1e-13, "{case}");
+                }
+            }
         }
     }
 }

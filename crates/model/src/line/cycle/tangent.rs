@@ -78,9 +78,10 @@ impl WearJacobian {
             if !operators.reshapes(body) {
                 continue;
             }
-            let exponent = operators.wear[body].0.pressure_exponent;
+            let law = &operators.wear[body].0;
             for (a, &i) in active.iter().enumerate() {
-                let slope = duration * exponent * line.stages.rates[1][body][i] / pressure[i] / scale;
+                let relative = law.logarithmic_slope(pressure[i]);
+                let slope = duration * relative * line.stages.rates[1][body][i] / pressure[i] / scale;
                 for (b, &j) in active.iter().enumerate() {
                     self.bodies[body][(i, j)] += slope * inverse[(a, b)];
                 }

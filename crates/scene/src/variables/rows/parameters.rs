@@ -228,6 +228,18 @@ macro_rules! body_rows {
             .within(0.3, 3.0)
             .start(1.0),
             real(
+                concat!($body, ".wear_threshold"),
+                &PASCAL,
+                1e6,
+                concat!(
+                    "Pressure up to which the ",
+                    $body,
+                    " does not wear; above it p less the threshold takes the place of p in the wear law"
+                ),
+            )
+            .shown("MPa")
+            .within(0.0, 1e10),
+            real(
                 concat!($body, ".wear_velocity_exponent"),
                 &ONE,
                 1.0,

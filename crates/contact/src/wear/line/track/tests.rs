@@ -1,4 +1,5 @@
 use super::*;
+use crate::wear::law::PressureLaw;
 use crate::wear::line::{CellRate, Conditions, WearingContact};
 use crate::{Normal, Tilt};
 use elasticity::{ElasticBody, HalfPlane, Material, Winkler};
@@ -186,7 +187,7 @@ fn second_order_in_the_travel() {
     for exponent in [1.0, 0.7] {
         let compliance = Winkler::new(2.0).unwrap().compliance(&cells).normal;
         let mut rate = CellRate::archard(0.5, 1.0);
-        rate.terms[0].exponent = exponent;
+        rate.terms[0].law = PressureLaw::power(exponent);
         let truth = slide(&cells, &compliance, &rate, 1.0, 512, true);
         let errors: Vec<f64> = [2, 4, 8, 16, 32]
             .iter()
