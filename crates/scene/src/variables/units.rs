@@ -65,6 +65,7 @@ pub static UNITS: &[&Unit] = &[
     &CONDUCTANCE,
     &SPECIFIC_HEAT,
     &DENSITY,
+    &KILOGRAM,
 ];
 
 //                                                                 kg  m  s  K rad
@@ -91,4 +92,5 @@ pub static CONDUCTIVITY: Unit = unit("W/(m.K)", [1, 1, -3, -1, 0], &[]);
 pub static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
 pub static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
 pub static SPECIFIC_HEAT: Unit = unit("J/(kg.K)", [0, 2, -2, -1, 0], &[]);
+pub static KILOGRAM: Unit = unit("kg", [1, 0, 0, 0, 0], &[shown("g", 1e3), shown("mg", 1e6)]);
 pub static DENSITY: Unit = unit("kg/m3", [1, -3, 0, 0, 0], &[shown("g/cm3", 1e-3)]);
