@@ -56,6 +56,7 @@ SECTIONS = {
     ],
     "Model": [
         "docs/theory",
+        "docs/paper",
         "docs/accuracy",
         "docs/accuracy/measurements",
         "examples/published/README",
