@@ -158,6 +158,48 @@ fn heat_is_balanced_worn_volumes_grow_and_pressures_carry_the_load() {
     });
 }
 
+/// Archard's law and constant friction: the heat stands for the load times the distance, on an annulus too.
+#[test]
+fn worn_masses_follow_from_the_heat_at_every_level_and_geometry() {
+    let annulus = [("contact.geometry", 2.0), ("contact.mean_radius", 0.1), ("punch.width", 0.04), ("depth", 0.08)];
+    let caliper = [("contact.faces", 2.0), ("holder.stiffness", 1e8)];
+    let pads = [("contact.faces", 4.0), ("punch.count", 3.0)];
+    let track = [("strip.path", 1.0), ("strip.length", 0.0)];
+    for level in [2.0, 3.0] {
+        for geometry in [&annulus[..], &caliper, &pads, &track] {
+            for acceleration in [1.0, 8.0] {
+                let own = [
+                    ("solver.fidelity", level),
+                    ("solver.cells", 9.0),
+                    ("wear_acceleration", acceleration),
+                    ("strip.wear_coefficient", 3e-15),
+                    ("punch.airborne_fraction", 0.35),
+                    ("strip.airborne_fraction", 0.1),
+                ];
+                let mut drive = Drive::stock(&[geometry, &own].concat());
+                for (velocity, load) in [(4.0, 3e3), (2.0, 4e3), (0.0, 0.0)] {
+                    drive.set("sliding_velocity", velocity).set("normal_load", load).step(0.2);
+                }
+                let way = drive.get("dissipated_energy") / drive.get("contact.friction_coefficient");
+                let exact = [2600.0 * 2e-14, 7200.0 * 3e-15].map(|rate| rate * acceleration * way);
+                let masses = ["wear_mass_punch", "wear_mass_strip"].map(|name| drive.get(name));
+                for (mass, exact) in masses.into_iter().zip(exact) {
+                    assert!(
+                        (mass / exact - 1.0).abs() < 1e-9,
+                        "{level} {geometry:?} {acceleration}: {mass:e} {exact:e}"
+                    );
+                }
+                for (mass, volume, density) in
+                    [(masses[0], "wear_volume_punch", 2600.0), (masses[1], "wear_volume_strip", 7200.0)]
+                {
+                    assert_eq!(mass, density * drive.get(volume));
+                }
+                assert_eq!(drive.get("wear_mass_airborne"), 0.35 * masses[0] + 0.1 * masses[1]);
+            }
+        }
+    }
+}
+
 /// Largest number of internal steps, tried or accepted, that a communication step of these cases may take (largest: 286). Any
 /// step ends with an error behind 200,000.
 const MOST_INTERNAL_STEPS: u64 = 1000;

@@ -23,6 +23,9 @@ class Summary:
     friction_torque_peak_N_m: float
     pad_wear_um: float
     disc_wear_um: float
+    stops: int
+    worn_mass_mg: float
+    airborne_mass_mg: float
     energy_in_kJ: float
     heat_stored_kJ: float
     heat_lost_kJ: float
@@ -36,6 +39,11 @@ class Summary:
     def as_dictionary(self):
         return asdict(self)
 
+    def over_drive(self, mass):
+        """A mass [mg] over the distance that the car drives and over its stops."""
+        distance = f", {mass / self.distance_km:.3g} mg/km" if self.distance_km > 0.0 else ""
+        return distance + (f", {mass / self.stops:.3g} mg a stop" if self.stops else "")
+
     def rows(self):
         """Quantities compared between levels, and the statistics of the run, as pairs of texts."""
         return (
@@ -47,6 +55,8 @@ class Summary:
             ("Friction torque", f"peak {self.friction_torque_peak_N_m:.1f} N m"),
             ("Wear of the pad", f"{self.pad_wear_um:.4g} µm"),
             ("Wear of the disc", f"{self.disc_wear_um:.4g} µm per face"),
+            ("Worn mass", f"{self.worn_mass_mg:.4g} mg{self.over_drive(self.worn_mass_mg)}"),
+            ("Of it airborne", f"{self.airborne_mass_mg:.4g} mg{self.over_drive(self.airborne_mass_mg)}"),
             ("Energy in", f"{self.energy_in_kJ:.2f} kJ, {100 * self.heat_share_disc:.1f} % of it into the disc"),
             ("Energy out", f"{self.heat_stored_kJ:.2f} kJ stored, {self.heat_lost_kJ:.2f} kJ lost"),
             ("Energy balance error", f"{self.energy_balance_error:.1e} of the energy in"),
@@ -127,6 +137,12 @@ def flow_integral_error(recording):
     return float(worst / recording["dissipated_energy"][-1])
 
 
+def stops(speed):
+    """How often a car of this speed comes to rest."""
+    rests = np.asarray(speed) == 0.0
+    return int(np.sum(~rests[:-1] & rests[1:]))
+
+
 def summarise(recording, drive):
     """The summary of a recording of `drive`."""
     time = recording["time"]
@@ -150,6 +166,9 @@ def summarise(recording, drive):
         friction_torque_peak_N_m=float(np.abs(recording["friction_torque"]).max()),
         pad_wear_um=float(recording["wear_depth_punch"][-1]) * 1e6,
         disc_wear_um=float(recording["wear_depth_strip"][-1]) * 1e6,
+        stops=stops(drive.speed),
+        worn_mass_mg=1e6 * float(recording["wear_mass_punch"][-1] + recording["wear_mass_strip"][-1]),
+        airborne_mass_mg=1e6 * float(recording["wear_mass_airborne"][-1]),
         energy_in_kJ=energy / 1e3,
         heat_stored_kJ=float(recording["stored_heat"][-1]) / 1e3,
         heat_lost_kJ=lost / 1e3,

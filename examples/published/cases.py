@@ -35,6 +35,7 @@ class Curve:
     x: np.ndarray
     y: np.ndarray
     published: bool
+    points: bool = False  # published values that are marked one by one
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def repeated_stops(model: Model) -> Result:
             Comparison("rise after the first stop", "K", after[0], computed[0], (-0.02, 0.0)),
             Comparison("rise after the fifteenth stop", "K", after[-1], computed[-1], (-0.05, 0.0)),
         ],
-        [Curve("after a stop", ends, after, True), Curve("model", time, rise(run, "disc"), False)],
+        [Curve("after a stop", ends, after, True, points=True), Curve("model", time, rise(run, "disc"), False)],
     )
 
 
@@ -321,13 +322,47 @@ def disc_critical_speed(model: Model) -> Result:
     )
 
 
-def reciprocating(model: Model) -> Result:
-    period, count = 0.62837, 120
+PERIOD, CYCLES = 0.62837, 120  # of the reciprocating punch, s
+
+
+def strokes(model: Model, cycles: tuple[int, ...]) -> Run:
+    """Cold reciprocating punch that wears 100 times faster, with the profiles at mid-stroke, forward and backward, of these cycles."""
     settings = ("punch.wear_coefficient=3.9e-3 mm3/(N.m)", "solver.fidelity=line", "solver.cells=65",
                 "contact.friction_coefficient=0.25", "punch.thermal_expansion=0", "strip.thermal_expansion=0", "solver.heat=mean",
-                f"nominal.duration={count * period}")  # fmt: skip
-    forward, backward = (count - 0.75) * period, (count - 0.25) * period
-    run = model.simulate("reciprocating_punch", settings=settings, at=(forward, backward), step=0.0314)
+                f"nominal.duration={CYCLES * PERIOD}")  # fmt: skip
+    at = tuple((cycle - part) * PERIOD for cycle in cycles for part in (0.75, 0.25))
+    return model.simulate("reciprocating_punch", settings=settings, at=at, step=0.0314)
+
+
+def wear_dissipation(model: Model) -> Result:
+    cycles = (*range(1, 30), *range(30, CYCLES + 1, 5))
+    run, mean = strokes(model, cycles), 10e3 / (0.06 * 0.01)
+
+    def over_uniform(squares: np.ndarray) -> float:
+        return float(np.trapezoid(squares, dx=1.0 / (squares.size - 1))) / mean**2
+
+    averaged, whole = [], []
+    for index in range(len(cycles)):
+        there, back = (run.profile(2 * index + turn, "pressure") for turn in (0, 1))
+        averaged.append(over_uniform((0.5 * (there + back)) ** 2))
+        whole.append(over_uniform(0.5 * (there**2 + back**2)))
+    counts = np.array(cycles, dtype=float)
+    return Result(
+        "Averaged wear dissipation",
+        "cycles, wear 100 times faster",
+        "wear dissipation over k v F²/A",
+        [Comparison("averaged wear dissipation, run in", "k v F²/A", 1.0, averaged[-1], (0.0, 2e-3))],
+        [
+            Curve("minimum", counts, np.ones_like(counts), True),
+            Curve("model, of the mean pressure\nof both strokes", counts, np.array(averaged), False),
+            Curve("model, mean of both strokes", counts, np.array(whole), False),
+        ],
+        (0.95, 1.55),
+    )
+
+
+def reciprocating(model: Model) -> Result:
+    run = strokes(model, (CYCLES,))
     x = 1e3 * run.profile(0, "x")
     there, back = (run.profile(index, "pressure") / (10e3 / (0.06 * 0.01)) for index in (0, 1))
     comparisons = []
@@ -399,7 +434,7 @@ def ball_wear(model: Model) -> Result:
             Curve("model, width", middle, 1e3 * flat[first], False),
             Curve("scar, ball", fine, 1e3 * ball, True),
             Curve("model, circle of equal area", middle, 1e3 * circle[first], False),
-            Curve("scar, measured", np.array([1000.0]), np.array([1e3 * scar]), True),
+            Curve("scar, measured", np.array([1000.0]), np.array([1e3 * scar]), True, points=True),
         ],
         (0.0, 2.3),
     )
@@ -460,6 +495,77 @@ def hot_bands(model: Model) -> Result:
     )
 
 
+def block_on_ring(model: Model) -> Result:
+    distances = np.array([800.0, 1600.0, 2400.0, 3600.0])
+    fine = np.arange(40.0, 3601.0, 40.0)
+    run = model.simulate("block_on_ring", "inputs.csv", at=tuple((fine / 0.5).tolist()))
+    course = np.array([1e6 * run.profile(index, "worn_punch").max() for index in range(fine.size)])
+    depths = np.interp(distances, fine, course)
+    mesh_motion = np.array([16.166, 25.555, 33.417, 43.707])
+    level_sets = np.array([16.155, 25.709])
+    measured = np.array([46.3, 44.5, 48.7])
+    comparisons = []
+    for distance, one, other in zip(distances, mesh_motion, depths, strict=True):
+        comparisons.append(Comparison(f"depth after {distance:g} m, mesh motion", "µm", one, other, (-0.005, 0.01)))
+    for distance, one, other in zip(distances[:2], level_sets, depths[:2], strict=True):
+        comparisons.append(Comparison(f"depth after {distance:g} m, level sets", "µm", one, other, (-0.005, 0.005)))
+    comparisons.append(Comparison("depth after 3600 m, measured", "µm", measured.mean(), depths[-1], (-0.08, -0.03)))
+    return Result(
+        "Block on ring",
+        "distance slid (m)",
+        "greatest worn depth of the block (µm)",
+        comparisons,
+        [
+            Curve("finite elements,\nmesh motion", distances, mesh_motion, True, points=True),
+            Curve("finite elements,\nlevel sets", distances[:2], level_sets, True, points=True),
+            Curve("measured, 3 tests", np.full(3, 3600.0), measured, True, points=True),
+            Curve("model", fine, course, False),
+        ],
+        (0.0, 50.0),
+    )
+
+
+def fretting(model: Model) -> Result:
+    count, acceleration, peak = 180, 100, 0.2e-3
+    # Displacement 25 µm to both sides, from the middle: the speed is linear between its extremes.
+    rows = ["time [s],sliding_velocity [m/s],normal_load [N]", f"0,{peak},185"]
+    for cycle in range(count):
+        rows += [f"{cycle + 0.5},{-peak},185", f"{cycle + 1.0},{peak},185"]
+    inputs = "\n".join(rows) + "\n"
+    cycles, fine = np.array([1000.0, 5000.0, 10000.0, 18000.0]), np.arange(200.0, 18001.0, 200.0)
+    level_sets, mesh_motion, measured = np.array([0.3784, 1.1311, 1.8145, 2.713]), np.array([2.706]), np.array([2.89])
+
+    def drawn(label: str, counts: np.ndarray, depths: np.ndarray, points: bool) -> Curve:
+        # The depth of a parabola that wears grows with the power 2/3: over it the curves can be told apart.
+        return Curve(label, 1e-3 * counts, 1e3 * depths / counts ** (2.0 / 3.0), points, points)
+
+    # Friction force over the tangential displacement of both bodies at full slip, 166.5 N over 0.48 µm.
+    bristle = "contact.stick_stiffness=3.47e8"
+    curves = [
+        drawn("finite elements,\nlevel sets", cycles, level_sets, True),
+        drawn("finite elements,\nmesh motion", cycles[-1:], mesh_motion, True),
+        drawn("measured", cycles[-1:], measured, True),
+    ]
+    comparisons = []
+    for name, settings, band in (("with the bristle", (bristle,), (0.0, 0.008)), ("without", (), (0.01, 0.02))):
+        run = model.simulate("fretting", inputs, settings, at=tuple((fine / acceleration).tolist()), step=0.02)
+        course = np.array([1e6 * run.profile(index, "worn_strip").max() for index in range(fine.size)])
+        depths = np.interp(cycles, fine, course)
+        for cycle, one, other in zip(cycles, level_sets, depths, strict=True):
+            comparisons.append(Comparison(f"depth, {cycle:g} cycles, {name}", "µm", one, other, band))
+        comparisons.append(Comparison(f"the same, mesh motion, {name}", "µm", mesh_motion[0], depths[-1], (band[0], band[1] + 0.003)))
+        comparisons.append(Comparison(f"the same, measured, {name}", "µm", measured[0], depths[-1], (-0.08, -0.03)))
+        curves.append(drawn(f"model, {name}", fine, course, False))
+    return Result(
+        "Fretting in gross slip",
+        "cycles (thousands)",
+        "depth over cycles to the 2/3 (nm)",
+        comparisons,
+        curves,
+        (3.4, 4.3),
+    )
+
+
 CASES = {
     "single_stop": Case(single_stop, "strip.conductivity=50"),
     "repeated_stops": Case(repeated_stops, "strip.density=6800"),
@@ -472,6 +578,9 @@ CASES = {
     "hot_spot_growth": Case(hot_spot_growth, "punch.thermal_expansion=11e-6"),
     "disc_critical_speed": Case(disc_critical_speed, "strip.thermal_expansion=11e-6"),
     "hot_bands": Case(hot_bands, "strip.conductivity=50"),
+    "block_on_ring": Case(block_on_ring, "punch.wear_coefficient=2.1e-15"),
+    "fretting": Case(fretting, "contact.stick_stiffness=0"),
     "ball_wear": Case(ball_wear, "contact.initial_radius=4.6 mm"),
+    "wear_dissipation": Case(wear_dissipation, "punch.wear_pressure_exponent=0.8"),
     "reciprocating": Case(reciprocating, "punch.wear_pressure_exponent=0.8"),
 }

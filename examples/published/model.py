@@ -28,6 +28,8 @@ OUTPUTS = {
     "x": "profile.x",
     "pressure": "profile.pressure",
     "local_temperature": "profile.temperature",
+    "worn_punch": "profile.wear_punch",
+    "worn_strip": "profile.wear_strip",
 }
 
 Columns = dict[str, np.ndarray]

@@ -25,6 +25,7 @@ STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "published",
 }
+MARKERS = ("s", "x", "^")  # of published points
 MANY = 40  # a model's curve with more points is drawn as a dashed line
 
 
@@ -32,18 +33,16 @@ def draw(result: Result, path: Path) -> Path:
     with plt.rc_context(STYLE):
         figure, axis = plt.subplots(figsize=(130 / 25.4, 68 / 25.4), layout="constrained")
         seen = {True: 0, False: 0}
-        labels = set()
+        labels, markers = set(), iter(MARKERS)
         alike = len({curve.label for curve in result.curves if not curve.published}) == 1
         for curve in result.curves:
             index = seen[curve.published]
             seen[curve.published] += 1
             colours = PUBLISHED if curve.published else MODEL
             colour = colours[0 if alike and not curve.published else index % len(colours)]
-            # Points of published values that are few are marked, as those of the model are.
-            sparse = curve.x.size <= MANY
             if curve.published:
-                style = dict(linestyle="none", marker="s", markerfacecolor="none") if is_series(result, sparse) or curve.x.size == 1 else {}
-            elif sparse:
+                style = dict(linestyle="none", marker=next(markers), markerfacecolor="none") if curve.points else {}
+            elif curve.x.size <= MANY:
                 style = dict(linestyle="none", marker="o", markersize=3.5)
             else:
                 style = dict(linestyle=(0, (4, 3)))
@@ -60,10 +59,3 @@ def draw(result: Result, path: Path) -> Path:
         figure.savefig(path, metadata=metadata, dpi=150)
         plt.close(figure)
     return path
-
-
-def is_series(result: Result, sparse: bool) -> bool:
-    """Whether the published values are points in time and the model the curve between them."""
-    return sparse and any(not curve.published and curve.x.size > MANY for curve in result.curves) and len(
-        [curve for curve in result.curves if curve.published]
-    ) == 1 and result.curves[0].x.size > 2

@@ -58,6 +58,7 @@ SECTIONS = {
     ],
     "Model": [
         "docs/theory",
+        "docs/paper",
         "docs/accuracy",
         "examples/published/README",
         "docs/stability/README",

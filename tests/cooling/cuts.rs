@@ -4,7 +4,7 @@ use super::{LEVELS, temperatures};
 use scene::variables::reference;
 use test_support::{CONVECTING, Drive, INSULATED, LUMPED, Random, scene};
 
-/// All scenes that are shipped.
+/// Shipped scenes.
 pub const SCENES: [&str; 15] = [
     "disc_brake",
     "pin_on_disk",

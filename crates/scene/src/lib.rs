@@ -240,6 +240,7 @@ pub struct Body {
     pub cooled_area: f64,
     /// Conductance to a neighbour outside the FMU, W/K.
     pub external_conductance: f64,
+    pub airborne_fraction: f64,
     /// Condition of the face opposite to the contact.
     pub far_thermal: ThermalBoundary,
     /// Temperature there where it is held, K; 0: ambient.
@@ -405,10 +406,17 @@ macro_rules! body {
             emissivity: value!($v, concat!($body, ".emissivity")),
             cooled_area: value!($v, concat!($body, ".cooled_area")),
             external_conductance: value!($v, concat!($body, ".external_conductance")),
+            airborne_fraction: value!($v, concat!($body, ".airborne_fraction")),
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
             far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
     };
+}
+
+/// Masses worn off both bodies and the airborne part of their sum, kg, by the worn volumes of all faces, m3.
+pub fn worn_masses(bodies: [&Body; 2], volumes: [f64; 2]) -> [f64; 3] {
+    let [punch, strip] = [0, 1].map(|body| bodies[body].density * volumes[body]);
+    [punch, strip, bodies[0].airborne_fraction * punch + bodies[1].airborne_fraction * strip]
 }
 
 impl Scene {

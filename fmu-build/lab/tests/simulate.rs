@@ -174,6 +174,32 @@ fn without_inputs_the_scene_runs_at_its_nominal_values() {
 }
 
 #[test]
+fn worn_mass_is_stated_over_the_distance_and_over_the_stops() {
+    let folder = Folder::new("mass");
+    // Two stops, a reversal that passes through rest, and the beginning at rest, which is none.
+    let rows = "time [s],sliding_velocity [m/s],normal_load [N]\n0,0,2000\n1,0,2000\n2,5,2000\n4,-5,2000\n5,0,2000\n6,0,0\n\
+                7,4,2000\n8,0,2000\n";
+    folder.file("in.csv", rows);
+    let run = ["disc_brake", "-i", "in.csv", "--set", "solver.fidelity=lumped"];
+    let result = folder.json(&run);
+    let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
+    let mass = end("wear_mass_punch") + end("wear_mass_strip");
+    let stated = |kind: &str, over: &str| result["wear_mass"][kind][over].as_f64().unwrap();
+    assert_eq!(result["wear_mass"]["stops"], 2);
+    assert!(mass > 0.0 && (stated("worn", "mass") / mass - 1.0).abs() < 1e-12);
+    assert!((2.0 * stated("worn", "per_stop") / mass - 1.0).abs() < 1e-12);
+    // 2.5 m, four triangles of 2.5 and 5 m, and 4 m.
+    let distance = end("sliding_distance");
+    assert!((distance - 14.0).abs() < 1e-9, "{distance}");
+    assert!((stated("worn", "per_distance_slid") * distance / mass - 1.0).abs() < 1e-12);
+    assert!((stated("airborne", "mass") / (0.35 * mass) - 1.0).abs() < 1e-12);
+    let table = folder.run(&run).1;
+    assert!(table.contains("mg in each of 2 stops") && table.contains("airborne particles"), "{table}");
+    let none = folder.run(&["clutch", "--set", "nominal.duration=0.1 s"]).1;
+    assert!(none.contains("mg per km slid") && !none.contains("airborne") && !none.contains("stops"), "{none}");
+}
+
+#[test]
 fn a_run_does_not_deviate_from_its_own_record_and_an_offset_is_told() {
     let folder = Folder::new("measured");
     folder.file("in.csv", STOP);

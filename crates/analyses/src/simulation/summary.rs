@@ -61,6 +61,47 @@ impl Summary<'_> {
         format!("{depth}, {}", Shown::of_difference("m3", volume.abs()).text(volume))
     }
 
+    /// Comings to rest that last.
+    fn stops(&self) -> usize {
+        let speeds = ["sliding_velocity", "angular_velocity"].map(|name| self.recording.values(name));
+        let rests: Vec<bool> =
+            (0..self.recording.times.len()).map(|row| speeds.iter().all(|v| v[row] == 0.0)).collect();
+        (1..rests.len())
+            .filter(|&row| !rests[row - 1] && rests[row] && rests.get(row + 1).is_none_or(|rest| *rest))
+            .count()
+    }
+
+    /// A mass, and that over the distance slid and over the stops.
+    fn mass(&self, mass: f64) -> String {
+        let distance = 1e-3 * self.last("sliding_distance");
+        let stops = self.stops();
+        let mut text = Shown::of_difference("kg", mass).text(mass);
+        if distance > 0.0 {
+            text += &format!(", {} mg per km slid", number(1e6 * mass / distance));
+        }
+        if stops > 0 {
+            text += &format!(", {} mg in each of {stops} stops", number(1e6 * mass / stops as f64));
+        }
+        text
+    }
+
+    /// Masses with what they are over the distance slid and over the stops.
+    fn masses(&self) -> Value {
+        let distance = self.last("sliding_distance");
+        let of = |mass: f64| {
+            json!({
+                "mass": mass,
+                "per_distance_slid": (distance > 0.0).then(|| mass / distance),
+                "per_stop": (self.stops() > 0).then(|| mass / self.stops() as f64),
+            })
+        };
+        json!({
+            "worn": of(self.last("wear_mass_punch") + self.last("wear_mass_strip")),
+            "airborne": of(self.last("wear_mass_airborne")),
+            "stops": self.stops(),
+        })
+    }
+
     fn energies(&self) -> String {
         let energy = self.last("dissipated_energy");
         let shown = Shown::of("dissipated_energy", "J", energy.abs());
@@ -122,6 +163,8 @@ impl Summary<'_> {
             ("friction coefficient", self.course("friction_coefficient")),
             ("wear of the punch", self.wear("punch")),
             ("wear of the strip", self.wear("strip")),
+            ("worn mass", self.mass(self.last("wear_mass_punch") + self.last("wear_mass_strip"))),
+            ("airborne particles", self.mass(self.last("wear_mass_airborne"))),
             ("friction heat", self.energies()),
             ("heat", self.heat()),
             ("energy balance closes to", format!("{:.1e} of the largest energy", energy_residual(recording))),
@@ -131,6 +174,7 @@ impl Summary<'_> {
         ]
         .map(|(name, value)| (name.to_owned(), value))
         .to_vec();
+        lines.retain(|(name, _)| name != "airborne particles" || self.last("wear_mass_airborne") > 0.0);
         lines.extend(self.measured.iter().map(|own| (format!("deviation of {}", own.name), deviation(own))));
         let warnings = &recording.warnings;
         lines.extend(warnings.iter().map(|(time, text)| (format!("warning at {}", seconds(*time)), text.clone())));
@@ -190,6 +234,7 @@ impl Summary<'_> {
             "seconds": { "initialisation": recording.seconds[0], "steps": recording.seconds[1] },
             "energy_residual": energy_residual(recording),
             "estimated_error": self.last("estimated_error"),
+            "wear_mass": self.masses(),
             "variables": recording.channels.iter().map(course).collect::<Map<String, Value>>(),
             "profiles": recording.profiles.iter().map(profiles).collect::<Vec<_>>(),
             "measured": self.measured.iter().map(measured).collect::<Vec<_>>(),

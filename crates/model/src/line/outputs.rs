@@ -151,8 +151,13 @@ impl Line {
         let (operators, state) = (&self.operators, &self.state);
         let scene = &operators.scene;
         let all = operators.shared_depth * scene.faces;
-        value!(values, "wear_volume_punch") = state.volume[0] * all;
-        value!(values, "wear_volume_strip") = state.volume[1] * all;
+        let volumes = state.volume.map(|volume| volume * all);
+        let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
+        value!(values, "wear_volume_punch") = volumes[0];
+        value!(values, "wear_volume_strip") = volumes[1];
+        value!(values, "wear_mass_punch") = masses[0];
+        value!(values, "wear_mass_strip") = masses[1];
+        value!(values, "wear_mass_airborne") = masses[2];
         let life = |depth: &[f64], body: &scene::Body| {
             let deepest = depth.iter().copied().fold(0.0, maximum) + body.initial_wear;
             if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }

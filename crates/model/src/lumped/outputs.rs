@@ -207,10 +207,16 @@ impl Lumped {
                 1.0
             }
         };
+        let volumes = [(&operators.punch, &state.punch), (&operators.strip, &state.strip)]
+            .map(|(body, state)| state.worn * body.worn_area * faces);
+        let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
         emit!(
             emit,
-            "wear_volume_punch" = state.punch.worn * operators.punch.worn_area * faces,
-            "wear_volume_strip" = state.strip.worn * operators.strip.worn_area * faces,
+            "wear_volume_punch" = volumes[0],
+            "wear_volume_strip" = volumes[1],
+            "wear_mass_punch" = masses[0],
+            "wear_mass_strip" = masses[1],
+            "wear_mass_airborne" = masses[2],
             "remaining_life" = life(state.punch.depth, &operators.punch).min(life(strip_depth, &operators.strip)),
             "sliding_distance" = state.distance,
             "dissipated_energy" = state.dissipated * operators.area * faces,

@@ -61,6 +61,7 @@ pub static TYPES: &[RealType] = &[
     named("ThermalConductance", &CONDUCTANCE),
     named("SpecificHeatCapacity", &SPECIFIC_HEAT),
     named("Density", &DENSITY),
+    named("Mass", &KILOGRAM),
 ];
 
 /// The type of this name, or the first with this unit where the name is empty; `None` where there is none of this unit.

@@ -65,6 +65,7 @@ pub static UNITS: &[&Unit] = &[
     &CONDUCTANCE,
     &SPECIFIC_HEAT,
     &DENSITY,
+    &KILOGRAM,
 ];
 
 //                                                                 kg  m  s  K rad
@@ -114,5 +115,7 @@ pub static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
 pub static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
 /// Specific heat.
 pub static SPECIFIC_HEAT: Unit = unit("J/(kg.K)", [0, 2, -2, -1, 0], &[]);
+/// Mass.
+pub static KILOGRAM: Unit = unit("kg", [1, 0, 0, 0, 0], &[shown("g", 1e3), shown("mg", 1e6)]);
 /// Density.
 pub static DENSITY: Unit = unit("kg/m3", [1, -3, 0, 0, 0], &[shown("g/cm3", 1e-3)]);

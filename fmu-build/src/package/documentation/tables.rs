@@ -41,7 +41,7 @@ const RESULTS: &[Names] = &[
         "Temperature and heat",
         &["contact_temperature_max", "*.mean_temperature", "heat_*", "stored_heat", "dissipated_energy"],
     ),
-    ("Wear", &["wear_depth_*", "wear_volume_*", "wear_dissipation_power", "sliding_distance"]),
+    ("Wear", &["wear_depth_*", "wear_volume_*", "wear_mass_*", "wear_dissipation_power", "sliding_distance"]),
     ("Error and limits", &["estimated_*", "*_exceeded", "wear_limit_reached"]),
     ("Profiles along the contact", &["profile.*"]),
 ];
@@ -67,7 +67,7 @@ const PARAMETERS: &[Names] = &[
     ),
     ("Friction", &["contact.friction_*", "contact.static_*", "contact.stribeck_*"]),
     ("Friction at standstill", &["contact.regularization_velocity", "contact.stick_*"]),
-    ("Wear", &["punch.wear_*", "strip.wear_*", "*.initial_wear", "wear_acceleration"]),
+    ("Wear", &["punch.wear_*", "strip.wear_*", "*.initial_wear", "*.airborne_fraction", "wear_acceleration"]),
     (
         "Heat in the bodies",
         &[

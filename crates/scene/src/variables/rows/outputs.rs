@@ -186,6 +186,16 @@ pub const ROWS: &[Row] = &[
     discrete(boolean("wear_limit_reached", false, "Whether a wear limit is reached").local()),
     discrete(boolean("temperature_limit_exceeded", false, "Whether contact.temperature_limit has been exceeded").local()),
     discrete(boolean("validity_exceeded", false, "Whether the run has left the model's validity").local()),
+    // Masses.
+    real("wear_mass_punch", &KILOGRAM, 1e-6, "Mass worn off the punches, all faces: density times wear_volume_punch")
+        .shown("mg")
+        .local(),
+    real("wear_mass_strip", &KILOGRAM, 1e-6, "Mass worn off the strips, all faces: density times wear_volume_strip")
+        .shown("mg")
+        .local(),
+    real("wear_mass_airborne", &KILOGRAM, 1e-6, "Mass of airborne wear particles: airborne_fraction of both bodies times their worn mass")
+        .shown("mg")
+        .local(),
 ];
 
 pub const PROFILES: &[Row] = &[

@@ -354,6 +354,13 @@ macro_rules! body_rows {
                 ),
             )
             .within(0.0, 1e9),
+            real(
+                concat!($body, ".airborne_fraction"),
+                &ONE,
+                1.0,
+                concat!("Fraction of the mass worn off the ", $body, " that becomes airborne; 0: not counted"),
+            )
+            .within(0.0, 1.0),
         ]
     };
 }
