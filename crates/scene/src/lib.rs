@@ -240,6 +240,7 @@ pub struct Body {
     pub cooled_area: f64,
     /// Conductance to a neighbour outside the FMU, W/K.
     pub external_conductance: f64,
+    /// Airborne part of the worn mass, 1.
     pub airborne_fraction: f64,
     /// Condition of the face opposite to the contact.
     pub far_thermal: ThermalBoundary,
