@@ -2,8 +2,8 @@
 
 use toml::de::DeValue;
 
-use crate::unit_names::canonical;
 pub use crate::unit_names::units;
+use crate::unit_names::{canonical, hint};
 use scene::message::{Clipped, Quoted};
 use scene::variables::units::{DisplayUnit, ONE, Unit};
 use scene::variables::{EnumerationType, Kind, Row};
@@ -224,7 +224,9 @@ impl Written {
             Some(display) => Ok(Written { number, unit: Some(display), name: display.name }),
             None => {
                 let others = units(unit, absolute).map(|display| display.name);
-                Err(std::iter::once(unit.name).chain(others).collect::<Vec<_>>().join(", "))
+                let names = std::iter::once(unit.name).chain(others).collect::<Vec<_>>().join(", ");
+                let hint = if unit.name == "m2/N" { hint(&symbol) } else { None };
+                Err(names + hint.unwrap_or_default())
             }
         }
     }

@@ -13,9 +13,21 @@ pub(crate) fn question(names: &[impl AsRef<str>]) -> String {
     if names.is_empty() { String::new() } else { format!("; did you mean {}?", names.join(" or ")) }
 }
 
+/// Words that users have for a variable, and the last part of its name.
+const MEANINGS: [(&str, &str); 7] = [
+    ("mu", "friction_coefficient"),
+    ("cof", "friction_coefficient"),
+    ("friction", "friction_coefficient"),
+    ("radius", "mean_radius"),
+    ("thickness", "height"),
+    ("speed", "velocity"),
+    ("force", "load"),
+];
+
 /// The up to three nearest of `known`.
 pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -> Vec<&'known str> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
+    let meant = MEANINGS.iter().find(|(word, _)| last(wanted).eq_ignore_ascii_case(word)).map(|(_, name)| *name);
     let length = wanted.chars().count();
     let tolerated = (length / 4).max(2);
     let mut near: Vec<(usize, &str)> = known
@@ -24,7 +36,8 @@ pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str
             let apart = length.abs_diff(name.len());
             let distance = if apart > tolerated { apart } else { levenshtein(wanted, name) };
             // The right name in the wrong table is as near as a small slip.
-            let distance = if last(name) == last(wanted) { distance.min(1) } else { distance };
+            let same = last(name) == last(wanted) || meant == Some(&*last(name));
+            let distance = if same { distance.min(1) } else { distance };
             (distance <= tolerated).then_some((distance, name))
         })
         .collect();
@@ -43,6 +56,11 @@ mod tests {
         assert_eq!(nearest("punch.widht", known()), "; did you mean punch.width?");
         assert_eq!(nearest("strip.width", known()), "; did you mean punch.width?");
         assert_eq!(nearest("height", known()), "; did you mean punch.height or strip.height?");
+        assert_eq!(nearest("punch.thickness", known()), "; did you mean punch.height or strip.height?");
+        assert_eq!(
+            nearest("mu", ["contact.friction_coefficient"].into_iter()),
+            "; did you mean contact.friction_coefficient?"
+        );
         assert_eq!(nearest("zzz", known()), "");
     }
 }

@@ -90,6 +90,17 @@ fn the_experiment_follows_the_nominal_duration() {
 }
 
 #[test]
+fn wear_coefficients_are_read_as_data_sheets_write_them() {
+    let read = |text: &str| parse(&format!("name = \"bench\"\n[punch]\nwear_coefficient = \"{text}\""));
+    for text in ["2e-5 mm3/(N m)", "2e-5 mm3/N/m", "2e-5 mm^3/(N*m)", "2e-5 mm³/N·m", "2e-14 1/Pa", "2e-14 m3/(N.m)"]
+    {
+        assert_eq!(start(&read(text).unwrap(), "punch.wear_coefficient"), 2e-14, "{text}");
+    }
+    let problems = read("2e-5 mm3/J").unwrap_err().to_string();
+    assert!(problems.contains("times the friction coefficient"), "{problems}");
+}
+
+#[test]
 fn every_display_unit_is_the_decimal_number_one_means() {
     for (text, name, expected) in [
         ("20 um", "punch.width", 2e-5),

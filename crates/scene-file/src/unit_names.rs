@@ -32,8 +32,13 @@ const WORDS: &[(&str, &str)] = &[
     ("Nm", "N.m"),
     ("kNm", "kN.m"),
     ("mm3/Nm", "mm3/(N.m)"),
+    ("mm3/N/m", "mm3/(N.m)"),
+    ("mm3/N.m", "mm3/(N.m)"),
     ("m3/(N.m)", "m2/N"),
     ("m3/Nm", "m2/N"),
+    ("m3/N/m", "m2/N"),
+    ("m3/N.m", "m2/N"),
+    ("1/Pa", "m2/N"),
     ("-", "1"),
 ];
 
@@ -52,15 +57,23 @@ pub fn canonical(symbol: &str) -> Cow<'_, str> {
     }
 }
 
+/// What to do with a unit of another quantity that data sheets give; `None` for others.
+pub fn hint(symbol: &str) -> Option<&'static str> {
+    let of_work = matches!(&*canonical(symbol), "mm3/J" | "m3/J" | "mm3/(W.s)");
+    of_work
+        .then_some("; a volume by friction work times the friction coefficient is one by load and distance, mm3/(N.m)")
+}
+
 /// The symbol in ASCII, as Modelica writes units.
 fn plain(symbol: &str) -> Cow<'_, str> {
-    if symbol.is_ascii() && !symbol.contains('*') {
+    if symbol.is_ascii() && !symbol.contains(['*', '^', ' ']) {
         return Cow::Borrowed(symbol);
     }
     let mut text = String::with_capacity(symbol.len());
     for character in symbol.chars() {
         match character {
-            '·' | '⋅' | '*' => text.push('.'),
+            '·' | '⋅' | '*' | ' ' => text.push('.'),
+            '^' => {}
             '²' => text.push('2'),
             '³' => text.push('3'),
             // The sign of micro and the Greek letter.
@@ -92,6 +105,10 @@ mod tests {
             ("nm", "nm"),
             ("mm³/(N·m)", "mm3/(N.m)"),
             ("mm3/(N*m)", "mm3/(N.m)"),
+            ("mm3/(N m)", "mm3/(N.m)"),
+            ("mm^3/(N*m)", "mm3/(N.m)"),
+            ("mm3/N/m", "mm3/(N.m)"),
+            ("1/Pa", "m2/N"),
             ("W/(m²·K)", "W/(m2.K)"),
             ("-", "1"),
             ("mph", "mph"),
