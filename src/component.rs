@@ -16,11 +16,11 @@ pub use snapshot::Snapshot;
 
 use crate::panics::on_own_thread;
 use contact::WorkCounter;
-use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::plan::Prepared;
 use model::run_error::RunError;
+use model::{INPUTS, Inputs};
 use numerics::interruption;
 use outputs::group;
 use reports::{BOTH_VELOCITIES, WITHOUT_RADIUS};
@@ -257,12 +257,10 @@ impl Component {
             self.suspect = false;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
-        let inputs = self.values.first_chunk().expect("the inputs are the first variables");
-        let slopes = self.sloped.then_some(&self.slopes);
-        let began = *inputs;
-        model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
+        let (began, slopes) = (inputs_of(&self.values), self.sloped.then(|| Inputs::from_array(self.slopes)));
+        model.step(&began, slopes.as_ref(), step).map_err(|failure| failure.to_string())?;
         if let (Some(run_error), Some(prepared)) = (&mut self.run_error, &self.prepared)
-            && let Some(notice) = run_error.follow(prepared, model, inputs, slopes, step)
+            && let Some(notice) = run_error.follow(prepared, model, &began, slopes.as_ref(), step)
         {
             self.messages.add(Subject::Warning, format_args!("{notice}"));
         }
@@ -281,10 +279,10 @@ impl Component {
             self.current = group::MAIN;
         }
         let mut limits = model.limits();
-        if began[0] != 0.0 && began[2] != 0.0 {
+        if began.sliding_velocity != 0.0 && began.angular_velocity != 0.0 {
             limits |= BOTH_VELOCITIES;
         }
-        if began[2] != 0.0 && value!(self.values, "contact.mean_radius") == 0.0 {
+        if began.angular_velocity != 0.0 && value!(self.values, "contact.mean_radius") == 0.0 {
             limits |= WITHOUT_RADIUS;
         }
         if limits & !self.reported != 0 {
@@ -330,7 +328,7 @@ impl Component {
             return Err("no derivatives before the parameters join to a scene".into());
         };
         let mut derivatives = [0.0; COUNT];
-        model.write_derivatives(&inputs, &direction, &mut derivatives);
+        model.write_derivatives(&inputs, &Inputs::from_array(direction), &mut derivatives);
         for (slot, &unknown) in result.iter_mut().zip(unknowns) {
             *slot = derivatives[unknown as usize];
         }
@@ -375,8 +373,8 @@ fn is_sloped(slopes: &[f64; INPUTS]) -> bool {
     slopes.iter().any(|slope| *slope != 0.0)
 }
 
-fn inputs_of(values: &Values) -> [f64; INPUTS] {
-    std::array::from_fn(|index| values[index])
+fn inputs_of(values: &Values) -> Inputs {
+    Inputs::from_array(std::array::from_fn(|index| values[index]))
 }
 
 fn tunables_of(values: &Values) -> Tunables {

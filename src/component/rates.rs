@@ -61,7 +61,7 @@ impl Component {
 }
 
 /// Writes the outputs of the groups at frozen states: at all three times by the same formulas.
-fn write(model: &mut Model, groups: u8, inputs: &[f64; super::INPUTS], values: &mut [f64; COUNT]) {
+fn write(model: &mut Model, groups: u8, inputs: &model::Inputs, values: &mut [f64; COUNT]) {
     if groups & (group::MAIN | group::CONTACT) != 0 {
         model.write_contact(inputs, values);
     }

@@ -1,7 +1,7 @@
 //! Messages of the component: the plan and the warnings at the end of initialisation, and limits when they are reached.
 
 use super::{Component, Subject, inputs_of};
-use model::INPUTS;
+use model::Inputs;
 use model::lumped::limit;
 use scene::message::Number;
 use scene::variables::TOLERANCES;
@@ -49,7 +49,7 @@ impl Component {
     }
 
     /// Logs limits not logged before, after a step that began at the inputs `began`.
-    pub(super) fn report(&mut self, limits: u8, began: &[f64; INPUTS]) {
+    pub(super) fn report(&mut self, limits: u8, began: &Inputs) {
         let fresh = limits & !self.reported;
         let texts = [
             (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
@@ -74,7 +74,7 @@ impl Component {
             self.messages.add(Subject::Warning, text);
         }
         if fresh & limit::NEGATIVE_LOAD != 0 {
-            let load = began[1].min(inputs[1]);
+            let load = began.normal_load.min(inputs.normal_load);
             let text = format_args!(
                 "normal_load = {load} N is below 0 N and counts as 0: the contact is open",
                 load = Number(load)
@@ -86,9 +86,9 @@ impl Component {
             let text = format_args!(
                 "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
                  contact.mean_radius = {radius} m the contact slides at {} m/s",
-                Number(began[0]),
-                Number(began[2]),
-                Number(began[0] + radius * began[2]),
+                Number(began.sliding_velocity),
+                Number(began.angular_velocity),
+                Number(began.sliding_velocity + radius * began.angular_velocity),
                 radius = Number(radius)
             );
             self.messages.add(Subject::Warning, text);
@@ -96,8 +96,8 @@ impl Component {
         if fresh & WITHOUT_RADIUS != 0 {
             let text = format_args!(
                 "angular_velocity = {} rad/s has no effect: contact.mean_radius = 0 m; the contact slides at sliding_velocity = {} m/s",
-                Number(began[2]),
-                Number(began[0])
+                Number(began.angular_velocity),
+                Number(began.sliding_velocity)
             );
             self.messages.add(Subject::Warning, text);
         }

@@ -1,11 +1,11 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
-use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
 use model::plan::distance::Distance;
 use model::run_error::{RunError, SavedRunError};
+use model::{INPUTS, Inputs};
 use scene::message::Number;
 use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
@@ -36,7 +36,7 @@ impl Component {
                 into.changed.push((index as u16, self.values[index]));
             }
         }
-        into.inputs = inputs_of(&self.values);
+        into.inputs = inputs_of(&self.values).to_array();
         into.slopes = self.slopes;
         into.phase = match self.phase {
             Phase::Instantiated => 0,
@@ -110,8 +110,9 @@ impl Component {
             // Nothing has been changed up to here, and no later operation can fail.
             if !same {
                 let tunables = super::tunables_of(&values);
-                self.model = Some(Model::new(&prepared.operators, tunables, &from.inputs));
-                self.run_error = Some(RunError::new(&prepared, tunables, &from.inputs));
+                let inputs = Inputs::from_array(from.inputs);
+                self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
+                self.run_error = Some(RunError::new(&prepared, tunables, &inputs));
                 self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");

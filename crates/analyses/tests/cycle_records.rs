@@ -2,6 +2,7 @@
 //! beside time integration, from cold and flat bodies until nothing changes from cycle to cycle.
 
 use analyses::{cycles, steady};
+use model::Inputs;
 use model::line::Line;
 use model::line::operators::LineOperators;
 use model::lumped::conditions::Tunables;
@@ -79,13 +80,13 @@ impl Stepped {
         };
         let reference = scene.ambient_temperature;
         let operators = LineOperators::with_heat(&scene, true, ::steady::thermal::run_in).unwrap();
-        let line = Line::new(Arc::new(operators), tunables, &[SPEED, LOAD, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let line = Line::new(Arc::new(operators), tunables, &Inputs::new(SPEED, LOAD, 0.0));
         Stepped { line, reference }
     }
 
     fn half_stroke(&mut self, velocity: f64, moments: &[f64], mut watch: impl FnMut(&Line)) -> Stroke {
         let count = self.line.operators().count();
-        let inputs = [velocity, LOAD, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let inputs = Inputs::new(velocity, LOAD, 0.0);
         let mut means = vec![0.0; 5 * count + 2];
         let (mut last, mut before, mut after_reversal) = (0.0, None, Vec::new());
         for &moment in moments {

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 5.1.
 
-use super::INPUTS;
+use super::Inputs;
 
 /// Part of the step within which an event is assigned to the end of the step next to it. The inputs there differ from 0 by this
 /// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
@@ -10,12 +10,12 @@ const ROUNDING: f64 = 1e-9;
 
 /// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
 /// number of pieces.
-pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
+pub fn edges(inputs: &Inputs, slopes: Option<&Inputs>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
     let mut edges = [0.0, step, step, step];
     let Some(slopes) = slopes else { return (edges, 1) };
     let mut count = 1;
-    let crossings =
-        [(inputs[0] + mean_radius * inputs[2], slopes[0] + mean_radius * slopes[2]), (inputs[1], slopes[1])];
+    let velocity = [inputs, slopes].map(|of| of.velocity(mean_radius)).into();
+    let crossings = [velocity, (inputs.normal_load, slopes.normal_load)];
     for (value, slope) in crossings {
         let time = -value / slope;
         if slope != 0.0 && time > ROUNDING * step && time < (1.0 - ROUNDING) * step {
@@ -37,8 +37,9 @@ mod tests {
     use super::*;
 
     fn at(velocity: [f64; 2], load: [f64; 2], step: f64) -> Vec<f64> {
-        let (mut inputs, mut slopes) = ([0.0; INPUTS], [0.0; INPUTS]);
-        (inputs[0], inputs[1], slopes[0], slopes[1]) = (velocity[0], load[0], velocity[1], load[1]);
+        let (mut inputs, mut slopes) = (Inputs::constant(0.0), Inputs::constant(0.0));
+        (inputs.sliding_velocity, inputs.normal_load, slopes.sliding_velocity, slopes.normal_load) =
+            (velocity[0], load[0], velocity[1], load[1]);
         let (edges, count) = edges(&inputs, Some(&slopes), step, 0.0);
         edges[..=count].to_vec()
     }

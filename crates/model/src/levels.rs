@@ -6,7 +6,7 @@ use super::line::operators::RunIn;
 use super::line::{self, Line};
 use super::lumped::conditions::Tunables;
 use super::lumped::{self, Lumped};
-use super::{INPUTS, StepFailure};
+use super::{Inputs, StepFailure};
 use contact::WorkCounter;
 use scene::variables::COUNT;
 use scene::{Fidelity, Scene};
@@ -161,7 +161,7 @@ macro_rules! each {
 
 impl Model {
     /// Initial state at rest at the given inputs.
-    pub fn new(operators: &ModelOperators, tunables: Tunables, inputs: &[f64; INPUTS]) -> Model {
+    pub fn new(operators: &ModelOperators, tunables: Tunables, inputs: &Inputs) -> Model {
         match operators {
             ModelOperators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
             ModelOperators::Line(operators) => Model::Line(Box::new(Line::new(operators.clone(), tunables, inputs))),
@@ -257,7 +257,7 @@ impl Model {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
+    pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         match self {
             Model::Lumped(model) => model.write_warning(bit, inputs, text),
             Model::Line(model) => model.write_warning(bit, inputs, text),
@@ -288,17 +288,12 @@ impl Model {
     /// # Errors
     /// [`StepFailure`] names the quantity without a solution.
     #[inline]
-    pub fn step(
-        &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
-        step: f64,
-    ) -> Result<(), StepFailure> {
+    pub fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         each!(self, model => model.step(inputs, slopes, step))
     }
 
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
-    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         each!(self, model => model.write_contact(inputs, values));
     }
 
@@ -314,12 +309,12 @@ impl Model {
     }
 
     /// Writes `friction_slope` and the profiles.
-    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         each!(self, model => model.write_rest(inputs, values));
     }
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
-    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+    pub fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         each!(self, model => model.write_derivatives(inputs, seed, derivatives));
     }
 }

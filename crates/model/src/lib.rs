@@ -39,7 +39,59 @@ pub struct Inputs<S = f64> {
 /// Number of inputs.
 pub const INPUTS: usize = 7;
 
+impl Inputs {
+    /// Sliding at a velocity (m/s) under a load (N), with neighbours of the temperature `around` (K).
+    pub fn new(sliding_velocity: f64, normal_load: f64, around: f64) -> Inputs {
+        Inputs {
+            sliding_velocity,
+            normal_load,
+            strip_external_temperature: around,
+            punch_external_temperature: around,
+            ..Inputs::constant(0.0)
+        }
+    }
+
+    /// Sliding velocity at the mean radius `radius` (m), m/s.
+    pub fn velocity(&self, radius: f64) -> f64 {
+        self.sliding_velocity + radius * self.angular_velocity
+    }
+
+    /// These inputs after `time` (s) at the rates `slopes`.
+    #[must_use]
+    pub fn after(&self, slopes: Option<&Inputs>, time: f64) -> Inputs {
+        match slopes {
+            Some(slopes) => self.zip(slopes, |input, slope| input + slope * time),
+            None => *self,
+        }
+    }
+}
+
 impl<S: Copy> Inputs<S> {
+    /// The same value of every input.
+    pub fn constant(value: S) -> Self {
+        Self::from_array([value; INPUTS])
+    }
+
+    /// The inputs in the order of the variable table.
+    pub fn to_array(self) -> [S; INPUTS] {
+        [
+            self.sliding_velocity,
+            self.normal_load,
+            self.angular_velocity,
+            self.ambient_temperature_offset,
+            self.cooling_velocity,
+            self.strip_external_temperature,
+            self.punch_external_temperature,
+        ]
+    }
+
+    /// A function of every input and its partner.
+    #[must_use]
+    pub fn zip<T: Copy, U: Copy>(&self, other: &Inputs<T>, of: impl Fn(S, T) -> U) -> Inputs<U> {
+        let (own, other) = (self.to_array(), other.to_array());
+        Inputs::from_array(std::array::from_fn(|i| of(own[i], other[i])))
+    }
+
     /// Inputs from an array in the order of the variable table.
     pub fn from_array(array: [S; INPUTS]) -> Self {
         let [

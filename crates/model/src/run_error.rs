@@ -18,7 +18,7 @@ use crate::levels::{Model, ModelOperators, ModelState};
 use crate::lumped::conditions::Tunables;
 use crate::plan::distance::{Distance, largest, main_outputs};
 use crate::plan::{ModelLevel, Prepared, UNKNOWN};
-use crate::{INPUTS, StepFailure};
+use crate::{Inputs, StepFailure};
 use scene::message::Number;
 use scene::variables::COUNT;
 use std::fmt;
@@ -86,7 +86,7 @@ pub enum Notice<'a> {
 
 impl RunError {
     /// Before the first step at these inputs.
-    pub fn new(prepared: &Prepared, tunables: Tunables, inputs: &[f64; INPUTS]) -> RunError {
+    pub fn new(prepared: &Prepared, tunables: Tunables, inputs: &Inputs) -> RunError {
         let companion = prepared.companion.as_ref().map(|operators| {
             Box::new(Companion {
                 model: Model::new(operators, tunables, inputs),
@@ -111,8 +111,8 @@ impl RunError {
         &mut self,
         prepared: &'a Prepared,
         model: &Model,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         step: f64,
     ) -> Option<Notice<'a>> {
         if let Some(companion) = &mut self.companion {
@@ -131,12 +131,9 @@ impl RunError {
         let comparison = choice.comparison.as_ref()?;
         let scene = &prepared.requested;
         // Inputs are linear within a step: the largest are at one of its ends.
-        let most = |of: &dyn Fn(&[f64; INPUTS]) -> f64| {
-            let end = std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| step * slopes[index]));
-            of(inputs).max(of(&end))
-        };
-        let speed = most(&|inputs| (inputs[0] + scene.mean_radius * inputs[2]).abs());
-        let (load, work) = (most(&|inputs| inputs[1]), model.friction_work());
+        let most = |of: &dyn Fn(&Inputs) -> f64| of(inputs).max(of(&inputs.after(slopes, step)));
+        let speed = most(&|inputs| inputs.velocity(scene.mean_radius).abs());
+        let (load, work) = (most(&|inputs| inputs.normal_load), model.friction_work());
         let within = |value: f64, nominal: f64| value <= nominal * (1.0 + ROUNDING);
         self.is_beyond =
             !(within(speed, comparison.fastest) && within(load, scene.nominal_load) && within(work, comparison.work));

@@ -1,5 +1,6 @@
 //! Small pads far above their nominal speed: what a flux on few cells heats does not cool the others.
 
+use model::Inputs;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use test_support::{changed_scene, scene};
@@ -23,7 +24,7 @@ fn no_surface_cools_while_others_are_heated() {
             wear_acceleration: 1.0,
         };
         for step in [1e-4, 1e-3, 1e-2] {
-            let inputs = [20.0, 2600.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let inputs = Inputs::new(20.0, 2600.0, 0.0);
             let mut model = Model::new(&operators, tunables, &inputs);
             for number in 0..5 {
                 model.step(&inputs, None, step).unwrap();

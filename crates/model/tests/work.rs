@@ -1,7 +1,7 @@
 //! Counted work of steps with resolved heat at changing speed: solutions of the contact problem, matrix factorisations, internal
 //! steps.
 
-use model::INPUTS;
+use model::Inputs;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use test_support::{changed_scene, scene};
@@ -24,12 +24,12 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
         wear_acceleration: 1.0,
     };
     let ambient = scene.ambient_temperature;
-    let inputs = |velocity: f64| [velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
+    let inputs = |velocity: f64| Inputs::new(velocity, scene.nominal_load, ambient);
     let mut model = Model::new(&ModelOperators::new(&scene, steady::run_in).unwrap(), tunables, &inputs(velocity(0)));
     let mut run = |numbers: std::ops::Range<u32>| {
         for n in numbers {
-            let mut slopes = [0.0; INPUTS];
-            slopes[0] = (velocity(n + 1) - velocity(n)) / step;
+            let mut slopes = Inputs::constant(0.0);
+            slopes.sliding_velocity = (velocity(n + 1) - velocity(n)) / step;
             model.step(&inputs(velocity(n)), Some(&slopes), step).unwrap();
         }
         let (contact, (accepted, rejected)) = (model.contact_work(), model.work());

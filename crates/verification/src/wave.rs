@@ -10,7 +10,7 @@
 use conduction::line::{Stage, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
 use exact::instability;
-use model::INPUTS;
+use model::Inputs;
 use model::line::Line;
 use model::line::operators::LineOperators;
 use model::lumped::conditions::Tunables;
@@ -168,9 +168,9 @@ impl WaveContact {
 
     /// A wave at `ratio` times the critical speed.
     pub fn wave(&self, ratio: f64) -> Wave<'_> {
-        let mut inputs: [f64; INPUTS] = std::array::from_fn(|index| STARTS[index]);
-        inputs[0] = ratio * critical_speed();
-        inputs[1] = PRESSURE * WAVELENGTH * WAVELENGTH;
+        let mut inputs = Inputs::from_array(std::array::from_fn(|index| STARTS[index]));
+        inputs.sliding_velocity = ratio * critical_speed();
+        inputs.normal_load = PRESSURE * WAVELENGTH * WAVELENGTH;
         let tunables = Tunables {
             friction_coefficient: FRICTION,
             ambient_temperature: self.operators.scene.ambient_temperature,
@@ -242,7 +242,7 @@ impl WaveContact {
 pub struct Wave<'a> {
     contact: &'a WaveContact,
     line: Line,
-    inputs: [f64; INPUTS],
+    inputs: Inputs,
 }
 
 impl Wave<'_> {

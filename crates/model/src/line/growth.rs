@@ -7,7 +7,7 @@ use super::Line;
 use super::operators::LineOperators;
 use crate::instability::driving_body;
 use crate::lumped::limit;
-use crate::{INPUTS, StepFailure};
+use crate::{Inputs, StepFailure};
 use scene::message::Number;
 use std::fmt::{self, Write};
 
@@ -58,7 +58,7 @@ impl Line {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
+    pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         match bit {
             limit::ACCELERATED => {
                 let (friction, acceleration) = (self.tunables.friction_coefficient, self.tunables.wear_acceleration);
@@ -82,8 +82,8 @@ impl Line {
     }
 
     /// Sliding speed, m/s.
-    fn speed(&self, inputs: &[f64; INPUTS]) -> f64 {
-        (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs()
+    fn speed(&self, inputs: &Inputs) -> f64 {
+        inputs.velocity(self.operators.scene.mean_radius).abs()
     }
 
     /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.

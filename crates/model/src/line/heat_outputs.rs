@@ -4,10 +4,10 @@
 //! Theory: docs/theory.md, section 2.7.
 
 use super::Line;
+use crate::Inputs;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
 use crate::lumped::point::external_flow;
-use crate::{INPUTS, Inputs};
 use conduction::line::{Boundary, FAR, Surroundings};
 use numerics::scalar::Dual;
 use scene::variables::{COUNT, reference};
@@ -15,10 +15,9 @@ use scene::{STATIONS, value};
 
 impl Line {
     /// Ambient, far-face temperatures and cooling of both bodies at `inputs`.
-    pub(super) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
+    pub(super) fn around(&self, inputs: &Inputs) -> [Surroundings; 2] {
         let reference = self.mean.state().reference;
-        let inputs = Inputs::from_array(*inputs);
-        let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
+        let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, inputs);
         let cooling = self.state.heat.as_ref().map_or_else(Default::default, |heat| heat.cooling);
         let far = [conditions.punch_far, conditions.strip_far];
         let bodies = [&self.operators.scene.punch, &self.operators.scene.strip];
@@ -29,9 +28,8 @@ impl Line {
     }
 
     /// Temperatures of the neighbours of punch and strip behind their heat paths, K above the reference.
-    fn neighbours(&self, inputs: &[f64; INPUTS]) -> [f64; 2] {
-        let inputs = Inputs::from_array(*inputs);
-        Conditions::new(&self.operators.mean, &self.tunables, self.mean.state().reference, &inputs).neighbours
+    fn neighbours(&self, inputs: &Inputs) -> [f64; 2] {
+        Conditions::new(&self.operators.mean, &self.tunables, self.mean.state().reference, inputs).neighbours
     }
 
     /// A body, the conductance of its heat path per area of the far face, W/(m2 K), and that area of all faces, m2.
@@ -42,7 +40,7 @@ impl Line {
     }
 
     /// Temperatures and heat flows.
-    pub(super) fn write_heat_flows(&self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub(super) fn write_heat_flows(&self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
             return;
         };
@@ -54,7 +52,7 @@ impl Line {
         let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
         let (mut ambient, mut far, mut external) = (0.0, [0.0; 2], [0.0; 2]);
         let neighbours = self.neighbours(inputs);
-        let velocity = inputs[0] + operators.scene.mean_radius * inputs[2];
+        let velocity = inputs.velocity(operators.scene.mean_radius);
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
                 let [air, face] = own.flows(&state.bodies[side], &around[side], &state.flux[side]);
@@ -126,12 +124,7 @@ impl Line {
 
     /// Derivatives along `seed`: at frozen states only ambient and far-face temperatures change heat flows, and no output
     /// temperature changes.
-    pub(super) fn write_heat_rates(
-        &self,
-        inputs: &[f64; INPUTS],
-        seed: &[f64; INPUTS],
-        derivatives: &mut [f64; COUNT],
-    ) {
+    pub(super) fn write_heat_rates(&self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         let (Some(heat), Some(state)) = (&self.heat, &self.state.heat) else { return };
         for held in [
             const { reference("contact_temperature") },
@@ -144,7 +137,7 @@ impl Line {
         let first = const { reference("profile.temperature") } as usize;
         derivatives[first..first + STATIONS].fill(0.0);
         let reference_temperature = self.mean.state().reference;
-        let duals = Inputs::from_array(std::array::from_fn(|i| Dual { value: inputs[i], derivative: seed[i] }));
+        let duals = inputs.zip(seed, |value, derivative| Dual { value, derivative });
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference_temperature, &duals);
         let far = [conditions.punch_far.derivative, conditions.strip_far.derivative];
         let all = self.operators.shared_depth * self.operators.scene.faces;
@@ -164,7 +157,7 @@ impl Line {
             faces[side] = all * (then[1] - now[1]);
             let (body, path, area) = self.path(side);
             if path > 0.0 {
-                let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+                let velocity = inputs.velocity(self.operators.scene.mean_radius);
                 let of = |around| own.cooled_temperature(&state.bodies[side], around, &state.flux[side], velocity)[FAR];
                 external[side] = area * path * (of(&moved) - of(around) - conditions.neighbours[side].derivative);
                 faces[side] += external[side];

@@ -28,7 +28,7 @@ mod wear_rates;
 use crate::events::edges;
 use crate::lumped::conditions::Tunables;
 use crate::lumped::{self, Lumped, limit};
-use crate::{INPUTS, StepFailure};
+use crate::{Inputs, StepFailure};
 use contact::friction::FrictionLaw;
 use contact::wear::line::WearingContact;
 use contact::{ContactState, WorkCounter};
@@ -70,12 +70,12 @@ pub struct Line {
     /// Internal steps that may still be tried, where they are limited.
     attempts_left: Option<u32>,
     /// Equilibrium last evaluated for outputs, and its inputs.
-    shown: ([f64; INPUTS], ContactState),
+    shown: (Inputs, ContactState),
 }
 
 impl Line {
     /// Initial state at rest at the given inputs (which give the ambient temperature of initialisation).
-    pub fn new(operators: Arc<LineOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
+    pub fn new(operators: Arc<LineOperators>, tunables: Tunables, inputs: &Inputs) -> Line {
         let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
         let mut friction = FrictionLaw::new(&operators.scene);
         friction.coefficient = tunables.friction_coefficient;
@@ -102,7 +102,7 @@ impl Line {
             heat: operators.heat.as_ref().map(|bodies| Box::new(ThermalCoupling::new(&operators, bodies))),
             unpredicted: lumped::state::LumpedState::empty(),
             attempts_left: None,
-            shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
+            shown: (Inputs::constant(f64::NAN), ContactState::new(operators.count())),
             mean,
             friction,
             tunables,
@@ -179,7 +179,7 @@ impl Line {
         self.tunables = tunables;
         self.mean.set_tunables(tunables);
         self.pass_friction_to_lumped();
-        self.state.end_inputs = [f64::NAN; INPUTS];
+        self.state.end_inputs = Inputs::constant(f64::NAN);
         self.invalidate_equilibrium();
     }
 
@@ -191,7 +191,7 @@ impl Line {
     }
 
     fn invalidate_equilibrium(&mut self) {
-        self.shown.0 = [f64::NAN; INPUTS];
+        self.shown.0 = Inputs::constant(f64::NAN);
     }
 
     /// Data that are given while the stages of a step are solved, and their solver.
@@ -211,12 +211,7 @@ impl Line {
     ///
     /// # Errors
     /// [`StepFailure`] where the contact has no equilibrium, no step size gives a solution, or a body is worn through.
-    pub fn step(
-        &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
-        step: f64,
-    ) -> Result<(), StepFailure> {
+    pub fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         self.backup.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.stages.contact.status());
         self.backup.1.copy_contact_from(&self.state);
@@ -237,22 +232,19 @@ impl Line {
     }
 
     /// Advances in pieces between sign changes of velocity and load.
-    fn pieces(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
-        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
-        if inputs[1] < 0.0 || last_load < 0.0 {
+    fn pieces(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
+        let end = inputs.after(slopes, step);
+        if inputs.normal_load < 0.0 || end.normal_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
-        let end: [f64; INPUTS] =
-            std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step));
-        let scales: [f64; 3] = std::array::from_fn(|index| inputs[index].abs().max(end[index].abs()));
         let radius = self.operators.scene.mean_radius;
-        let speed = |inputs: &[f64; INPUTS]| (inputs[0] + radius * inputs[2]).abs();
+        let speed = |inputs: &Inputs| inputs.velocity(radius).abs();
         self.state.fastest = self.state.fastest.max(speed(inputs)).max(speed(&end));
-        let jumped = (0..3).any(|index| {
-            let scale = scales[index].max(self.state.scales[index]);
-            jumps(self.state.end_inputs[index], inputs[index], scale)
-        });
+        let driving = |inputs: &Inputs| [inputs.sliding_velocity, inputs.normal_load, inputs.angular_velocity];
+        let [before, now, last] = [&self.state.end_inputs, inputs, &end].map(driving);
+        let scales: [f64; 3] = std::array::from_fn(|k| now[k].abs().max(last[k].abs()));
+        let jumped = (0..3).any(|k| jumps(before[k], now[k], scales[k].max(self.state.scales[k])));
         if let Some(heat) = &mut self.state.heat
             && jumped
         {
@@ -263,21 +255,14 @@ impl Line {
             if length > 0.0 {
                 // Sliding direction from the velocity in the middle: at the ends it is 0 to rounding.
                 let middle = 0.5 * (piece[0] + piece[1]);
-                let velocity = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * middle);
-                let velocity = velocity(0) + self.operators.scene.mean_radius * velocity(2);
+                let velocity = inputs.after(slopes, middle).velocity(radius);
                 if let Some(heat) = &mut self.state.heat
                     && velocity * self.state.direction < 0.0
                 {
                     heat.reverse();
                 }
                 self.state.direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
-                let mut start = *inputs;
-                if let Some(slopes) = slopes {
-                    for (value, slope) in start.iter_mut().zip(slopes) {
-                        *value += slope * piece[0];
-                    }
-                }
-                self.piece(&start, slopes, length)?;
+                self.piece(&inputs.after(slopes, piece[0]), slopes, length)?;
             }
         }
         (self.state.end_inputs, self.state.scales) = (end, scales);
@@ -285,12 +270,7 @@ impl Line {
     }
 
     /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
-    fn piece(
-        &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
-        length: f64,
-    ) -> Result<(), StepFailure> {
+    fn piece(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         let decides_load = operators.decides_load();
         if self.heat.is_some() {
@@ -305,7 +285,7 @@ impl Line {
         // the lumped level at this load predicts the temperature.
         let first = self.carried(inputs);
         let mut loaded = *inputs;
-        loaded[1] = first;
+        loaded.normal_load = first;
         let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
         if follows_heat {
             self.unpredicted.clone_from(self.mean.state());
@@ -314,8 +294,8 @@ impl Line {
         }
         self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
         let last = self.state.carried;
-        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
-        rates[1] = (last - first) / length;
+        let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
+        rates.normal_load = (last - first) / length;
         let sloped = slopes.is_some() || first != last;
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
@@ -323,20 +303,20 @@ impl Line {
     /// Advances over a piece with resolved heat: the lumped level only integrates distance and a bristle.
     fn piece_with_resolved_heat(
         &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         length: f64,
     ) -> Result<(), StepFailure> {
         if self.mean.has_bristle() {
             // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
             let mut loaded = *inputs;
-            loaded[1] = self.carried(inputs);
+            loaded.normal_load = self.carried(inputs);
             let mut rates = slopes.copied();
             if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
                 // Without a caliper what the contact carries follows the load.
                 let follows = self.operators.scene.holder_stiffness == 0.0;
-                let ratio = if inputs[1] > 0.0 { loaded[1] / inputs[1] } else { 1.0 };
-                rates[1] *= if follows { ratio } else { 0.0 };
+                let ratio = if inputs.normal_load > 0.0 { loaded.normal_load / inputs.normal_load } else { 1.0 };
+                rates.normal_load *= if follows { ratio } else { 0.0 };
             }
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
             self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
@@ -350,21 +330,21 @@ impl Line {
             return self.mean.step(inputs, slopes, length);
         }
         let mut loaded = *inputs;
-        loaded[1] = self.carried(inputs);
+        loaded.normal_load = self.carried(inputs);
         self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
         self.pass_friction_to_lumped();
         let last = self.state.carried;
-        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
-        rates[1] = (last - loaded[1]) / length;
-        let sloped = slopes.is_some() || last != loaded[1];
+        let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
+        rates.normal_load = (last - loaded.normal_load) / length;
+        let sloped = slopes.is_some() || last != loaded.normal_load;
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
     /// Inputs over the piece, with the courses of the lumped temperature.
     fn trajectory(
         &self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         length: f64,
         heat: LumpedTemperature,
     ) -> InputTrajectory {
@@ -374,8 +354,8 @@ impl Line {
     /// Advances the lumped level over the piece; returns the courses of temperature and expansion where `observed`.
     fn step_mean(
         &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         length: f64,
         observed: bool,
     ) -> Result<LumpedTemperature, StepFailure> {
@@ -388,11 +368,11 @@ impl Line {
         self.mean.step(inputs, slopes, length)?;
         let state = self.mean.state();
         let slipped = self.mean.has_bristle().then(|| {
-            let carried = inputs[1].max(0.0) + slopes.map_or(0.0, |slopes| slopes[1] * length);
+            let carried = inputs.normal_load.max(0.0) + slopes.map_or(0.0, |slopes| slopes.normal_load * length);
             let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
             let work = (state.dissipated - dissipated) * self.operators.mean.area;
-            let impulse = 0.5 * length * (inputs[1].max(0.0) + carried.max(0.0));
+            let impulse = 0.5 * length * (inputs.normal_load.max(0.0) + carried.max(0.0));
             let distance = state.distance - distance;
             let (heat_per_pressure, released) =
                 if impulse > 0.0 { (work / impulse, 0.0) } else { (0.0, work / (length * self.operators.mean.area)) };
@@ -406,7 +386,7 @@ impl Line {
     }
 
     /// Contact temperature (K) for these inputs at frozen states.
-    fn temperature(&mut self, inputs: &[f64; INPUTS]) -> f64 {
+    fn temperature(&mut self, inputs: &Inputs) -> f64 {
         self.mean.point(inputs).contact_temperature + self.mean.state().reference
     }
 

@@ -6,8 +6,8 @@
 use super::Line;
 use super::operators::LineOperators;
 use super::trajectory::StageConditions;
+use crate::Inputs;
 use crate::lumped::outputs::write_limits;
-use crate::{INPUTS, Inputs};
 use contact::Normal;
 use contact::wear::line::Disturbance;
 use numerics::maximum::maximum;
@@ -18,7 +18,7 @@ use scene::{Geometry, STATIONS, value};
 impl Line {
     /// Evaluates pressure, approach and tilt for these inputs at the frozen worn shape into `shown`. Without an equilibrium (the
     /// next step will report it) the last one remains.
-    fn equilibrium(&mut self, inputs: &[f64; INPUTS]) {
+    fn equilibrium(&mut self, inputs: &Inputs) {
         if self.shown.0 == *inputs {
             return;
         }
@@ -42,11 +42,11 @@ impl Line {
     }
 
     /// Conditions of the contact for these inputs at frozen states.
-    fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
-        let load = maximum(inputs[1], 0.0);
+    fn moment(&mut self, inputs: &Inputs) -> StageConditions {
+        let load = maximum(inputs.normal_load, 0.0);
         let point = self.mean.point(inputs);
         let contact_temperature_of_cells = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
-        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        let velocity = inputs.velocity(self.operators.scene.mean_radius);
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
@@ -65,18 +65,18 @@ impl Line {
     }
 
     /// Load per face (N) at the lumped level for these inputs.
-    pub(super) fn carried(&mut self, inputs: &[f64; INPUTS]) -> f64 {
+    pub(super) fn carried(&mut self, inputs: &Inputs) -> f64 {
         if !self.operators.decides_load() {
-            return inputs[1];
+            return inputs.normal_load;
         }
         self.equilibrium(inputs);
         self.operators.carried(&self.shown.1.pressure)
     }
 
     /// Inputs of the lumped level.
-    fn loaded(&mut self, inputs: &[f64; INPUTS]) -> [f64; INPUTS] {
+    fn loaded(&mut self, inputs: &Inputs) -> Inputs {
         let mut loaded = *inputs;
-        loaded[1] = self.carried(inputs);
+        loaded.normal_load = self.carried(inputs);
         loaded
     }
 
@@ -90,7 +90,7 @@ impl Line {
     }
 
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
-    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
@@ -168,7 +168,7 @@ impl Line {
     }
 
     /// Writes `friction_slope` and the profiles.
-    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_rest(&loaded, values);
@@ -188,20 +188,17 @@ impl Line {
     }
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
-    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+    pub fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let moment = self.moment(inputs);
         let operators = self.operators.clone();
         let (scene, count) = (&operators.scene, operators.count());
         // Friction per load in dual numbers: it rotates the punch and shifts the pressure.
-        let mut duals = [Dual::from(0.0); INPUTS];
-        for i in 0..INPUTS {
-            duals[i] = Dual { value: inputs[i], derivative: seed[i] };
-        }
-        let point = self.mean.dual_point(&Inputs::from_array(duals));
+        let duals = inputs.zip(seed, |value, derivative| Dual { value, derivative });
+        let point = self.mean.dual_point(&duals);
         let full = operators.mean.scene.faces * operators.mean.power_factor;
-        let load = maximum(inputs[1], 0.0);
-        let load_rate = if inputs[1] > 0.0 { seed[1] } else { 0.0 };
+        let load = maximum(inputs.normal_load, 0.0);
+        let load_rate = if inputs.normal_load > 0.0 { seed.normal_load } else { 0.0 };
         let signed_rate = if load > 0.0 {
             (point.force.derivative - moment.signed_friction * full * load_rate) / (full * load)
         } else {
@@ -236,15 +233,14 @@ impl Line {
         let carried_rate =
             if operators.decides_load() { operators.carried(&self.stages.rate.pressure) } else { load_rate };
         let mut loaded = *inputs;
-        loaded[1] = self.carried(inputs);
+        loaded.normal_load = self.carried(inputs);
         let mut seeds = *seed;
-        seeds[1] = carried_rate;
+        seeds.normal_load = carried_rate;
         self.mean.write_derivatives(&loaded, &seeds, derivatives);
         self.write_heat_rates(inputs, seed, derivatives);
         let (pressure, rate) = (&self.shown.1.pressure, &self.stages.rate);
-        let loaded_point = self
-            .mean
-            .dual_point(&Inputs::from_array(std::array::from_fn(|i| Dual { value: loaded[i], derivative: seeds[i] })));
+        let duals = loaded.zip(&seeds, |value, derivative| Dual { value, derivative });
+        let loaded_point = self.mean.dual_point(&duals);
         let total: f64 = operators.weights.iter().sum();
         let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(|i| operators.weights[i] * of(i)).sum::<f64>();
         let highest = (0..count).max_by(|&i, &j| pressure[i].total_cmp(&pressure[j])).unwrap_or(0);

@@ -5,7 +5,7 @@
 use super::heat::state::HeatState;
 use super::operators::LineOperators;
 use super::state::LineState;
-use crate::INPUTS;
+use crate::{INPUTS, Inputs};
 use numerics::maximum::all_finite;
 
 /// Name and value of a number of a state written by [`LineState::save`] that is larger than `most` in magnitude, if any.
@@ -61,7 +61,7 @@ impl LineState {
         out.extend(&self.pressure);
         out.extend(self.volume);
         out.extend([self.approach, self.tilt, f64::from(u8::from(self.current)), self.carried, self.position]);
-        out.extend(self.end_inputs);
+        out.extend(self.end_inputs.to_array());
         out.extend(self.scales);
         out.extend([self.fastest, self.direction]);
         out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
@@ -93,9 +93,11 @@ impl LineState {
         (state.approach, state.tilt) = (next()?, next()?);
         state.current = next()? != 0.0;
         (state.carried, state.position) = (next()?, next()?);
-        for slot in state.end_inputs.iter_mut().take(INPUTS) {
+        let mut inputs = [0.0; INPUTS];
+        for slot in &mut inputs {
             *slot = next()?;
         }
+        state.end_inputs = Inputs::from_array(inputs);
         for slot in &mut state.scales {
             *slot = next()?;
         }

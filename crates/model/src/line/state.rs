@@ -4,7 +4,7 @@
 
 use super::heat::state::HeatState;
 use super::operators::{LineOperators, StripWear};
-use crate::INPUTS;
+use crate::Inputs;
 use contact::wear::line::{LineTrack, WarmStart};
 use numerics::maximum::all_finite;
 
@@ -32,7 +32,7 @@ pub struct LineState {
     /// Whether pressure, approach and tilt are those of the end of the last step.
     pub current: bool,
     /// Inputs at the end of the last step; NaN: none, or a parameter has changed since then.
-    pub end_inputs: [f64; INPUTS],
+    pub end_inputs: Inputs,
     /// Largest magnitudes of velocity, load and angular velocity at the ends of the last step.
     pub scales: [f64; 3],
     /// Highest speed at the ends of a step so far, m/s.
@@ -71,7 +71,7 @@ impl LineState {
             approach: 0.0,
             tilt: 0.0,
             current: false,
-            end_inputs: [f64::NAN; INPUTS],
+            end_inputs: Inputs::constant(f64::NAN),
             scales: [0.0; 3],
             fastest: 0.0,
             direction: 0.0,

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 5.1, 2.2.
 
 use super::operators::LineOperators;
-use crate::INPUTS;
+use crate::Inputs;
 use contact::friction::FrictionLaw;
 
 /// Lumped temperature and expansion over a piece, linear between its ends.
@@ -96,8 +96,8 @@ const REST: f64 = 1e-12;
 /// Input trajectory over a piece.
 #[derive(Clone, Debug)]
 pub struct InputTrajectory {
-    inputs: [f64; INPUTS],
-    slopes: Option<[f64; INPUTS]>,
+    inputs: Inputs,
+    slopes: Option<Inputs>,
     length: f64,
     heat: LumpedTemperature,
     friction: FrictionLaw,
@@ -113,8 +113,8 @@ impl InputTrajectory {
         operators: &LineOperators,
         friction: &FrictionLaw,
         fastest: f64,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         length: f64,
         heat: LumpedTemperature,
     ) -> InputTrajectory {
@@ -137,8 +137,7 @@ impl InputTrajectory {
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
     pub fn velocity(&self, time: f64) -> f64 {
-        let at = |index: usize| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time);
-        at(0) + self.mean_radius * at(2)
+        self.inputs(time).velocity(self.mean_radius)
     }
 
     /// Length of the piece, s.
@@ -147,8 +146,8 @@ impl InputTrajectory {
     }
 
     /// Inputs at `time` (s from the start of the piece).
-    pub fn inputs(&self, time: f64) -> [f64; INPUTS] {
-        std::array::from_fn(|index| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time))
+    pub fn inputs(&self, time: f64) -> Inputs {
+        self.inputs.after(self.slopes.as_ref(), time)
     }
 
     /// Conditions at `time` (s from the start of the piece).
@@ -164,7 +163,7 @@ impl InputTrajectory {
             Some(slipped) => (slipped.ratio, slipped.distance / self.length),
             None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
         };
-        let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
+        let load = self.inputs(time).normal_load.max(0.0);
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
         let released = self.heat.slipped.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);

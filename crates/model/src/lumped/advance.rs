@@ -12,7 +12,7 @@ use crate::budget::Budget;
 use crate::events::edges;
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
-use crate::{INPUTS, Inputs, StepFailure};
+use crate::{Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 use scene::message::Number;
 use std::fmt;
@@ -65,12 +65,7 @@ impl Lumped {
     ///
     /// # Errors
     /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
-    pub fn step(
-        &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
-        step: f64,
-    ) -> Result<(), StepFailure> {
+    pub fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         self.frozen_is_current = false;
         let mut is_too_long = false;
         if slopes.is_none() && self.state.refinement == 0 && self.operators.fast_path {
@@ -85,7 +80,7 @@ impl Lumped {
     /// Tries the whole communication step at constant inputs on the fast path; `None` where that does not apply. Unless the error
     /// of the attempt is at most 1, the state is unchanged.
     #[inline]
-    fn attempt_single_step(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
+    fn attempt_single_step(&mut self, inputs: &Inputs, step: f64) -> Option<Attempt> {
         self.update_conditions(inputs);
         let index = self.propagators_of(step);
         let propagators = &self.propagators[index];
@@ -103,21 +98,21 @@ impl Lumped {
 
     /// Completes a step taken on the fast path.
     #[inline]
-    fn conclude(&mut self, inputs: &[f64; INPUTS], step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
+    fn conclude(&mut self, inputs: &Inputs, step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
         let (state, within) = (&mut self.state, &self.operators.fast_path_bounds);
         state.steps += 1;
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
-        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        let velocity = inputs.velocity(self.operators.scene.mean_radius);
         let is_unremarkable = state.punch.depth < within.depth[0]
             && state.strip.depth < within.depth[1]
             && velocity.abs() <= within.speed
-            && (0.0..=within.load).contains(&inputs[1])
+            && (0.0..=within.load).contains(&inputs.normal_load)
             && attempt.hottest + state.reference <= within.temperature;
         if is_unremarkable {
-            self.grow([velocity; 2], inputs[1], step);
+            self.grow([velocity; 2], inputs.normal_load, step);
             return Ok(());
         }
-        if inputs[1] < 0.0 {
+        if inputs.normal_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         self.judge_temperature(attempt.hottest);
@@ -128,8 +123,8 @@ impl Lumped {
     #[inline(never)]
     fn general_step(
         &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         step: f64,
         is_too_long: bool,
     ) -> Result<(), StepFailure> {
@@ -150,8 +145,8 @@ impl Lumped {
     /// Advances in pieces between sign changes of velocity and load.
     fn pieces(
         &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
         step: f64,
         is_too_long: bool,
         backup: &mut Option<LumpedState>,
@@ -159,8 +154,8 @@ impl Lumped {
         if self.near_end_of_body(inputs, slopes, step) {
             *backup = Some(self.state.clone());
         }
-        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
-        if inputs[1] < 0.0 || last_load < 0.0 {
+        let last_load = inputs.after(slopes, step).normal_load;
+        if inputs.normal_load < 0.0 || last_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let mut budget = Budget::new(1, 0);
@@ -175,11 +170,7 @@ impl Lumped {
         let (operators, tunables, reference) = (self.operators.clone(), self.tunables, self.state.reference);
         for piece in edges[..=count].windows(2) {
             let at = |time: f64| {
-                let mut now = *inputs;
-                for (value, slope) in now.iter_mut().zip(slopes) {
-                    *value += slope * (piece[0] + time);
-                }
-                Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
+                Conditions::new(&operators, &tunables, reference, &inputs.after(Some(slopes), piece[0] + time))
             };
             if piece[1] > piece[0] {
                 self.piece(&InputTrajectory::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
@@ -292,17 +283,14 @@ impl Lumped {
     }
 
     /// Whether the step could wear a body through: only then is the initial state saved.
-    fn near_end_of_body(&self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> bool {
+    fn near_end_of_body(&self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> bool {
         let operators = &self.operators;
         let scene = &operators.scene;
-        let largest = |index: usize| {
-            let change = slopes.map_or(0.0, |slopes| slopes[index] * step);
-            inputs[index].abs().max((inputs[index] + change).abs())
-        };
-        let speed = largest(0) + scene.mean_radius * largest(2);
+        let largest = inputs.zip(&inputs.after(slopes, step), |first: f64, last: f64| first.abs().max(last.abs()));
+        let speed = largest.velocity(scene.mean_radius);
         // Behind a caliper the load may rise above that of the actuator.
         let caliper = operators.series_stiffness > 0.0;
-        let pressure = largest(1) / operators.area;
+        let pressure = largest.normal_load / operators.area;
         let worn = |depth: f64, initial: f64, height: f64, body: &BodyOperators| {
             let rate = body.wear.highest_rate(pressure, speed, self.tunables.friction_coefficient)
                 * (body.wear_factor * self.tunables.wear_acceleration);
@@ -318,7 +306,7 @@ impl Lumped {
     }
 
     /// Sets limit bits and checks validity after a step.
-    fn watch(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
+    fn watch(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
         self.state.limits |= limits_of_wear(scene, [self.state.punch.depth, self.state.strip.depth])?;
         if let Some(track) = &self.state.track {
@@ -332,10 +320,10 @@ impl Lumped {
             }
         }
         // Inputs are linear within a step: the largest are at one of its ends.
-        let last = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step);
-        let velocities = [inputs[0] + scene.mean_radius * inputs[2], last(0) + scene.mean_radius * last(2)];
+        let last = inputs.after(slopes, step);
+        let velocities = [inputs, &last].map(|inputs| inputs.velocity(scene.mean_radius));
         let speed = velocities[0].abs().max(velocities[1].abs());
-        let load = inputs[1].max(last(1));
+        let load = inputs.normal_load.max(last.normal_load);
         let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
         if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
             self.state.limits |= limit::VALIDITY;
@@ -372,12 +360,12 @@ impl Lumped {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
+    pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         if bit != limit::UNSTABLE {
             return Ok(());
         }
         let operators = &self.operators;
-        let speed = (inputs[0] + operators.scene.mean_radius * inputs[2]).abs();
+        let speed = (inputs.velocity(operators.scene.mean_radius)).abs();
         operators.growth.critical.write_message(text, self.state.growth, self.end_friction(speed), speed, false)
     }
 }

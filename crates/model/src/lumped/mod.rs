@@ -24,7 +24,7 @@ pub mod state;
 pub mod step;
 pub mod stepper;
 
-use crate::{INPUTS, Inputs, StepFailure};
+use crate::{Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
@@ -118,17 +118,17 @@ pub struct Lumped {
     arch: Arch,
     flash: FlashStep,
     /// Conditions last computed, and their inputs.
-    known: ([f64; INPUTS], Conditions),
+    known: (Inputs, Conditions),
 }
 
 impl Lumped {
     /// Initial state at rest at the given inputs (which give the ambient temperature of initialisation).
-    pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
-        let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
+    pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &Inputs) -> Lumped {
+        let ambient = tunables.ambient_temperature + inputs.ambient_temperature_offset;
         let mut state = LumpedState::new(&operators, ambient);
         let mut friction = operators.friction.clone();
         friction.coefficient = tunables.friction_coefficient;
-        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &Inputs::from_array(*inputs)));
+        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &*inputs));
         state.far_start = [known.1.punch_far, known.1.strip_far];
         state.far = state.far_start;
         Lumped {
@@ -186,7 +186,7 @@ impl Lumped {
 
     /// Invalidates the conditions last computed, by NaN inputs.
     fn invalidate_conditions(&mut self) {
-        self.known.0 = [f64::NAN; INPUTS];
+        self.known.0 = Inputs::constant(f64::NAN);
     }
 
     fn refresh(&mut self) {
@@ -197,7 +197,7 @@ impl Lumped {
     }
 
     /// Contact for these inputs at frozen states.
-    pub fn point(&mut self, inputs: &[f64; INPUTS]) -> Point {
+    pub fn point(&mut self, inputs: &Inputs) -> Point {
         self.refresh();
         let conditions = self.conditions(inputs);
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
@@ -216,20 +216,18 @@ impl Lumped {
         self.operators.punch.expansion_at(&punch.heat, far[0]) + self.operators.strip.expansion_at(&strip.heat, far[1])
     }
 
-    fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {
+    fn conditions(&mut self, inputs: &Inputs) -> Conditions {
         self.update_conditions(inputs);
         self.known.1
     }
 
     /// Computes the conditions of `inputs`, unless they are the last ones.
     #[inline]
-    fn update_conditions(&mut self, inputs: &[f64; INPUTS]) {
+    fn update_conditions(&mut self, inputs: &Inputs) {
         // Bitwise and without a branch per input: one vector comparison.
-        let differs =
-            self.known.0.iter().zip(inputs).fold(0, |differs, (known, now)| differs | known.to_bits() ^ now.to_bits());
-        if differs != 0 {
-            let inputs_now = Inputs::from_array(*inputs);
-            self.known = (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, &inputs_now));
+        let differences = self.known.0.zip(inputs, |known, now| known.to_bits() ^ now.to_bits()).to_array();
+        if differences.into_iter().fold(0, |all, bits| all | bits) != 0 {
+            self.known = (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs));
         }
     }
 }

@@ -8,7 +8,7 @@ use super::limit;
 use super::operators::BodyOperators;
 use super::point::{self, Point};
 use super::state::BodyState;
-use crate::{INPUTS, Inputs};
+use crate::Inputs;
 use conduction::reduced::ReducedBody;
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
@@ -35,9 +35,9 @@ pub fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
 
 impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
-    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+    pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.refresh();
-        let (point, conditions) = self.evaluate(&Inputs::from_array(*inputs));
+        let (point, conditions) = self.evaluate(&*inputs);
         self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: f64| {
             values[reference as usize] = value;
         });
@@ -65,8 +65,8 @@ impl Lumped {
     }
 
     /// Writes `friction_slope` and the profiles.
-    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
-        value!(values, "friction_slope") = self.slope(&Inputs::from_array(*inputs));
+    pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
+        value!(values, "friction_slope") = self.slope(&*inputs);
         let point = self.point(inputs);
         let temperature = point.contact_temperature + self.state.reference;
         let scene = &self.operators.scene;
@@ -98,13 +98,9 @@ impl Lumped {
     }
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
-    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+    pub fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         self.refresh();
-        let mut duals = [Dual::from(0.0); INPUTS];
-        for i in 0..INPUTS {
-            duals[i] = Dual { value: inputs[i], derivative: seed[i] };
-        }
-        let inputs = Inputs::from_array(duals);
+        let inputs = inputs.zip(seed, |value, derivative| Dual { value, derivative });
         let (point, conditions) = self.evaluate(&inputs);
         derivatives.fill(0.0);
         self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: Dual| {

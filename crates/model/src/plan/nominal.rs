@@ -8,7 +8,7 @@
 //! Theory: docs/theory.md, section 8.2.
 
 use super::distance::{Main, main_outputs};
-use crate::INPUTS;
+use crate::Inputs;
 use crate::levels::{Model, ModelOperators};
 use crate::lumped::conditions::Tunables;
 use numerics::maximum::maximum;
@@ -129,17 +129,16 @@ impl NominalCourse {
     pub fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
         let tunables = Tunables::of(operators.scene());
         let ambient = tunables.ambient_temperature;
-        let mut inputs: [f64; INPUTS] =
-            [self.segments[0].velocity[0], self.segments[0].load, 0.0, 0.0, 0.0, ambient, ambient];
+        let mut inputs = Inputs::new(self.segments[0].velocity[0], self.segments[0].load, ambient);
         let mut model = Model::new(operators, tunables, &inputs);
         model.limit_attempts(most);
         let mut values = Box::new([0.0; COUNT]);
         let mut run = Run::default();
         for segment in &self.segments {
             let [first, last] = segment.velocity;
-            (inputs[0], inputs[1]) = (first, segment.load);
-            let mut slopes = [0.0; INPUTS];
-            slopes[0] = (last - first) / segment.duration;
+            (inputs.sliding_velocity, inputs.normal_load) = (first, segment.load);
+            let mut slopes = Inputs::constant(0.0);
+            slopes.sliding_velocity = (last - first) / segment.duration;
             model
                 .step(&inputs, (first != last).then_some(&slopes), segment.duration)
                 .map_err(|failure| format!("{}: {failure}", operators.description()))?;

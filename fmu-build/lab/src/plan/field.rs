@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
+use model::Inputs;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::plan::Prepared;
@@ -70,14 +71,14 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
 fn seconds_per_step(scene: &Scene, operators: &ModelOperators, step: f64, steps: usize) -> Result<f64> {
     let ambient = scene.ambient_temperature;
     let tunables = Tunables::of(scene);
-    let mut inputs = [scene.nominal_velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
+    let mut inputs = Inputs::new(scene.nominal_velocity, scene.nominal_load, ambient);
     let mut model = Model::new(operators, tunables, &inputs);
     let begin = processor_seconds();
     for count in 0..steps {
         if scene.nominal_stroke > 0.0 {
             // Reciprocating with the nominal speed as the mean.
             let phase = PI * scene.nominal_velocity / scene.nominal_stroke * step * count as f64;
-            inputs[0] = 0.5 * PI * scene.nominal_velocity * phase.cos();
+            inputs.sliding_velocity = 0.5 * PI * scene.nominal_velocity * phase.cos();
         }
         model.step(&inputs, None, step).map_err(|failure| anyhow!("{failure}"))?;
     }

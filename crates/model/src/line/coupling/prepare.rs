@@ -4,7 +4,6 @@
 
 use super::stage::{Prepared, state_of};
 use super::{FrozenCoefficients, ThermalCoupling};
-use crate::Inputs;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
@@ -51,7 +50,7 @@ impl ThermalCoupling {
         };
         (heat.step, heat.velocity) = (step, velocity);
         let conditions = |time: f64| {
-            let inputs = Inputs::from_array(path.inputs(time));
+            let inputs = path.inputs(time);
             Conditions::new(&operators.mean, given.tunables, given.reference, &inputs)
         };
         let [from, first, end] = [start, start + GAMMA * step, start + step].map(conditions);

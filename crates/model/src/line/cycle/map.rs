@@ -6,7 +6,7 @@ use super::error::CycleError;
 use super::exchange::Exchange;
 use super::records::{Extremes, Totals};
 use super::tangent::WearJacobian;
-use crate::INPUTS;
+use crate::Inputs;
 use crate::line::Line;
 #[cfg(doc)]
 use crate::line::hottest::Hottest;
@@ -413,9 +413,9 @@ fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
 }
 
 /// Inputs of steady sliding: ambient and external temperatures are the ambient temperature.
-fn inputs(scene: &Scene, velocity: f64, load: f64) -> [f64; INPUTS] {
+fn inputs(scene: &Scene, velocity: f64, load: f64) -> Inputs {
     let external = |body: &Body| if body.has_neighbour() { scene.ambient_temperature } else { 0.0 };
-    [velocity, load, 0.0, 0.0, 0.0, external(&scene.strip), external(&scene.punch)]
+    Inputs::from_array([velocity, load, 0.0, 0.0, 0.0, external(&scene.strip), external(&scene.punch)])
 }
 
 fn add(target: &mut [f64], factor: f64, values: &[f64]) {

@@ -112,12 +112,12 @@ fn an_attempt_by_the_fast_path_is_that_of_the_general_form() {
             ambient_temperature: scene.ambient_temperature,
             wear_acceleration: 1.0,
         };
-        let mut run = Lumped::new(Arc::new(operators), tunables, &[0.0; INPUTS]);
+        let mut run = Lumped::new(Arc::new(operators), tunables, &Inputs::constant(0.0));
         let (mut compared, mut worst) = (0, (0.0, ""));
         for second in 0..40 {
             let speed = if second % 7 == 5 { 0.0 } else { 12.0 - 0.5 * f64::from(second % 20) };
             let load = if second % 5 == 3 { 0.0 } else { 700.0 * f64::from(second % 5) };
-            run.step(&[speed, load, 0.0, 0.0, 0.0, 0.0, 0.0], None, 1.0).unwrap();
+            run.step(&Inputs::new(speed, load, 0.0), None, 1.0).unwrap();
             for (other_speed, other_load) in [(speed, load), (0.98 * speed, load), (speed, 1.02 * load)] {
                 for step in [1e-3, 1e-2, 0.1] {
                     let ends = [[speed, load], [other_speed, other_load]];
