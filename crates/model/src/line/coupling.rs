@@ -70,8 +70,8 @@ struct Parameters {
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
-    /// Time of diffusion across a cell of mean width in the faster body, s.
-    cell_time: f64,
+    /// Shortest and longest time for which the bodies are reduced, s.
+    times: [f64; 2],
 }
 
 /// Iterate of the stage under way, N values each, and workspace of the iteration.
@@ -190,9 +190,7 @@ impl ThermalCoupling {
         // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
-        let width = 2.0 * operators.cells.half_width() / count as f64;
-        let times = [&operators.scene.punch, strip].map(|body| width * width * body.capacity() / body.conductivity);
-        let cell_time = times[0].min(times[1]);
+        let duration = operators.scene.nominal_duration;
         let staggered = operators.scene.scheme == Scheme::Staggered;
         let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
         let divides = exchanges && !staggered && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
@@ -203,7 +201,7 @@ impl ThermalCoupling {
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
-                cell_time,
+                times: [operators.scene.tolerance.powi(2) * duration, duration],
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],

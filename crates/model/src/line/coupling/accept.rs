@@ -25,11 +25,9 @@ const SMALL: f64 = 0.15;
 /// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
 const PART_OF_TOLERANCE: f64 = 0.5;
 
-/// Length of a step below which its thermal error is not controlled, relative to the time of diffusion across a cell and to the
-/// communication step. The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of
-/// its first one, and what lasts of it goes with the root of the step. Its square is the limit relative to the communication step
-/// alone, so that a contact that opens and closes all the time does not exhaust the number of internal steps.
-const SHORTEST_STEP: f64 = 1.0 / 256.0;
+/// Part of a communication step down to which thermal errors are controlled in any case; its square is the limit in all cases, so
+/// that a contact that opens and closes all the time does not exhaust the number of internal steps.
+const LEAST_PART: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
@@ -52,8 +50,13 @@ fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
 impl Solved<'_> {
     /// Whether the step, part of a communication step of the length `whole` (s), is long enough for its thermal error to be
     /// controlled.
+    ///
+    /// The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of its first one, and
+    /// what lasts of it goes with the root of the step. The bodies are reduced for the nominal duration, over which a step of
+    /// tolerance^2 of it has the impedance of one tolerance; not for longer communication steps.
     pub fn is_controlled(&self, whole: f64) -> bool {
-        self.0.step > SHORTEST_STEP * whole.min(self.0.parameters.cell_time).max(SHORTEST_STEP * whole)
+        let ([resolved, nominal], part) = (self.0.parameters.times, LEAST_PART * whole);
+        self.0.step > if whole > nominal { part } else { part.min(resolved.max(LEAST_PART * part)) }
     }
 
     /// Inexpensive upper bound of [`Solved::error`].
