@@ -238,6 +238,18 @@ WRONG = {
         ("realtime -o kept.csv", ["kept.csv", "folder"]),
         ("realtime disc_brake", ["disc_brake"]),
     ],
+    "reference": [
+        ("reference docs", ["docs"]),
+        ("reference -o kept.csv", ["kept.csv", "folder"]),
+        ("reference -o kept.csv/reference", ["kept.csv", "is no folder"]),
+        ("reference --output=kept.csv", ["--output kept.csv", "folder"]),
+        ("reference -o", ["--output <FOLDER>", "value"]),
+        ("reference --output=", ["--output <FOLDER>", "value"]),
+        ("reference --outptu here", ["--outptu"]),
+        ("reference -o here -o there", ["--output <FOLDER>", "multiple times"]),
+        ("reference --json", ["--json"]),
+        ("reference --open", ["--open"]),
+    ],
     "site": [
         ("site docs", ["docs"]),
         ("site -o kept.csv", ["kept.csv", "folder"]),
