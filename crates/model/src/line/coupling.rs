@@ -29,6 +29,7 @@ use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
+use accept::LEAST_PART;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
@@ -70,7 +71,7 @@ struct Parameters {
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
-    /// Shortest and longest time for which the bodies are reduced, s.
+    /// Shortest length of a step with thermal control, and longest time for which the bodies are reduced, s.
     times: [f64; 2],
 }
 
@@ -190,7 +191,9 @@ impl ThermalCoupling {
         // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
-        let duration = operators.scene.nominal_duration;
+        let (duration, width) = (operators.scene.nominal_duration, 2.0 * operators.cells.half_width() / count as f64);
+        let across = [&operators.scene.punch, strip].map(|body| width * width * body.capacity() / body.conductivity);
+        let shortest = (operators.scene.tolerance.powi(2) * duration).max(LEAST_PART * across[0].min(across[1]));
         let staggered = operators.scene.scheme == Scheme::Staggered;
         let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
         let divides = exchanges && !staggered && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
@@ -201,7 +204,7 @@ impl ThermalCoupling {
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
-                times: [operators.scene.tolerance.powi(2) * duration, duration],
+                times: [shortest, duration],
             },
             bodies,
             contacts: [operators.contact(), operators.contact()],

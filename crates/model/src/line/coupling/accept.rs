@@ -25,9 +25,10 @@ const SMALL: f64 = 0.15;
 /// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
 const PART_OF_TOLERANCE: f64 = 0.5;
 
-/// Part of a communication step down to which thermal errors are controlled in any case; its square is the limit in all cases, so
-/// that a contact that opens and closes all the time does not exhaust the number of internal steps.
-const LEAST_PART: f64 = 1.0 / 256.0;
+/// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
+/// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
+/// internal steps.
+pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
@@ -52,11 +53,12 @@ impl Solved<'_> {
     /// controlled.
     ///
     /// The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of its first one, and
-    /// what lasts of it goes with the root of the step. The bodies are reduced for the nominal duration, over which a step of
-    /// tolerance^2 of it has the impedance of one tolerance; not for longer communication steps.
+    /// what lasts of it goes with the root of the step over the time of diffusion across a cell. The bodies are reduced for the
+    /// nominal duration, over which a step of tolerance^2 of it has the impedance of one tolerance; not for longer communication
+    /// steps.
     pub fn is_controlled(&self, whole: f64) -> bool {
-        let ([resolved, nominal], part) = (self.0.parameters.times, LEAST_PART * whole);
-        self.0.step > if whole > nominal { part } else { part.min(resolved.max(LEAST_PART * part)) }
+        let ([shortest, nominal], part) = (self.0.parameters.times, LEAST_PART * whole);
+        self.0.step > if whole > nominal { part } else { part.min(shortest.max(LEAST_PART * part)) }
     }
 
     /// Inexpensive upper bound of [`Solved::error`].
