@@ -128,7 +128,7 @@ impl Lumped {
         let mut state = LumpedState::new(&operators, ambient);
         let mut friction = operators.friction.clone();
         friction.coefficient = tunables.friction_coefficient;
-        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &*inputs));
+        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, inputs));
         state.far_start = [known.1.punch_far, known.1.strip_far];
         state.far = state.far_start;
         Lumped {

@@ -37,7 +37,7 @@ impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.refresh();
-        let (point, conditions) = self.evaluate(&*inputs);
+        let (point, conditions) = self.evaluate(inputs);
         self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: f64| {
             values[reference as usize] = value;
         });
@@ -66,7 +66,7 @@ impl Lumped {
 
     /// Writes `friction_slope` and the profiles.
     pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
-        value!(values, "friction_slope") = self.slope(&*inputs);
+        value!(values, "friction_slope") = self.slope(inputs);
         let point = self.point(inputs);
         let temperature = point.contact_temperature + self.state.reference;
         let scene = &self.operators.scene;
