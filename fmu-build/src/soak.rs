@@ -29,8 +29,8 @@ const GROWTH: i64 = 1024;
 ///
 /// Steps are made in ten rounds of the same drive, each from a reset instance; a round's outputs are compared with the first
 /// round's to the bit. Resident memory is measured behind the first round and at the end, and may grow by 1 MiB. Over loads and
-/// unloads the least of the last third is compared with the largest of the first, since threads leave their free memory where
-/// they ended. After every unloading the library must be gone from the process (both on Linux).
+/// unloads it is the least growth over a third of them: a leak grows in each, while the free memory of a thread that has ended
+/// stays once. After every unloading the library must be gone from the process (both on Linux).
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Steps of the lumped level.
@@ -213,10 +213,9 @@ fn lives(what: &'static str, (library, guid): &Built, count: usize) -> Result<Ou
         still_mapped += usize::from(is_mapped(library));
         residents.extend(resident());
     }
-    let third = residents.len().div_ceil(3);
-    let before = residents.iter().take(third).max();
-    let after = residents.iter().rev().take(third).min();
-    let memory = before.zip(after).map(|(&before, &after)| [before, after]);
+    let later = residents.iter().skip(residents.len() / 3);
+    let least = residents.iter().zip(later).min_by_key(|(before, after)| *after - *before);
+    let memory = least.map(|(&before, &after)| [before, after]);
     Ok(Outcome { what, count, seconds: begin.elapsed().as_secs_f64(), memory, is_same, still_mapped })
 }
 
