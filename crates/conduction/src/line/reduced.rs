@@ -359,7 +359,7 @@ impl ThermalBody for ReducedHeat {
             *value = input * own;
         }
         influence.faces = operators.faces().map(|other| dot(&other.states, &scratch.values) + other.ports[port]);
-        influence.mean = dot(&operators.uniform, &scratch.values) / operators.heat_capacity;
+        influence.mean = dot(&operators.stored, &scratch.values) / operators.heat_capacity;
         let mut ports = [0.0; PORTS];
         ports[port] = 1.0;
         self.observe(scratch, &ports, Some(&mut influence.temperature), Some(&mut influence.distortion));
@@ -461,7 +461,7 @@ impl ThermalBody for ReducedHeat {
         let operators = &*self.operators;
         let (states, tallies) = state.split_at(operators.states());
         let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
-        (dot(&operators.uniform, states) + beyond) / operators.heat_capacity
+        (dot(&operators.stored, states) + beyond) / operators.heat_capacity
     }
 
     fn account(&self, state: &[f64]) -> Account {

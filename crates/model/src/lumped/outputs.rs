@@ -276,7 +276,7 @@ impl Lumped {
         // Integral of a state: (input - gain of the state)/rate, exact for the exact propagation.
         let (mut ambient, mut far, mut stored) = (0.0, 0.0, 0.0);
         for k in 0..heat.count {
-            let gained = state.heat[k] - heat.stored.states[k] * initial;
+            let gained = state.heat[k] - heat.uniform[k] * initial;
             stored += heat.stored.states[k] * gained;
             if heat.rate[k] > 0.0 {
                 let entered: f64 = (0..4).map(|port| heat.input[port][k] * state.received[port]).sum();

@@ -162,7 +162,7 @@ impl LumpedState {
             if let Some(heat) = &body.heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {
-                    state.heat[k] = heat.stored.states[k] * (initial - reference);
+                    state.heat[k] = heat.uniform[k] * (initial - reference);
                 }
             }
             state
