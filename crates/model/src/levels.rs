@@ -61,9 +61,7 @@ impl ModelOperators {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
         Ok(match scene.fidelity {
-            Fidelity::Line | Fidelity::Field => {
-                ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene, run_in)?))
-            }
+            Fidelity::Line => ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene, run_in)?)),
             _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::new(scene))),
         })
     }

@@ -53,6 +53,12 @@ use scene::slot::{self, Experiment, Packaged, STOCK_EXPERIMENT};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{COUNT, Causality, Row, STARTS, TABLE, ValueReference, find, reference};
 
+/// Keys of version 0.1 that are gone, and what replaces them.
+const FORMER: [(&str, &str); 1] = [(
+    "solver.scheme",
+    "every run is monolithic, and the schemes of version 0.1 for comparison are gone: leave it out",
+)];
+
 /// A scene as read from a file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SceneFile {
@@ -263,7 +269,9 @@ impl<'text> Reader<'text> {
 
     fn variable(&mut self, key: &str, leaf: &Leaf, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) {
         let Some((first, row)) = row_called(key) else {
-            let reason = format!("there is no such key{}", suggest::nearest(key, known_keys()));
+            let former = FORMER.iter().find(|(name, _)| *name == key);
+            let hint = former.map_or_else(|| suggest::nearest(key, known_keys()), |(_, hint)| format!("; {hint}"));
+            let reason = format!("there is no such key{hint}");
             return self.problem(leaf.at, key, reason);
         };
         if !matches!(row.causality, Causality::Parameter | Causality::Input) {

@@ -127,6 +127,7 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         ("[punch]\nwidth = 1\n[punch]\nheight = 1", &["not TOML", "line 4"]),
         // Keys.
         ("punch.widht = 1", &["line 2, column 7", "punch.widht", "did you mean punch.width?"]),
+        ("solver.scheme = 2", &["line 2, column 8", "solver.scheme", "no such key", "monolithic", "leave it out"]),
         ("strip.width = 1", &["strip.width", "no such key", "punch.width"]),
         ("colour = \"red\"", &["colour", "no such key"]),
         ("experiment.steps = 1", &["experiment.steps", "experiment.step"]),

@@ -133,8 +133,6 @@ pub enum Fidelity {
     Lumped,
     /// Contact line.
     Line,
-    /// Unreduced finite elements.
-    Field,
 }
 
 /// Heat of a contact line.
@@ -155,17 +153,6 @@ pub enum ErrorEstimate {
     Off,
     /// A coarser contact line on the same inputs.
     Companion,
-}
-
-/// Time stepping.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Scheme {
-    /// All fields in one implicit step.
-    Monolithic,
-    /// Operator split.
-    Staggered,
-    /// Explicit wear.
-    Explicit,
 }
 
 /// Freedom of the punch in its holder.
@@ -347,8 +334,6 @@ pub struct Scene {
     pub heat_resolution: HeatResolution,
     /// Measure of the error of the run.
     pub error_estimate: ErrorEstimate,
-    /// Time stepping.
-    pub scheme: Scheme,
     /// Relative tolerance: the scene's own, else the importer's.
     pub tolerance: f64,
     /// Factor of all wear, 1.
@@ -492,8 +477,7 @@ impl Scene {
             fidelity: match value!(v, "solver.fidelity") as i32 {
                 1 => Fidelity::Auto,
                 2 => Fidelity::Lumped,
-                3 => Fidelity::Line,
-                _ => Fidelity::Field,
+                _ => Fidelity::Line,
             },
             cells: value!(v, "solver.cells") as usize,
             heat_resolution: match value!(v, "solver.heat") as i32 {
@@ -504,11 +488,6 @@ impl Scene {
                 1 => ErrorEstimate::Automatic,
                 2 => ErrorEstimate::Off,
                 _ => ErrorEstimate::Companion,
-            },
-            scheme: match value!(v, "solver.scheme") as i32 {
-                1 => Scheme::Monolithic,
-                2 => Scheme::Staggered,
-                _ => Scheme::Explicit,
             },
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),

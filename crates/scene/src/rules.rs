@@ -3,7 +3,7 @@
 
 use super::message::{self, Number, Quantity};
 use super::variables::{STARTS, find};
-use super::{Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
+use super::{Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
@@ -289,15 +289,9 @@ fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
 
 fn level(scene: &Scene) -> Result<(), BrokenRule> {
     let rigid = [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2];
-    if rigid && matches!(scene.fidelity, Fidelity::Line | Fidelity::Field) {
+    if rigid && scene.fidelity == Fidelity::Line {
         return broken(
             "punch.body = rigid on strip.body = rigid can only be lumped; set solver.fidelity to lumped or auto".into(),
-        );
-    }
-    if scene.fidelity == Fidelity::Field && scene.geometry != Geometry::Line {
-        return broken(
-            "solver.fidelity = field has finite elements of a block with free sides and needs contact.geometry = line"
-                .into(),
         );
     }
     if scene.fidelity != Fidelity::Lumped && (1..FEWEST_CELLS).contains(&scene.cells) {
@@ -305,18 +299,6 @@ fn level(scene: &Scene) -> Result<(), BrokenRule> {
             "solver.cells = {} must be 0 (automatic) or at least {FEWEST_CELLS}: fewer cells cannot represent a pressure \
              distribution; solver.fidelity = lumped has a uniform pressure",
             scene.cells
-        ));
-    }
-    let compared = match scene.scheme {
-        Scheme::Monolithic => None,
-        Scheme::Staggered => Some("staggered"),
-        Scheme::Explicit => Some("explicit"),
-    };
-    if let Some(name) = compared
-        && !matches!(scene.fidelity, Fidelity::Line | Fidelity::Field)
-    {
-        return broken(format!(
-            "solver.scheme = {name} compares methods along the contact line and needs solver.fidelity = line"
         ));
     }
     Ok(())

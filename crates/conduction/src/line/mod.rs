@@ -27,7 +27,6 @@
 
 pub mod contact_parts;
 pub mod disc;
-pub mod field;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
@@ -249,10 +248,6 @@ pub trait ThermalBody: Debug + Send {
     /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments
     /// cost a comparison. The result is a function of the arguments and the parts in contact alone, never of earlier preparations.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
-
-    /// [`Self::prepare`] for one implicit Euler step of an operator split: both stages lie at the end of the step and
-    /// respond to fluxes that are constant over it, which are passed to [`Self::advance`] twice.
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
 
     /// Surface influence matrices of `stage`.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;

@@ -272,10 +272,6 @@ impl ThermalBody for StripHeat {
         self.step.prepare(&self.operators, step, velocity);
     }
 
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare_euler(&self.operators, step, velocity);
-    }
-
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.step.stage(stage).current_response().influence
     }

@@ -9,7 +9,6 @@
 
 mod coupling;
 pub mod cycle;
-mod explicit;
 mod growth;
 pub mod heat;
 mod heat_outputs;
@@ -19,7 +18,6 @@ mod outputs;
 pub mod profile;
 pub mod saved;
 mod stages;
-mod staggered;
 pub mod state;
 mod step;
 mod trajectory;

@@ -161,15 +161,9 @@ impl ThermalCoupling {
             if let Some(own) = &heat.bodies[side] {
                 let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
                 let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
-                match (before, heat.parameters.staggered) {
-                    (Some(before), false) => own.advance_to(&before[side], body, around, first, end),
-                    (None, false) => own.advance_from_end(body, around, first, end),
-                    (before, true) => {
-                        if let Some(before) = before {
-                            body.copy_from_slice(&before[side]);
-                        }
-                        own.advance(body, around, first, end);
-                    }
+                match before {
+                    Some(before) => own.advance_to(&before[side], body, around, first, end),
+                    None => own.advance_from_end(body, around, first, end),
                 }
             }
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);

@@ -200,8 +200,7 @@ impl ThermalCoupling {
     /// Starts the fluxes of a stage: those that satisfy the laws at the fluxes into the cells at the last stage.
     pub(super) fn begin_faces(&mut self, stage: Stage, state: &HeatState) {
         let s = stage as usize;
-        // The end is the only stage of an implicit Euler step.
-        let is_first = stage == Stage::First || self.parameters.staggered;
+        let is_first = stage == Stage::First;
         let faces = &mut self.faces;
         faces.coupled = false;
         for (k, face) in faces.faces.iter().enumerate() {
@@ -295,13 +294,6 @@ impl ThermalCoupling {
             let around = if stage == Stage::First { &mut around.first } else { &mut around.end };
             *(if face.face == BESIDE { &mut around.cooling } else { &mut around.far }) = flux;
         }
-    }
-
-    /// Both stages of an implicit Euler step have the fluxes of its end.
-    pub(super) fn surround_constantly(&mut self) {
-        self.faces.flux[0] = self.faces.flux[1];
-        self.faces.temperature[0] = self.faces.temperature[1];
-        [Stage::First, Stage::End].into_iter().for_each(|stage| self.surround_by_faces(stage));
     }
 
     /// Errors of the step by the fluxes of the faces, see [`Faces::errors`]: of temperatures, K, and the largest rise of a face, K;

@@ -33,7 +33,6 @@ use conduction::line::contact_parts::ContactParts;
 use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
-use scene::Fidelity;
 
 /// Largest b h.
 const GROWTH: f64 = 0.3;
@@ -70,10 +69,6 @@ impl Solved<'_> {
         }
         if heat.growth.bound.of_body(0, friction, speed) * step <= GROWTH {
             return true;
-        }
-        // With the unreduced punch this would require a factorisation for the other step.
-        if operators.scene.fidelity == Fidelity::Field {
-            return false;
         }
         let (conditions, pressure) = (&stages.conditions, &stages.end.pressure);
         let slope = |i: usize| step / GROWTH * conditions.rate.slope(i, pressure[i].max(1.0));

@@ -9,7 +9,6 @@ use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Boundary, GAMMA, Stage, Surroundings};
-use scene::Scheme;
 
 /// Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
 /// increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of
@@ -27,11 +26,8 @@ impl ThermalCoupling {
         let operators = given.operators;
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity);
-        let monolithic = operators.scene.scheme == Scheme::Monolithic;
         heat.set_contact_parts(given, step);
-        if monolithic {
-            heat.take_partitions(key);
-        }
+        heat.take_partitions(key);
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
         let kinetic_coefficient = if flat {
@@ -54,22 +50,16 @@ impl ThermalCoupling {
             Conditions::new(&operators.mean, given.tunables, given.reference, &inputs)
         };
         let [from, first, end] = [start, start + GAMMA * step, start + step].map(conditions);
-        heat.faces.set_conditions(if monolithic { [first, end] } else { [end; 2] }, given.reference);
+        heat.faces.set_conditions([first, end], given.reference);
         for side in 0..2 {
             let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             let around = |at: &Conditions| {
                 let far = if held { [at.punch_far, at.strip_far][side] } else { 0.0 };
                 Boundary { ambient: at.ambient, far, cooling: 0.0 }
             };
-            heat.surroundings[side] = match monolithic {
-                true => Surroundings::linear(around(&from), around(&end)),
-                false => Surroundings::constant(around(&end)),
-            };
+            heat.surroundings[side] = Surroundings::linear(around(&from), around(&end));
             if let Some(own) = &mut heat.bodies[side] {
-                match monolithic {
-                    true => own.prepare(step, velocity),
-                    false => own.prepare_euler(step, velocity),
-                }
+                own.prepare(step, velocity);
             }
         }
         Prepared(heat)

@@ -14,7 +14,7 @@ use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{GAMMA, Surroundings, ThermalBody};
-use scene::{Body, Scene, Scheme, ThermalBoundary};
+use scene::{Body, Scene, ThermalBoundary};
 use std::sync::Arc;
 
 /// Tolerance at which the step control of the line level accepts every step.
@@ -107,11 +107,10 @@ pub struct CycleMap {
     start: Vec<f64>,
 }
 
-/// The scene for cycles: sliding throughout, with the monolithic scheme.
+/// The scene for cycles: sliding throughout.
 pub fn sliding_scene(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.stick_stiffness = 0.0;
-    scene.scheme = Scheme::Monolithic;
     scene
 }
 

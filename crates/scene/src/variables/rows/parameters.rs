@@ -69,7 +69,6 @@ pub static FIDELITY: EnumerationType = EnumerationType {
         ("auto", "Lumped where a comparison at nominal conditions shows that it is enough, else line"),
         ("lumped", "Uniform pressure, a few thermal states"),
         ("line", "Pressure, temperature, wear and shape on cells along the contact"),
-        ("field", "Contact line on the finest cells with an unreduced finite-element punch: the reference"),
     ],
 };
 pub static HEAT: EnumerationType = EnumerationType {
@@ -87,15 +86,6 @@ pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("automatic", "Companion where the level is chosen automatically, off where it is named"),
         ("off", "Of reduction and time steps alone"),
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
-    ],
-};
-pub static SCHEME: EnumerationType = EnumerationType {
-    name: "Scheme",
-    description: "Time stepping; the last two exist for comparison",
-    items: &[
-        ("monolithic", "All fields in one implicit step"),
-        ("staggered", "Operator split between mechanics and heat"),
-        ("explicit", "Explicit wear"),
     ],
 };
 
@@ -605,7 +595,6 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     )
     .within(0.0, *TOLERANCES.end())
     .zero_or_from(*TOLERANCES.start()),
-    choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
         .within(1.0, 1e9)
         .start(1.0)
