@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import tempfile
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _native
-from ._errors import Error, SceneWarning
+from ._errors import Error, SceneWarning, writing
 from ._numbers import number, plain
 from ._tables import Table, source
 from ._units import Value, converted, count, literal, seconds, split, with_unit
@@ -295,6 +296,36 @@ class Scene:
         own = records if isinstance(records, wear_law.Records) else wear_law.Records.read(records)
         fitted = (exponents,) if isinstance(exponents, str) else tuple(exponents)
         return wear_law.fit(wear_law.Model(self, own), fitted, confidence)
+
+    def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
+        """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.
+
+        It is that of `cargo fmu package` to the byte: the scene is filled into the library of a shipped FMU, and model description,
+        page and reference are written for it. An FMU that exists is replaced.
+
+        >>> Scene.load("disc_brake").set({"punch.width": "80 mm"}).package("my.fmu").name
+        'my.fmu'
+        """
+        own = Path(path)
+        if own.suffix.lower() != ".fmu":
+            raise Error(f"path = {str(path)!r} must end in .fmu")
+        if own.exists() and not own.is_file():
+            raise Error(f"path = {str(path)!r} is no regular file and would be replaced by one")
+        shipped = sorted(_native.FMUS.glob("*.fmu"))
+        if not shipped:
+            raise Error(f"there is no FMU in {_native.FMUS}, whose library is needed: install the wheel")
+        target = own.resolve()
+        # Renamed when it is complete.
+        partial = target.with_name(f"{target.name}.{os.getpid()}.partial")
+        with writing(own):
+            try:
+                with tempfile.TemporaryDirectory(prefix="sliding_contact.") as folder:
+                    run = os.path.join(folder, "fmu")
+                    _native.ask(self._request("package", packaged=str(shipped[0]), folder=run, output=str(partial)))
+                os.replace(partial, target)
+            finally:
+                partial.unlink(missing_ok=True)
+        return own
 
     def _warn(self, record: dict[str, Any]) -> dict[str, Any]:
         for text in record["scene_warnings"]:

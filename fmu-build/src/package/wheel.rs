@@ -3,12 +3,12 @@
 //! Written by hand rather than by a build tool of Python's: the library is behind a C interface, so a wheel is the files below, a list
 //! of them with their hashes, and a tag. The same files beside each other are what scripts and tests of this project run from.
 
-use super::archive::{self, Files};
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
 use crate::output::{self, Heartbeat, print_line};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
+use fmu_file::archive::{self, Files};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::fs;

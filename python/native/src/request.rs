@@ -12,6 +12,7 @@ use scene_file::records::Records;
 use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A scene as it is named and changed.
@@ -144,6 +145,15 @@ pub enum Request {
         inputs: Option<Source>,
         tolerance: Option<f64>,
     },
+    /// Writes the FMU of a scene, made from an FMU of any other; its reference runs from `folder`, which is removed.
+    Package {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        packaged: PathBuf,
+        folder: PathBuf,
+        output: PathBuf,
+    },
 }
 
 /// A run that figures and comparisons follow from.
@@ -229,6 +239,14 @@ impl Request {
                     }
                 };
                 with_warnings(record, &shipped::warnings(&file))
+            }
+            Self::Package { scene, scenes, set, packaged, folder, output } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let shipped = fs::read(&packaged).with_context(|| format!("reading {}", packaged.display()))?;
+                let fmu = fmu_file::of_scene(&shipped, &file, &folder)
+                    .with_context(|| format!("the scene {}", file.packaged.name))?;
+                fs::write(&output, fmu).with_context(|| format!("writing {}", output.display()))?;
+                json!(file.packaged.name)
             }
         };
         Ok(Answer { status: Status::Success, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })

@@ -3,8 +3,8 @@
 use scene::variables::units::Unit;
 use scene::variables::{Causality, Kind, Row, TABLE};
 
-use super::super::description::variability;
-use super::super::xml::number;
+use crate::description::variability;
+use crate::xml::number;
 
 /// A table of variables.
 pub struct Topic {

@@ -8,7 +8,7 @@ use scene::variables::{
     Variability, lookup,
 };
 
-use super::xml::{Attribute, Xml, number, numeric, text};
+use crate::xml::{Attribute, Xml, number, numeric, text};
 
 /// FMI model identifier: the name of the library, and of everything else that must not change with the scene.
 pub const MODEL_IDENTIFIER: &str = "SlidingContact";
@@ -414,7 +414,7 @@ mod tests {
 
     #[test]
     fn the_committed_model_description_is_up_to_date() {
-        let path = crate::project::root().join("modelDescription/modelDescription.xml");
+        let path = crate::root().join("modelDescription/modelDescription.xml");
         let committed = std::fs::read_to_string(&path).unwrap();
         assert!(
             committed == write(&Packaged::stock(), ""),
