@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from .wear_law import Fit, Records
 
 
+#: A time, in seconds or with its unit as "20 ms".
+Time = Union[float, str]
+
+
 def scenes() -> list[str]:
     """Names of the shipped scenes.
 
@@ -217,8 +221,8 @@ class Scene:
         self,
         inputs: Optional[Table] = None,
         *,
-        step: Optional[float] = None,
-        at: Sequence[float] = (),
+        step: Optional[Time] = None,
+        at: Union[Time, Sequence[Time]] = (),
         progress: Optional[Callable[[float], object]] = None,
     ) -> Simulation:
         """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
@@ -233,7 +237,8 @@ class Scene:
         64.0
         """
         longest = None if step is None else seconds("step", step)
-        times = [seconds("at", time) for time in ([at] if np.ndim(at) == 0 else at)]
+        moments: Any = [at] if np.ndim(at) == 0 else at
+        times = [seconds("at", time) for time in moments]
         request = self._request("simulate", inputs=source(inputs, "inputs"), step=longest, at=times)
         answer = _native.ask(request, progress=progress)
         result = Simulation(answer)

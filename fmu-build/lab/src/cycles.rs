@@ -81,54 +81,12 @@ fn course(arguments: &Arguments) -> Result<Course> {
     course
 }
 
-/// A scene over its cycles as the command prints and draws it.
+/// A scene over its cycles as the command draws it.
 trait Presentation {
-    fn table(&self) -> String;
     fn figure(&self) -> Figure;
 }
 
 impl Presentation for Course {
-    fn table(&self) -> String {
-        let mut text = format!(
-            "{}{}\n{:>12} {:>12} {:>10} {:>9} {:>10} {:>12} {:>12}",
-            self.name,
-            if self.warm { ", with heat" } else { ", without heat" },
-            "cycles",
-            "jump",
-            "estimate",
-            "computed",
-            "p_max/p_m",
-            "punch, µm",
-            "strip, µm"
-        );
-        text += if self.warm { "    T, degC\n" } else { "\n" };
-        // Of cycles computed one after the other, the first and the last.
-        let single = |index: usize| self.stations.get(index).is_some_and(|station| station.length == 1.0);
-        for (index, station) in self.stations.iter().enumerate() {
-            if index > 0 && single(index - 1) && single(index) && single(index + 1) {
-                continue;
-            }
-            text += &format!(
-                "{:>12} {:>12} {:>10.1e} {:>9} {:>10.4} {:>12.6} {:>12.6}",
-                station.cycles,
-                station.length,
-                station.estimate,
-                station.computed,
-                station.highest_pressure / self.mean_pressure,
-                1e6 * station.worn[0],
-                1e6 * station.worn[1]
-            );
-            text += &if self.warm { format!(" {:>10.2}\n", station.temperature - 273.15) } else { "\n".into() };
-        }
-        if let Some(last) = self.stations.last() {
-            text += &format!(
-                "{} cycles from {} computed ones; sum of the error estimates {:.1e}\n",
-                last.cycles, last.computed, last.accumulated
-            );
-        }
-        text
-    }
-
     fn figure(&self) -> Figure {
         let over = |value: &dyn Fn(&Station) -> f64| -> Vec<(f64, f64)> {
             self.stations.iter().map(|station| (station.cycles, value(station))).collect()

@@ -6,7 +6,7 @@ mod law;
 use std::path::{Path, PathBuf};
 
 use analyses::curve::{CONTACT_POINTS, monotone_cubic};
-use analyses::steady::{Options, Solved, direction, largest, number, solve};
+use analyses::steady::{Options, Solved, largest, number, solve};
 use anyhow::{Result, bail};
 use scene::Scene;
 use scene_file::SceneFile;
@@ -122,55 +122,12 @@ fn write_law(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A steady state as the command prints and draws it.
+/// A steady state as the command draws it.
 trait Presentation {
-    fn table(&self) -> String;
     fn figure(&self) -> Figure;
 }
 
 impl Presentation for Solved {
-    fn table(&self) -> String {
-        let state = &self.state;
-        let mut lines = vec![
-            ("scene".to_owned(), format!("{}, {} cells", self.name, self.cells.count())),
-            ("state".to_owned(), self.kind().to_owned()),
-            ("load, N".to_owned(), number(self.scene.nominal_load)),
-            ("mean pressure, MPa".to_owned(), number(1e-6 * self.mean_pressure())),
-        ];
-        for stroke in &state.strokes {
-            let [left, right] = self.edges(stroke).map(|pressure| number(1e-6 * pressure));
-            let name = direction(stroke);
-            lines.extend([
-                (format!("{name}: peak pressure, MPa"), number(1e-6 * largest(&stroke.pressure))),
-                (format!("{name}: pressure at -x, +x edge, MPa"), format!("{left}, {right}")),
-                (format!("{name}: approach, µm"), number(1e6 * stroke.approach)),
-                (format!("{name}: tilt, urad"), number(1e6 * stroke.tilt)),
-            ]);
-        }
-        if let [forward, backward] = &state.strokes[..] {
-            // Rounding is no jump.
-            let jump = |a: f64, b: f64| if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) { 1e6 * (a - b) } else { 0.0 };
-            lines.push(("jump of the approach, µm".into(), number(jump(forward.approach, backward.approach))));
-            lines.push(("jump of the tilt, urad".into(), number(jump(forward.tilt, backward.tilt))));
-        }
-        let range = |values: &[f64]| 1e6 * (largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min));
-        let [punch, strip] = state.volume_rates.map(|rate| number(1e9 * rate));
-        lines.extend([
-            ("range of the punch's shape, µm".into(), number(range(&state.shape))),
-            ("depth of the strip's groove, µm".into(), number(range(&state.groove))),
-            ("wear rate of the punch, nm/s".into(), number(1e9 * state.punch_wear_rate)),
-            ("wear of punch, strip, mm3/s".into(), format!("{punch}, {strip}")),
-            ("wear dissipation power, W".into(), number(state.dissipation_power)),
-            ("friction power, W".into(), number(state.friction_power)),
-            ("relative velocity beyond the rigid motion, over it".into(), String::new()),
-        ]);
-        lines.extend(self.neglected().into_iter().map(|(name, value)| (format!("  {name}"), number(value))));
-        lines.extend(heat::lines(self));
-        let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let line = |(name, value): &(String, String)| format!("{}\n", format!("{name:<width$}  {value}").trim_end());
-        lines.iter().map(line).collect()
-    }
-
     fn figure(&self) -> Figure {
         let x: Vec<f64> = self.cells.centres().iter().map(|x| 1e3 * x).collect();
         let over = |values: &[f64], unit: f64| x.iter().zip(values).map(|(&x, v)| (x, unit * v)).collect::<Vec<_>>();
@@ -307,7 +264,7 @@ mod tests {
         let mut wearing = arguments("reciprocating_punch");
         wearing.return_speed = Some(-1.0);
         let error = format!("{:#}", solved(&wearing).err().unwrap());
-        assert!(error.contains("--return-speed -1 m/s must be above 0 m/s and at most 10000 m/s"), "{error}");
+        assert!(error.contains("return_speed = -1 m/s must be above 0 m/s and at most 10000 m/s"), "{error}");
     }
 
     #[test]

@@ -17,6 +17,8 @@ use std::process::Command;
 
 /// Name of the package.
 const PACKAGE: &str = "sliding_contact";
+/// The command that an installation puts on the path.
+const ENTRY_POINTS: &str = "[console_scripts]\nsliding-contact = sliding_contact._commands:main\n";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Make a wheel of the Python package: native library, scenes and their FMUs, for any Python from 3.9 on.
@@ -61,6 +63,7 @@ pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
     let information = format!("{PACKAGE}-{VERSION}.dist-info");
     licences::add(&mut files, "sliding-contact-python", &format!("{information}/licenses"))?;
     files.insert(format!("{information}/METADATA"), metadata()?.into_bytes());
+    files.insert(format!("{information}/entry_points.txt"), ENTRY_POINTS.into());
     files.insert(format!("{information}/WHEEL"), wheel(&tags).into_bytes());
     files.insert(format!("{information}/RECORD"), record(&files, &information).into_bytes());
     let path = folder.join(format!("{PACKAGE}-{VERSION}-py3-none-{}.whl", tags.join(".")));

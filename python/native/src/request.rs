@@ -211,7 +211,7 @@ impl Request {
                 solved.check()?;
                 let warnings: Vec<String> =
                     shipped::warnings(&file).into_iter().chain(steady::heat::warnings(&solved)).collect();
-                with_warnings(solved.record(), &warnings)
+                with_text(solved.record(), solved.table(), &warnings)
             }
             Self::Cycles { scene, scenes, set, cycles, tolerance, cells, cold } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -221,12 +221,15 @@ impl Request {
                 })?;
                 let warnings: Vec<String> =
                     shipped::warnings(&file).into_iter().chain(course.warning.clone()).collect();
-                with_warnings(course.record(), &warnings)
+                with_text(course.record(), course.table(), &warnings)
             }
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                let record = match inputs {
-                    None => plan::choose(&file, tolerance)?.record(),
+                let (record, table) = match inputs {
+                    None => {
+                        let plan = plan::choose(&file, tolerance)?;
+                        (plan.record(), plan.table())
+                    }
                     Some(inputs) => {
                         let tolerance = plan::inputs::tolerance(&file, tolerance)?;
                         let trajectory = Trajectory::new(&file, Some(inputs.inputs()?), None)?;
@@ -235,10 +238,10 @@ impl Request {
                             control.reached((number as f64 + part) / count);
                         })?;
                         levels.cheapest()?;
-                        plan::inputs::record(&levels)
+                        (plan::inputs::record(&levels), levels.table(&file.packaged.name, &trajectory))
                     }
                 };
-                with_warnings(record, &shipped::warnings(&file))
+                with_text(record, table, &shipped::warnings(&file))
             }
             Self::Package { scene, scenes, set, packaged, folder, output } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -251,6 +254,12 @@ impl Request {
         };
         Ok(Answer { status: Status::Success, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })
     }
+}
+
+/// With the table that the command line prints.
+fn with_text(mut record: Value, table: String, warnings: &[String]) -> Value {
+    record["table"] = json!(table);
+    with_warnings(record, warnings)
 }
 
 fn with_warnings(mut record: Value, warnings: &[String]) -> Value {

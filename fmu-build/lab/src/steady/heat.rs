@@ -1,66 +1,10 @@
-//! The steady state with heat: table and drawing of `cargo fmu steady`.
+//! The steady state with heat: drawing of `cargo fmu steady`.
 
 use crate::plot::{Axis, Mark, Panel, Series};
-use analyses::steady::heat::{difference, known, rise};
-use analyses::steady::{Solved, direction, largest, number};
-use steady::thermal::HotState;
+use analyses::steady::Solved;
+use analyses::steady::heat::known;
 
 const ZERO_CELSIUS: f64 = 273.15;
-
-fn range(values: &[f64]) -> f64 {
-    largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-/// Lines of the table beside those of the state without heat.
-pub fn lines(solved: &Solved) -> Vec<(String, String)> {
-    let hot = match &solved.hot {
-        None => return Vec::new(),
-        Some(Err(reason)) => return vec![("with heat".into(), reason.clone())],
-        Some(Ok(hot)) => hot,
-    };
-    let (heat, flows) = (&hot.heat, &hot.heat.flows);
-    let mut lines = vec![("with heat".to_owned(), String::new())];
-    for stroke in &hot.state.strokes {
-        let name = direction(stroke);
-        let [left, right] = solved.edges(stroke).map(|pressure| number(1e-6 * pressure));
-        lines.extend([
-            (format!("  {name}: peak pressure, MPa"), number(1e-6 * largest(&stroke.pressure))),
-            (format!("  {name}: pressure at -x, +x edge, MPa"), format!("{left}, {right}")),
-        ]);
-    }
-    let off = difference(&solved.cells, &hot.state, &solved.state) / solved.mean_pressure();
-    let celsius = |kelvin: f64| number(kelvin - ZERO_CELSIUS);
-    let [least, mean, most] = heat.contact_temperature;
-    let highest = match &solved.highest {
-        Some(highest) => highest.text(ZERO_CELSIUS, rise(solved, hot)),
-        None => celsius(heat.highest),
-    };
-    lines.extend([
-        ("  difference of the pressures, rms over the mean".into(), number(off)),
-        ("  contact temperature, degC".into(), celsius(mean)),
-        ("  its range in a cycle, K".into(), number(most - least)),
-        ("  highest surface temperature, degC".into(), highest),
-        ("  contact.temperature_limit, degC".into(), limit(solved, hot)),
-        ("  range of the punch's shape, µm".into(), number(1e6 * range(&hot.state.shape))),
-        ("  friction heat, W".into(), number(flows.friction)),
-        ("  into punch, strip, W".into(), format!("{}, {}", number(flows.punch), number(flows.strip))),
-        (
-            "  out of the punch's top, the strip's base, to the air, W".into(),
-            format!("{}, {}, {}", number(flows.punch_top), number(flows.strip_base), number(flows.ambient)),
-        ),
-        ("  speed over the critical speed".into(), number(heat.accuracy.speed_ratio)),
-        ("  cycles computed".into(), heat.accuracy.iterations.to_string()),
-    ]);
-    lines
-}
-
-fn limit(solved: &Solved, hot: &HotState) -> String {
-    match solved.scene.temperature_limit {
-        0.0 => "none".to_owned(),
-        limit if hot.heat.highest > limit => format!("{}, exceeded", number(limit - ZERO_CELSIUS)),
-        limit => number(limit - ZERO_CELSIUS),
-    }
-}
 
 /// Cell values times a factor, as points of a series.
 type Course<'a> = dyn Fn(&[f64], f64) -> Vec<(f64, f64)> + 'a;
