@@ -16,7 +16,7 @@ from . import _native
 from ._errors import Error, SceneWarning, writing
 from ._numbers import number, plain
 from ._tables import Table, source
-from ._units import Value, converted, count, literal, seconds, split, with_unit
+from ._units import Value, converted, count, literal, seconds, split, tables, with_unit
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
 
 if TYPE_CHECKING:
@@ -93,16 +93,16 @@ class Scene:
     ) -> "Scene":
         """Gives variables other values, `set({name: value})` or `set(name, value)`, and returns the scene itself.
 
-        Numbers are in the SI unit, or in the one that the name has in brackets (`"punch.width [mm]"`); texts have a unit or are the item of an enumeration. Arrays are lists as in a scene file: where a
-        shorter one is allowed, the elements that it leaves out have the values of the scene file. What is refused changes nothing.
+        Numbers are in the SI unit, or in the one that the name has in brackets (`"punch.width [mm]"`); texts have a unit or are the item of an enumeration. Arrays are lists. A table
+        (`contact.friction_fade`, `contact.friction_table`, `punch.wear_fade`) is a dictionary of its lists and has as many points as these. What is refused changes nothing.
 
         >>> brake = Scene.load("disc_brake").set({"normal_load": "12 kN", "solver.fidelity": "line"})
         >>> brake["normal_load"], brake["solver.fidelity"]
         (12000.0, 'line')
-        >>> brake.set("contact.friction_table.points", 3).set("contact.friction_table.speed", [0, "36 km/h", 20])
+        >>> brake.set({"contact.friction_table": {"speed": [0, "36 km/h", 20], "coefficient": [0.5, 0.4, 0.36]}})
         Scene('disc_brake')...
-        >>> brake["contact.friction_table.speed"][:3].tolist()
-        [0.0, 10.0, 20.0]
+        >>> brake["contact.friction_table.speed"][:3].tolist(), brake["contact.friction_table.points"]
+        ([0.0, 10.0, 20.0], 3)
         >>> brake.set({"punch.widht": 0.1})
         Traceback (most recent call last):
             ...
@@ -113,15 +113,18 @@ class Scene:
         named: dict[str, Any] = {values: value, **more} if isinstance(values, str) else {**(values or {}), **more}
         given: dict[str, Any] = {}
         for name, own in named.items():
-            plain, unit = split(name)
-            given[plain] = own if unit is None else with_unit(name, own, unit)
+            columns = {f"{name}.{column}": of for column, of in own.items()} if isinstance(own, Mapping) else {name: own}
+            for column, of in columns.items():
+                plain, unit = split(column)
+                given[plain] = of if unit is None else with_unit(column, of, unit)
+        assigned = tables(given)
 
         def is_replaced(assignment: str) -> bool:
             name = assignment.split("=", 1)[0].strip()
-            return name in given or name.split("[")[0] in given
+            return name in assigned or name.split("[")[0] in assigned
 
         kept = [assignment for assignment in self._assignments if not is_replaced(assignment)]
-        self._read([*kept, *(f"{name}={literal(name, own)}" for name, own in given.items())])
+        self._read([*kept, *(f"{name}={literal(name, own)}" for name, own in assigned.items())])
         return self
 
     def set_numbers(self, values: Mapping[str, float]) -> "Scene":

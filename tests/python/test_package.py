@@ -497,14 +497,19 @@ def test_arrays_are_read_and_set_as_in_a_scene_file():
     assert scene[f"{table}.speed"].tolist() == [0, 5, 20, *stock[3:]] and scene[f"{table}.speed [km/h]"][2] == pytest.approx(72)
     assert scene[f"{table}.speed[2]"] == 5 and scene[f"{table}.coefficient"][2] == 0.3
     # A shorter table: what it leaves out is as the scene has it, not as the longer one.
-    scene.set({f"{table}.points": 2}, **{f"{table}.speed": [0, 8], f"{table}.coefficient": [0.5, 0.4]})
+    scene.set({table: {"speed": [0, 8], "coefficient": [0.5, 0.4]}})
+    assert scene[f"{table}.points"] == 2
     assert scene[f"{table}.speed"].tolist() == [0, 8, *stock[2:]]
     scene.set(f"{table}.speed", [0, 9])
     assert scene[f"{table}.speed"][1] == 9 and scene.copy()[f"{table}.speed"][1] == 9
+    fade = "contact.friction_fade"
+    scene.set({f"{fade}.temperature [degC]": [20, 300], f"{fade}.factor": [1, "70 %"]})
+    assert scene[f"{fade}.factor"].tolist() == [1.0] + 7 * [0.7] and scene[f"{fade}.temperature [degC]"][1] == pytest.approx(300)
     assert Scene.load("hot_spots")["contact.initial_gap [um]"].shape == (33,)
     for name, value, text in (
         (f"{table}.speed", list(range(17)), "has 17 elements, but must have 1 to 16"),
         ("contact.friction_fade.factor", [1.0, 0.9], "has 2 elements, but must have 8"),
+        (fade, {"factor": [1.0, 0.9], "temperature": [300, 400, 500]}, f"has 2 elements, but must have 8, or as many as {fade}.temperature"),
         (f"{table}.speed", 3.0, "must be an array of 16 elements"),
         (f"{table}.speed", None, "one name and its value"),
         (f"{table}.speeed", [1], f"did you mean {table}.speed"),

@@ -114,7 +114,8 @@ conductivity = 0.9      # overrides that of the material
 
 [contact]
 shear_coupling = false
-friction_fade.temperature = ["20 degC", "100 degC", "200 degC", "300 degC", "400 degC", "500 degC", "600 degC", "700 degC"]
+friction_fade.temperature = ["20 degC", "300 degC", "600 degC"]    # a table has as many points as are given
+friction_fade.factor = [1, 0.97, 0.65]
 ```
 
 Whatever is wrong is reported together, each with line, column, key and what is accepted. Rules that join parameters are in
