@@ -26,6 +26,7 @@ def arguments():
     parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds (default 0.1)")
     parser.add_argument("--one-level", action="store_true", help="leave out the contact line beside the scene's level")
     parser.add_argument("--stops", action="store_true", help="then stops from 100 km/h, one and fifteen, at two levels")
+    parser.add_argument("--car", action="append", default=[], metavar="NAME=VALUE", help="a property of the car, in its SI unit")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     return parser.parse_args()
 
@@ -38,7 +39,8 @@ def main():
     if not time[-1] / MOST_STEPS <= options.step <= time[-1]:
         raise ValueError(f"--step {options.step:g} s must be from {time[-1] / MOST_STEPS:g} s to the cycle's {time[-1]:g} s")
     description, start_values = simulation.describe(options.fmu)
-    drive = road_load.front_brake(time, speed, road_load.Brake.of(start_values))
+    car = road_load.Car.of(options.car)
+    drive = road_load.front_brake(time, speed, road_load.Brake.of(start_values), car)
     recording = simulation.drive(options.fmu, drive.signals(), options.step)
     summary = report.summarise(recording, drive)
     level = simulation.level(description)
@@ -61,8 +63,8 @@ def main():
         import stop_plots
         import stops
 
-        one = stops.drive_both(options.fmu, 1, stops.SNAPSHOTS)
-        fifteen = stops.drive_both(options.fmu, stops.STOPS)
+        one = stops.drive_both(options.fmu, 1, stops.SNAPSHOTS, car)
+        fifteen = stops.drive_both(options.fmu, stops.STOPS, car=car)
         stopping = {"stop": stops.figures(one), "fade": stops.figures(fifteen)}
         paths += [
             stop_plots.one_stop(one, options.output / "stop.svg"),

@@ -31,6 +31,11 @@ class Car:
     drag_area: float = 0.66  # m2: cd 0.30 times 2.2 m2 of frontal area
     hold_grade: float = 0.03  # 1: at rest the driver presses as if to hold an automatic's creep, 3 % of the weight
 
+    @classmethod
+    def of(cls, settings):
+        """This car with other properties, NAME=VALUE each."""
+        return cls(**{name: float(value) for name, _, value in (text.partition("=") for text in settings)})
+
 
 @dataclass(frozen=True)
 class Brake:

@@ -72,7 +72,7 @@ class Course:
 class BrakedCar:
     """A car and one of its front brakes as an instance of the FMU; use as a context manager."""
 
-    def __init__(self, fmu, level, stops, car=Car()):
+    def __init__(self, fmu, level, stops, car):
         description, start = describe(fmu)
         self.car, self.brake = car, Brake.of(start)
         self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -152,9 +152,9 @@ def stop(car, number, snapshots, taken):
     return distance, car.time - begin
 
 
-def drive(fmu, level, stops, snapshots=()):
-    """`stops` stops one after the other, `INTERVAL` from start to start; profiles at `snapshots` [s] in the first."""
-    with BrakedCar(fmu, level, stops) as car:
+def drive(fmu, level, stops, snapshots=(), of=Car()):
+    """`stops` stops of a car one after the other, `INTERVAL` from start to start; profiles at `snapshots` [s] in the first."""
+    with BrakedCar(fmu, level, stops, of) as car:
         begin, taken, results = clock.perf_counter(), [], []
         for number in range(stops):
             start = car.time
@@ -184,9 +184,9 @@ def drive(fmu, level, stops, snapshots=()):
         )
 
 
-def drive_both(fmu, stops, snapshots=()):
+def drive_both(fmu, stops, snapshots=(), car=Car()):
     """The same at every level."""
-    return {level: drive(fmu, level, stops, snapshots) for level in LEVELS}
+    return {level: drive(fmu, level, stops, snapshots, car) for level in LEVELS}
 
 
 def figures(courses):

@@ -11,6 +11,7 @@ The master is the one of master.py, on fmpy; the descent runs as an SSP package 
 import argparse
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import libcosim
@@ -29,6 +30,7 @@ def arguments():
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU of a disc brake")
     parser.add_argument("--cycle", type=Path, required=True, help="CSV with the columns time_s, speed_m_per_s")
     parser.add_argument("--output", type=Path, required=True, help="folder for FMU, SSP package, CSV and plots")
+    parser.add_argument("--car", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the vehicle, in its SI unit")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     return parser.parse_args()
 
@@ -65,8 +67,9 @@ def main():
     # What the FMU logs is printed by fmpy, and no result.
     results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
+    car = {name: float(value) for name, _, value in (text.partition("=") for text in options.car)}
     drives = {
-        manoeuvre.name: manoeuvre
+        manoeuvre.name: replace(manoeuvre, parameters={**manoeuvre.parameters, **car})
         for manoeuvre in (
             manoeuvres.cycle(options.cycle), manoeuvres.descent(), manoeuvres.cold_stop(), manoeuvres.hill()
         )

@@ -1,11 +1,12 @@
 //! `cargo fmu run`: the FMU of a disc brake through a real drive cycle, driven from fmpy; also the coupled examples, in
 //! which the FMU's force decides the speed that is its input, and the reciprocating punch beside its steady states.
 
+mod car;
 mod cycle;
 mod scene;
 
 use crate::output::{self, print_text};
-use crate::{arguments, native, package, project, python};
+use crate::{arguments, native, package, project, python, scenes};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::io::{self, BufRead, BufReader};
@@ -24,6 +25,10 @@ pub struct Arguments {
     /// Scene: a name in examples/ or the path of a scene file; the default is the example's own.
     #[arg(long)]
     scene: Option<String>,
+    /// Another value of a variable of the scene, as punch.width="80 mm", or of the car of disc_brake and vehicle_brake, as
+    /// car.mass="1800 kg", car.front_share=0.65, car.wheel_radius="330 mm"; may be repeated.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
     /// Drive an .fmu that is there already instead of packaging the scene.
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     fmu: Option<PathBuf>,
@@ -124,8 +129,14 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if example == Example::Published {
         return compare(arguments);
     }
+    let mut changed = scenes::load(Some(arguments.scene.as_deref().unwrap_or(example.scene())))?;
+    let before = changed.clone();
+    let car = car::apply(example, &arguments.set, &mut changed)?;
     match &arguments.fmu {
-        None => scene::check_scene(example, arguments.scene.as_deref().unwrap_or(example.scene()))?,
+        None => scene::check_scene(example, &changed.packaged)?,
+        Some(file) if changed != before => {
+            bail!("--fmu {}: it has its scene; --set changes the car alone", file.display())
+        }
         Some(file) if file.is_file() => scene::check_fmu(example, file)?,
         Some(file) => bail!("--fmu {}: there is no such file", file.display()),
     }
@@ -134,8 +145,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let (python, fmu) = match &arguments.fmu {
         Some(file) => (python::environment()?, file.clone()),
         None => {
-            let scene = arguments.scene.as_deref().unwrap_or(example.scene());
-            python::environment_beside(|| package::build(Some(scene), &package::Options::default()))?
+            // Beside the FMU of the scene as it is.
+            let file = || output.join(format!("{}.fmu", changed.packaged.name));
+            let options = package::Options { output: (changed != before).then(file), ..package::Options::default() };
+            python::environment_beside(|| package::build_scene(&changed, &options))?
         }
     };
     let mut command = script(example, &python, &fmu, &output);
@@ -147,9 +160,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         Example::Clutch | Example::PinOnDisk | Example::HotSpots | Example::Published => &mut command,
         Example::ReciprocatingPunch => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
-            command.arg("--steady").args(steady_states(scene, &output)?)
+            command.arg("--steady").args(steady_states(scene, &arguments.set, &output)?)
         }
     };
+    command.args(car.iter().flat_map(|property| ["--car", property]));
     if arguments.example == Some(Example::DiscBrake) {
         command.arg("--stops");
     }
@@ -167,8 +181,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Compares the published cases with the model, which this program simulates.
 fn compare(arguments: &Arguments) -> Result<()> {
-    if arguments.scene.is_some() || arguments.fmu.is_some() {
-        bail!("--scene and --fmu do not apply to published: every case has a scene of its own");
+    if arguments.scene.is_some() || arguments.fmu.is_some() || !arguments.set.is_empty() {
+        bail!("--scene, --set and --fmu do not apply to published: every case has a scene of its own");
     }
     let python = python::environment()?;
     let mut command = Command::new(&python);
@@ -222,12 +236,13 @@ fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
 }
 
 /// Writes the punch's direct steady state in every holder as JSON into `folder` and returns the files.
-fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
+fn steady_states(scene: &str, changes: &[String], folder: &Path) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
     let write = |&(name, set): &(&str, &[&str])| {
         let path = folder.join(format!("steady_{name}.json"));
         let cells = PUNCH_CELLS.to_string();
-        let set = set.iter().flat_map(|&assignment| ["--set", assignment]);
+        let changes = changes.iter().map(String::as_str).chain(set.iter().copied());
+        let set = changes.flat_map(|assignment| ["--set", assignment]);
         let state = native::printed(
             ["steady", "--json", "--cold", "--cells", &cells].into_iter().chain(set).chain(["--", scene]),
         )?;

@@ -10,7 +10,7 @@ use scene_file::{SceneFile, shipped};
 use crate::project;
 
 /// Folder of the shipped scenes.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     project::root().join("examples")
 }
 

@@ -1,8 +1,9 @@
-"""Draws the figure of a simulation: panels over the time in two columns, panels over the contact in a row below.
+"""Draws the figures of simulations, steady states and cycles, for the package and for `cargo fmu`.
 
-    python _figure.py FILE FORMAT < figure.json
+    python -m sliding_contact._figure FILE FORMAT < content.json
 
-The panels, with their labels and curves, come as JSON from crates/analyses/src/simulation/figure.rs; nothing is computed here but the range of curves with hundreds of strokes.
+Of a simulation: panels over the time in two columns, panels over the contact in a row below. They come with their labels and curves from
+crates/analyses/src/simulation/figure.rs; nothing is computed here but the range of curves with hundreds of strokes.
 """
 
 from __future__ import annotations
@@ -13,14 +14,12 @@ import textwrap
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-try:
-    from ._curve import monotone_cubic
-except ImportError:  # run as a program
-    from _curve import monotone_cubic  # type: ignore[import-not-found,no-redef]
+from ._curve import monotone_cubic
 
 # Okabe and Ito's palette: told apart by every eye and in print.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -35,7 +34,7 @@ STYLE: Any = {
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.1,
     "legend.frameon": False,
-    "legend.fontsize": 7,
+    "legend.fontsize": 7.0,
     "legend.handlelength": 1.4,
     "legend.columnspacing": 1.0,
     "legend.borderaxespad": 0.2,
@@ -46,9 +45,12 @@ STYLE: Any = {
 }
 WIDTH = 180 / 25.4  # inches: the width of a page of most journals
 ROW = 1.55
+PANEL = 2.8  # inches: width of the axes of a panel over the time, at least
+LEGEND = 7.0  # points
 MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
 
 
+FEW = 160  # measured points up to which each is seen
 STROKES = 150  # turning points of a curve over the time beyond which its lines would fill the area between its extremes
 INTERVALS = 100  # in which the extremes of such a curve are drawn
 START = 0.01  # of the time: a peak within it belongs to the start
@@ -110,7 +112,9 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
     for series in panel["series"]:
         colour = COLOURS[series["colour"] % len(COLOURS)]
         if series["measured"]:
-            axis.plot(series["x"], series["y"], color=colour, **MARKER)
+            # A cloud of many points shows where they are dense.
+            many = len(series["x"]) > FEW
+            axis.plot(series["x"], series["y"], color=colour, **(MARKER | {"markersize": 1.4, "alpha": 0.5} if many else MARKER))
         elif over_time and turns(series["y"]) > STROKES:
             name = f"{series['name']}, range" if series["name"] else "range"
             axis.fill_between(*extremes(series["x"], series["y"]), color=colour, alpha=0.35, linewidth=0.4, label=name)
@@ -140,15 +144,63 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
         axis.set_ylim(bottom=0.0)
 
 
-def legend(axis: Axes, panel: dict[str, Any]) -> None:
-    """Above the axes, where no curve is."""
+def legend(axis: Axes, handles: list[Any], labels: list[str], width: float) -> None:
+    """Above the axes, where no curve is, in as many columns as have room in their `width` (inches). A blank title keeps its height free; the
+    legend itself must not change the layout."""
+    if not handles:
+        return
+    columns = max(own for own in range(1, 1 + min(len(labels), 4)) if own == 1 or legend_width(labels, own) <= width)
+    axis.set_title("\n" * (-(-len(labels) // columns) - 1) + " ", fontsize=LEGEND, linespacing=1.55, pad=3.0)
+    axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns).set_in_layout(False)
+
+
+def legend_width(labels: list[str], columns: int) -> float:
+    """Width of a legend in inches: its entries fill columns from top to bottom, the first ones longer by one; a letter is half as wide as high."""
+    letters = [max(map(len, part)) for part in np.array_split(labels, columns)]
+    return sum(0.55 * own + 3.3 for own in letters) * LEGEND / 72.0
+
+
+def legend_over_time(axis: Axes, panel: dict[str, Any], width: float) -> None:
     handles, labels = axis.get_legend_handles_labels()
     if any(series["measured"] for series in panel["series"]):
         handles.append(Line2D([], [], color="#444444", **MARKER))
         labels.append("measured")
-    if handles:
-        columns = 2 if len(handles) == 4 else 3
-        axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+    legend(axis, handles, labels, width)
+
+
+def over_time(part: Any, courses: list[dict[str, Any]]) -> None:
+    """Panels over the time in two columns, one time axis a column, an odd one over both; of hundreds of strokes with the last two beside the
+    whole course."""
+    rows = len(courses) // 2
+    # Three parts a column: two for the course and one for its strokes, or all for the course.
+    grid = part.add_gridspec((len(courses) + 1) // 2, 6)
+    for panels, top, left, right in ((courses[:rows], 0, 0, 3), (courses[rows : 2 * rows], 0, 3, 6), (courses[2 * rows :], rows, 0, 6)):
+        axes: list[Axes] = []
+        for row, panel in enumerate(panels, top):
+            many = any(not series["measured"] and turns(series["y"]) > STROKES for series in panel["series"])
+            beside = (right - left) // 3 if many and panel["strokes"] else 0
+            axis = part.add_subplot(grid[row, left : right - beside], sharex=axes[0] if axes else None)
+            axes.append(axis)
+            draw(axis, panel | {"y": textwrap.fill(panel["y"], 20)}, over_time=True)
+            legend_over_time(axis, panel, PANEL)
+            if row + 1 < top + len(panels):
+                axis.set_xlabel("")
+                axis.tick_params(labelbottom=False)
+            if beside:
+                strokes(part.add_subplot(grid[row, right - beside : right], sharey=axis), panel)
+        if axes:
+            part.align_ylabels(axes)
+
+
+def strokes(axis: Axes, panel: dict[str, Any]) -> None:
+    """The last two strokes in full."""
+    for series in panel["strokes"]:
+        axis.plot(series["x"], series["y"], color=COLOURS[series["colour"] % len(COLOURS)], linewidth=0.9)
+    first = panel["strokes"][0]["x"]
+    axis.set_xlim(first[0], first[-1])
+    axis.tick_params(labelleft=False, labelbottom=False)
+    axis.grid(axis="x", visible=False)
+    axis.text(0.5, 1.02, "last two strokes", transform=axis.transAxes, ha="center", va="bottom", fontsize=6).set_in_layout(False)
 
 
 def figure_of(content: dict[str, Any]) -> Figure:
@@ -156,24 +208,12 @@ def figure_of(content: dict[str, Any]) -> Figure:
     rows = (len(courses) + 1) // 2
     per_row = 3 if len(profiles) == 3 else 2
     lines = -(-len(profiles) // per_row)
-    height = ROW * (rows + 1.3 * lines) + 0.3
+    title, told = content["title"], textwrap.wrap(", ".join(content["constants"]), 110)
+    height = ROW * (rows + 1.3 * lines) + 0.3 + 0.15 * len(told)
     figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
+    spread(figure)
     parts: Any = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
-    grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
-    for axis, panel in zip(grid, courses):
-        draw(axis, panel, over_time=True)
-        legend(axis, panel)
-    for axis in grid[len(courses):]:
-        axis.set_visible(False)
-    last = len(courses) - 1
-    for index, axis in enumerate(grid):
-        # One time axis a column.
-        if index not in (rows - 1, last):
-            axis.set_xlabel("")
-        elif index == last and last % rows != rows - 1:
-            axis.tick_params(labelbottom=True)
-    for column in (grid[:rows], grid[rows:]):
-        parts[0].align_ylabels(column)
+    over_time(parts[0], courses)
     if profiles:
         axes = parts[1].subplots(lines, per_row, squeeze=False).flatten()
         for axis, panel in zip(axes, profiles):
@@ -182,14 +222,22 @@ def figure_of(content: dict[str, Any]) -> Figure:
             axis.set_visible(False)
         handles, labels = axes[0].get_legend_handles_labels()
         parts[1].legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact, at the time")
-    figure.suptitle(content["title"], fontsize=9)
+    figure.suptitle("\n".join([title, *told]), fontsize=9 if not told else 8)
     return figure
+
+
+def spread(figure: Figure) -> None:
+    """Room between panels: no label touches the next axes."""
+    engine: Any = figure.get_layout_engine()
+    engine.set(w_pad=0.05, h_pad=0.05, wspace=0.04)
 
 
 def steady(state: Any) -> Figure:
     """Pressure and shape of a steady state, without and with heat, and the temperatures of the surfaces."""
     heat = state.heat
-    figure, axes = plt.subplots(1, 3 if heat else 2, figsize=(WIDTH, 3.0), layout="constrained", squeeze=False)
+    count = 3 if heat else 2
+    figure, axes = plt.subplots(1, count, figsize=(WIDTH, 2.9), layout="constrained", squeeze=False)
+    spread(figure)
     x = 1e3 * state.x
     pressure, shape = axes[0, 0], axes[0, 1]
     for index, stroke in enumerate(state.strokes):
@@ -198,14 +246,16 @@ def steady(state: Any) -> Figure:
         pressure.plot(*monotone_cubic(x, 1e-6 * stroke.pressure), label=name, color=COLOURS[index], linestyle=line)
         if heat:
             own = 1e-6 * heat["strokes"][index]["pressure"]
-            label = "with heat" if index == 0 else None
-            pressure.plot(x[::3], own[::3], label=label, **{**MARKER, "color": COLOURS[index]})
+            pressure.plot(x[::3], own[::3], **{**MARKER, "color": COLOURS[index]})
     pressure.axhline(1e-6 * state.mean_pressure, color="black", linewidth=0.6, label="mean")
     shape.plot(*monotone_cubic(x, 1e6 * state.shape), color=COLOURS[0], label="punch")
     if heat:
         shape.plot(*monotone_cubic(x, 1e6 * heat["shape"]), color=COLOURS[1], linestyle="--", label="punch, with heat")
     if state.groove.any():
         shape.plot(*monotone_cubic(x, 1e6 * state.groove), color=COLOURS[2], label="groove of the strip")
+    # Contact without wear of the punch is singular at its edges.
+    highest = max(float(stroke.pressure.max()) for stroke in state.strokes)
+    pressure.set_ylim(-0.04e-6 * min(highest, 4.0 * state.mean_pressure), 1.06e-6 * min(highest, 4.0 * state.mean_pressure))
     pressure.set_ylabel("pressure (MPa)")
     shape.set_ylabel("unloaded surface (µm)")
     if heat:
@@ -220,28 +270,32 @@ def steady(state: Any) -> Figure:
     for axis in axes[0]:
         axis.set_xlabel("x (mm)")
         axis.set_xlim(x[0], x[-1])
-        # Above the axes, where no curve is; its width must not narrow them.
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0)).set_in_layout(False)
-    figure.suptitle(f"{state.scene}: {state.kind}\n\n\n\n", fontsize=9)
+        handles, labels = axis.get_legend_handles_labels()
+        if axis is pressure and heat:
+            handles.append(Line2D([], [], **{**MARKER, "color": "#444444"}))
+            labels.append("with heat")
+        legend(axis, handles, labels, WIDTH / count - 0.7)
+    figure.suptitle(f"{state.scene}: {state.kind}", fontsize=9)
     return figure
 
 
 def cycles(course: Any) -> Figure:
     """Pressure, wear and temperature over the cycles."""
     warm = bool((course.contact_temperature == course.contact_temperature).any())
-    figure, axes = plt.subplots(1, 3 if warm else 2, figsize=(WIDTH, 2.2), layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(1, 3 if warm else 2, figsize=(WIDTH, 2.4), layout="constrained", squeeze=False)
+    spread(figure)
     axes[0, 0].plot(course.cycles, 1e-6 * course.pressure_max, color=COLOURS[0])
     axes[0, 0].set_ylabel("highest mean pressure,\nforward (MPa)")
-    bodies = (("punch", course.wear_depth_punch), ("strip", course.wear_depth_strip))
-    for colour, (name, depth) in zip(COLOURS, bodies):
-        if depth.any():
-            axes[0, 1].plot(course.cycles, 1e6 * depth, color=colour, label=name)
+    worn = [(name, depth) for name, depth in (("punch", course.wear_depth_punch), ("strip", course.wear_depth_strip)) if depth.any()]
+    for colour, (name, depth) in zip(COLOURS, worn):
+        axes[0, 1].plot(course.cycles, 1e6 * depth, color=colour, label=name)
     axes[0, 1].set_yscale("log")
-    axes[0, 1].set_ylabel("mean worn depth (µm)")
-    axes[0, 1].legend(loc="upper left")
+    axes[0, 1].set_ylabel("mean worn depth (µm)" if len(worn) > 1 else f"mean worn depth\nof the {worn[0][0]} (µm)" if worn else "")
+    if len(worn) > 1:
+        axes[0, 1].legend(loc="upper left")
     if warm:
         axes[0, 2].plot(course.cycles, course.contact_temperature - 273.15, color=COLOURS[0])
-        axes[0, 2].set_ylabel("mean contact temperature (°C)")
+        axes[0, 2].set_ylabel("mean contact\ntemperature (°C)")
     for axis in axes[0]:
         axis.set_xscale("log")
         axis.set_xlabel("cycles")
@@ -256,11 +310,22 @@ def save(figure: Figure, path: str, kind: str) -> None:
         figure.savefig(path, format=kind, dpi=200, metadata=metadata)
 
 
+def drawn(kind: str, content: dict[str, Any]) -> Figure:
+    """The figure of a content of `cargo fmu`."""
+    from .results import Cycles, SteadyState
+
+    if kind == "simulation":
+        return figure_of(content)
+    record = content | {"table": ""}
+    return steady(SteadyState(record)) if kind == "steady" else cycles(Cycles(record))
+
+
 def main() -> None:
     path, kind = sys.argv[1:3]
     plt.switch_backend("Agg")
+    given = json.load(sys.stdin)
     with plt.rc_context(STYLE):
-        save(figure_of(json.load(sys.stdin)), path, kind)
+        save(drawn(given["kind"], given["content"]), path, kind)
 
 
 if __name__ == "__main__":

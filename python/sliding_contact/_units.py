@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Optional, Sequence, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from . import _native
 from ._errors import Error
 from ._numbers import number, plain
 
-Value = Union[float, int, bool, str, Sequence[Union[float, str]], np.ndarray]
+Value = Union[float, int, bool, str, Sequence[Union[float, str]], np.ndarray, Mapping[str, Any]]
 
 
 def split(name: str) -> tuple[str, Optional[str]]:
@@ -67,9 +67,31 @@ def with_unit(name: str, value: Any, unit: str) -> Value:
     return [f"{number(name, entry)!r} {unit}" for entry in value]
 
 
-def literal(name: str, value: Value) -> str:
+def tables(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by name, the arrays of a table together, and its number of points with them: they are read as one."""
+
+    def is_array(value: Any) -> bool:
+        return isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim == 1
+
+    def table(name: str) -> str:
+        return name.rsplit(".", 1)[0]
+
+    arrays = [table(name) for name, value in given.items() if is_array(value)]
+    joined: dict[str, Any] = {}
+    for name, value in given.items():
+        if arrays.count(table(name)) > 1:
+            joined.setdefault(table(name), {})[name.rsplit(".", 1)[1]] = value
+        else:
+            joined[name] = value
+    return joined
+
+
+def literal(name: str, value: Any) -> str:
     """A value as it stands in a scene file."""
     value = plain(name, value)
+    if isinstance(value, Mapping):
+        cells = {key: json.dumps(own) if isinstance(own, str) else literal(f"{name}.{key}", own) for key, own in value.items()}
+        return "{" + ", ".join(f"{key} = {cell}" for key, cell in cells.items()) + "}"
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -206,6 +206,7 @@ class SteadyState:
     """A steady state under nominal load and sliding: `record` holds all of it in SI units."""
 
     def __init__(self, record: dict[str, Any]) -> None:
+        self._table: str = record.pop("table")
         self.record = record
         self.scene: str = record["scene"]
         #: Kind of the state in words.
@@ -229,6 +230,9 @@ class SteadyState:
             self.refused = heat.get("refused")
             self.heat = None if self.refused else {name: _arrays(value) for name, value in heat.items()}
 
+    def __str__(self) -> str:
+        return self._table.rstrip()
+
     def __repr__(self) -> str:
         return f"SteadyState({self.scene!r}, {self.kind}, {self.x.size} cells)"
 
@@ -241,6 +245,7 @@ class Cycles:
     """A scene over its cycles: one entry for every jump, in SI units."""
 
     def __init__(self, record: dict[str, Any]) -> None:
+        self._table: str = record.pop("table")
         self.record = record
         self.scene: str = record["scene"]
         jumps = record["jumps"]
@@ -266,6 +271,9 @@ class Cycles:
         #: Worn depth of the punch at the end, m.
         self.wear_profile_punch = np.array(record["wear_profile_punch"])
 
+    def __str__(self) -> str:
+        return self._table.rstrip()
+
     def __repr__(self) -> str:
         return f"Cycles({self.scene!r}, {self.cycles[-1]:g} cycles from {self.computed} computed ones)"
 
@@ -278,6 +286,7 @@ class Plan:
     """What `solver.fidelity = auto` takes for a scene, and why: `record` holds the comparison, effects and groups."""
 
     def __init__(self, record: dict[str, Any]) -> None:
+        self._table: str = record.pop("table")
         self.record = record
         self.level: str = record["level"]
         self.cells: int = record["cells"]
@@ -290,6 +299,9 @@ class Plan:
         """The level for `Scene.set`."""
         return _settings(self.level, self.cells)
 
+    def __str__(self) -> str:
+        return self._table.rstrip()
+
     def __repr__(self) -> str:
         return f"Plan({self.record['description']}: {self.reason})"
 
@@ -298,6 +310,7 @@ class LevelComparison:
     """Every level on given inputs, and the cheapest that meets the tolerance: `record` holds errors and costs."""
 
     def __init__(self, record: dict[str, Any]) -> None:
+        self._table: str = record.pop("table")
         self.record = record
         self.tolerance: float = record["tolerance"]
         self.level: str = record["cheapest"]["fidelity"]
@@ -314,6 +327,9 @@ class LevelComparison:
         import pandas
 
         return pandas.DataFrame(self.record["levels"])
+
+    def __str__(self) -> str:
+        return self._table.rstrip()
 
     def __repr__(self) -> str:
         return f"LevelComparison(level {self.level}, {self.cells} cells, estimated error {self.estimated_error:.1e})"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import tempfile
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +13,18 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _native
-from ._errors import Error, SceneWarning
+from ._errors import Error, SceneWarning, writing
 from ._numbers import number, plain
 from ._tables import Table, source
-from ._units import Value, converted, count, literal, seconds, split, with_unit
+from ._units import Value, converted, count, literal, seconds, split, tables, with_unit
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
 
 if TYPE_CHECKING:
     from .wear_law import Fit, Records
+
+
+#: A time, in seconds or with its unit as "20 ms".
+Time = Union[float, str]
 
 
 def scenes() -> list[str]:
@@ -88,16 +93,16 @@ class Scene:
     ) -> "Scene":
         """Gives variables other values, `set({name: value})` or `set(name, value)`, and returns the scene itself.
 
-        Numbers are in the SI unit, or in the one that the name has in brackets (`"punch.width [mm]"`); texts have a unit or are the item of an enumeration. Arrays are lists as in a scene file: where a
-        shorter one is allowed, the elements that it leaves out have the values of the scene file. What is refused changes nothing.
+        Numbers are in the SI unit, or in the one that the name has in brackets (`"punch.width [mm]"`); texts have a unit or are the item of an enumeration. Arrays are lists. A table
+        (`contact.friction_fade`, `contact.friction_table`, `punch.wear_fade`) is a dictionary of its lists and has as many points as these. What is refused changes nothing.
 
         >>> brake = Scene.load("disc_brake").set({"normal_load": "12 kN", "solver.fidelity": "line"})
         >>> brake["normal_load"], brake["solver.fidelity"]
         (12000.0, 'line')
-        >>> brake.set("contact.friction_table.points", 3).set("contact.friction_table.speed", [0, "36 km/h", 20])
+        >>> brake.set({"contact.friction_table": {"speed": [0, "36 km/h", 20], "coefficient": [0.5, 0.4, 0.36]}})
         Scene('disc_brake')...
-        >>> brake["contact.friction_table.speed"][:3].tolist()
-        [0.0, 10.0, 20.0]
+        >>> brake["contact.friction_table.speed"][:3].tolist(), brake["contact.friction_table.points"]
+        ([0.0, 10.0, 20.0], 3)
         >>> brake.set({"punch.widht": 0.1})
         Traceback (most recent call last):
             ...
@@ -108,15 +113,18 @@ class Scene:
         named: dict[str, Any] = {values: value, **more} if isinstance(values, str) else {**(values or {}), **more}
         given: dict[str, Any] = {}
         for name, own in named.items():
-            plain, unit = split(name)
-            given[plain] = own if unit is None else with_unit(name, own, unit)
+            columns = {f"{name}.{column}": of for column, of in own.items()} if isinstance(own, Mapping) else {name: own}
+            for column, of in columns.items():
+                plain, unit = split(column)
+                given[plain] = of if unit is None else with_unit(column, of, unit)
+        assigned = tables(given)
 
         def is_replaced(assignment: str) -> bool:
             name = assignment.split("=", 1)[0].strip()
-            return name in given or name.split("[")[0] in given
+            return name in assigned or name.split("[")[0] in assigned
 
         kept = [assignment for assignment in self._assignments if not is_replaced(assignment)]
-        self._read([*kept, *(f"{name}={literal(name, own)}" for name, own in given.items())])
+        self._read([*kept, *(f"{name}={literal(name, own)}" for name, own in assigned.items())])
         return self
 
     def set_numbers(self, values: Mapping[str, float]) -> "Scene":
@@ -216,8 +224,8 @@ class Scene:
         self,
         inputs: Optional[Table] = None,
         *,
-        step: Optional[float] = None,
-        at: Sequence[float] = (),
+        step: Optional[Time] = None,
+        at: Union[Time, Sequence[Time]] = (),
         progress: Optional[Callable[[float], object]] = None,
     ) -> Simulation:
         """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
@@ -232,7 +240,8 @@ class Scene:
         64.0
         """
         longest = None if step is None else seconds("step", step)
-        times = [seconds("at", time) for time in ([at] if np.ndim(at) == 0 else at)]
+        moments: Any = [at] if np.ndim(at) == 0 else at
+        times = [seconds("at", time) for time in moments]
         request = self._request("simulate", inputs=source(inputs, "inputs"), step=longest, at=times)
         answer = _native.ask(request, progress=progress)
         result = Simulation(answer)
@@ -295,6 +304,36 @@ class Scene:
         own = records if isinstance(records, wear_law.Records) else wear_law.Records.read(records)
         fitted = (exponents,) if isinstance(exponents, str) else tuple(exponents)
         return wear_law.fit(wear_law.Model(self, own), fitted, confidence)
+
+    def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
+        """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.
+
+        It is that of `cargo fmu package` to the byte: the scene is filled into the library of a shipped FMU, and model description,
+        page and reference are written for it. An FMU that exists is replaced.
+
+        >>> Scene.load("disc_brake").set({"punch.width": "80 mm"}).package("my.fmu").name
+        'my.fmu'
+        """
+        own = Path(path)
+        if own.suffix.lower() != ".fmu":
+            raise Error(f"path = {str(path)!r} must end in .fmu")
+        if own.exists() and not own.is_file():
+            raise Error(f"path = {str(path)!r} is no regular file and would be replaced by one")
+        shipped = sorted(_native.FMUS.glob("*.fmu"))
+        if not shipped:
+            raise Error(f"there is no FMU in {_native.FMUS}, whose library is needed: install the wheel")
+        target = own.resolve()
+        # Renamed when it is complete.
+        partial = target.with_name(f"{target.name}.{os.getpid()}.partial")
+        with writing(own):
+            try:
+                with tempfile.TemporaryDirectory(prefix="sliding_contact.") as folder:
+                    run = os.path.join(folder, "fmu")
+                    _native.ask(self._request("package", packaged=str(shipped[0]), folder=run, output=str(partial)))
+                os.replace(partial, target)
+            finally:
+                partial.unlink(missing_ok=True)
+        return own
 
     def _warn(self, record: dict[str, Any]) -> dict[str, Any]:
         for text in record["scene_warnings"]:

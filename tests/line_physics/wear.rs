@@ -52,6 +52,24 @@ fn worn_volume_is_the_integral_of_the_law() {
 }
 
 #[test]
+fn the_taper_is_that_of_the_profile() {
+    // Sliding one way, from the flat shape: uneven pressure wears a wedge.
+    let mut drive = line(&[("solver.cells", 33.0), ("contact.friction_coefficient", 0.6)]);
+    assert_eq!(drive.get("wear_taper_punch"), 0.0);
+    drive.set("sliding_velocity", 0.02).set("normal_load", 8e3).step(200.0);
+    let (x, worn) = (stations(&mut drive, "profile.x"), stations(&mut drive, "profile.wear_punch"));
+    // Line of least squares through the stations, those at the edges with half of the weight.
+    let weight = |station: usize| if station == 0 || station == 32 { 0.5 } else { 1.0 };
+    let sum = |of: &dyn Fn(usize) -> f64| (0..33).map(|station| weight(station) * of(station)).sum::<f64>();
+    let mean = sum(&|i| worn[i]) / 32.0;
+    let slope = sum(&|i| x[i] * (worn[i] - mean)) / sum(&|i| x[i] * x[i]);
+    let (taper, expected) = (drive.get("wear_taper_punch"), 0.06 * slope);
+    assert!((taper / expected - 1.0).abs() < 0.01 && expected.abs() > 0.01 * mean, "{taper} {expected} of {mean}");
+    // The trailing edge, at -x, is loaded more and wears more.
+    assert!(taper < 0.0, "{taper}");
+}
+
+#[test]
 fn cutting_a_communication_step_stays_within_the_tolerance() {
     for (tolerance, exponent) in [(1e-2, 1.0), (1e-3, 1.0), (1e-3, 0.5), (1e-3, 2.0), (1e-4, 1.0)] {
         let results: Vec<Vec<f64>> = [1, 7, 60]

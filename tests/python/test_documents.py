@@ -15,7 +15,8 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
 
 
-def test_doc_strings_are_true():
+def test_doc_strings_are_true(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     results = [doctest.testmod(importlib.import_module(name), optionflags=FLAGS) for name in MODULES]
     assert sum(result.failed for result in results) == 0
     assert sum(result.attempted for result in results) > 20

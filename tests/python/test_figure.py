@@ -56,3 +56,54 @@ def test_hundreds_of_strokes_are_drawn_as_their_range():
         assert (len(axis.collections), len(axis.lines)) == (filled, 1 - filled)
         assert axis.get_legend_handles_labels()[1] == ["velocity, range" if filled else "velocity"]
         _figure.plt.close("all")
+
+
+def content(courses, constants=()):
+    """A figure of panels over the time with these names of curves each, and one panel over the contact."""
+    time = [0.1 * step for step in range(101)]
+
+    def course(names, measured):
+        series = [{"x": time, "y": [index + 0.01 * t for t in time], "name": name, "colour": index, "measured": False} for index, name in enumerate(names)]
+        points = [{"x": [1.0, 2.0], "y": [0.5, 0.6], "name": "", "colour": 0, "measured": True}] if measured else []
+        return {"x": "time (s)", "y": "sliding velocity (mm/s)", "series": series + points, "strokes": []}
+
+    return {"title": "a run", "constants": list(constants), "courses": [course(*own) for own in courses], "profiles": [panel([1.0, 2.0, 3.0, 2.0]) | {"strokes": []}]}
+
+
+ENERGY = ["friction heat", "stored", "lost: air", "lost: punch top", "lost: strip base", "another one that is long"]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 6, 7])
+def test_no_legend_is_cut_off_and_no_panel_shrinks(count):
+    courses = [(["punch"], True), (ENERGY, True), ([""], False)] * 3
+    with _figure.plt.rc_context(_figure.STYLE):
+        figure = _figure.figure_of(content(courses[:count], ["normal load 10 kN"]))
+        figure.canvas.draw()
+    axes = [axis for axis in figure.get_axes() if axis.get_xlabel() != "x (mm)" and axis.lines]
+    assert len(axes) == count
+    renderer = figure.canvas.get_renderer()
+    page = figure.bbox
+    boxes = [axis.get_window_extent(renderer) for axis in axes]
+    texts = [axis.yaxis.label.get_window_extent(renderer) for axis in axes] + [figure._suptitle.get_window_extent(renderer)]
+    legends = [axis.get_legend().get_window_extent(renderer) for axis in axes if axis.get_legend()]
+    for box in [*boxes, *texts, *legends]:
+        assert page.x0 - 1 <= box.x0 and box.x1 <= page.x1 + 1 and page.y0 - 1 <= box.y0 and box.y1 <= page.y1 + 1
+    for box in legends + texts:
+        assert not any(box.overlaps(other) for other in boxes), box
+    # Two columns, of which each has more than a third of the page.
+    assert all(box.width > 0.35 * page.width for box in boxes)
+    assert "normal load 10 kN" in figure._suptitle.get_text()
+    _figure.plt.close("all")
+
+
+def test_the_last_two_of_hundreds_of_strokes_are_drawn_beside_their_range():
+    steps = 4000
+    course = {"x": [float(step) for step in range(steps)], "y": [(1.0, 0.0, -1.0, 0.0)[step % 4] for step in range(steps)], "name": "", "colour": 0, "measured": False}
+    last = {**course, "x": course["x"][-9:], "y": course["y"][-9:]}
+    own = content([([""], False)] * 2)
+    own["courses"][0] |= {"series": [course], "strokes": [last]}
+    with _figure.plt.rc_context(_figure.STYLE):
+        figure = _figure.figure_of(own)
+    beside = [axis for axis in figure.get_axes() if any(text.get_text() == "last two strokes" for text in axis.texts)]
+    assert len(beside) == 1 and list(beside[0].lines[0].get_ydata()) == last["y"]
+    _figure.plt.close("all")

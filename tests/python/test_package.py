@@ -396,6 +396,54 @@ def test_the_shipped_fmus_run_in_the_host(tmp_path):
     assert failure.value.stage == "library"
 
 
+OWN = 'name = "bench"\ndescription = "A pad of 60 mm"\n[experiment]\nstop = "2 s"\nstep = 0.01\n[punch]\nwidth = "60 mm"\n[solver]\nfidelity = "lumped"\n'
+
+
+def test_an_fmu_of_ones_own_scene_is_that_of_the_command(tmp_path):
+    """To the byte: description, slot, page, reference. And an importer runs it, with what the package itself computes."""
+    fmpy = pytest.importorskip("fmpy")
+    (tmp_path / "bench.toml").write_text(OWN)
+    path = Scene.load(tmp_path / "bench.toml").package(tmp_path / "made" / "own.fmu")
+    run = command(tmp_path, "package", "bench.toml", "-o", "commanded.fmu")
+    assert run.returncode == 0, run.stderr
+    assert path.read_bytes() == (tmp_path / "commanded.fmu").read_bytes()
+    assert Scene.load("clutch").package(tmp_path / "clutch.fmu").read_bytes() == fmu("clutch").read_bytes()
+    description = fmpy.read_model_description(path, validate=True)
+    assert (description.modelName, description.description) == ("SlidingContact.bench", "A pad of 60 mm")
+    changed = Scene.load(tmp_path / "bench.toml").set({"contact.friction_coefficient": 0.35}).package(path)
+    assert fmpy.read_model_description(changed).guid != description.guid
+    time, inputs = [0.0, 1.0], {"time [s]": [0, 1], "sliding_velocity [m/s]": 10, "normal_load [N]": 4000}
+    signals = np.array([(t, 10.0, 4000.0) for t in time], dtype=[(name, float) for name in ("time", "sliding_velocity", "normal_load")])
+    result = fmpy.simulate_fmu(str(changed), stop_time=1.0, step_size=0.01, output_interval=0.01, input=signals, output=["friction_force", "dissipated_energy"])
+    own = Scene.load(tmp_path / "bench.toml").set({"contact.friction_coefficient": 0.35}).simulate(inputs, step=0.01)
+    assert result["friction_force"][-1] == own["friction_force"][-1] == pytest.approx(2 * 0.35 * 4000)
+    assert result["dissipated_energy"][-1] == pytest.approx(own["dissipated_energy"][-1], rel=1e-12)
+    assert sorted(entry.name for entry in (tmp_path / "made").iterdir()) == ["own.fmu"]
+
+
+def test_an_fmu_that_cannot_be_made_leaves_the_one_that_is_there(tmp_path, monkeypatch):
+    path = tmp_path / "own.fmu"
+    path.write_text("before")
+    scene = Scene.load("disc_brake")
+    (tmp_path / "folder.fmu").mkdir()
+    for wrong, text in ((tmp_path / "own.zip", "must end in .fmu"), (tmp_path / "folder.fmu", "is no regular file")):
+        with pytest.raises(Error, match=re.escape(text)):
+            scene.package(wrong)
+    with pytest.raises(Error, match=re.escape(f"writing {path / 'below.fmu'}: [Errno")):
+        scene.package(path / "below.fmu")
+    fmus = tmp_path / "fmus"
+    fmus.mkdir()
+    monkeypatch.setattr(sliding_contact.scene._native, "FMUS", fmus)
+    with pytest.raises(Error, match="there is no FMU in"):
+        scene.package(path)
+    # One of another version, whose library has no slot.
+    with zipfile.ZipFile(fmus / "other.fmu", "w") as archive:
+        archive.writestr("binaries/linux64/SlidingContact.so", b"0" * 10_000)
+    with pytest.raises(Error, match="the library has no scene slot"):
+        scene.package(path)
+    assert path.read_text() == "before" and sorted(own.name for own in tmp_path.iterdir()) == ["fmus", "folder.fmu", "own.fmu"]
+
+
 def test_figures_are_drawn(tmp_path):
     pytest.importorskip("matplotlib")
     measured = {"time [s]": [0.5, 2.0], "contact_temperature [degC]": [90, 110]}
@@ -449,14 +497,19 @@ def test_arrays_are_read_and_set_as_in_a_scene_file():
     assert scene[f"{table}.speed"].tolist() == [0, 5, 20, *stock[3:]] and scene[f"{table}.speed [km/h]"][2] == pytest.approx(72)
     assert scene[f"{table}.speed[2]"] == 5 and scene[f"{table}.coefficient"][2] == 0.3
     # A shorter table: what it leaves out is as the scene has it, not as the longer one.
-    scene.set({f"{table}.points": 2}, **{f"{table}.speed": [0, 8], f"{table}.coefficient": [0.5, 0.4]})
+    scene.set({table: {"speed": [0, 8], "coefficient": [0.5, 0.4]}})
+    assert scene[f"{table}.points"] == 2
     assert scene[f"{table}.speed"].tolist() == [0, 8, *stock[2:]]
     scene.set(f"{table}.speed", [0, 9])
     assert scene[f"{table}.speed"][1] == 9 and scene.copy()[f"{table}.speed"][1] == 9
+    fade = "contact.friction_fade"
+    scene.set({f"{fade}.temperature [degC]": [20, 300], f"{fade}.factor": [1, "70 %"]})
+    assert scene[f"{fade}.factor"].tolist() == [1.0] + 7 * [0.7] and scene[f"{fade}.temperature [degC]"][1] == pytest.approx(300)
     assert Scene.load("hot_spots")["contact.initial_gap [um]"].shape == (33,)
     for name, value, text in (
         (f"{table}.speed", list(range(17)), "has 17 elements, but must have 1 to 16"),
         ("contact.friction_fade.factor", [1.0, 0.9], "has 2 elements, but must have 8"),
+        (fade, {"factor": [1.0, 0.9], "temperature": [300, 400, 500]}, f"has 2 elements, but must have 8, or as many as {fade}.temperature"),
         (f"{table}.speed", 3.0, "must be an array of 16 elements"),
         (f"{table}.speed", None, "one name and its value"),
         (f"{table}.speeed", [1], f"did you mean {table}.speed"),

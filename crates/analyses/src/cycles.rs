@@ -85,10 +85,10 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
         bail!("the scene {name}: nominal.load = 0 N must be above 0 N for the wear of a cycle");
     }
     if !(options.cycles >= 1.0 && options.cycles <= 1e15 && options.cycles.fract() == 0.0) {
-        bail!("--cycles {}: must be a whole number from 1 to 1e15", options.cycles);
+        bail!("cycles = {} must be a whole number from 1 to 1e15", options.cycles);
     }
     if !(options.tolerance >= 1e-6 && options.tolerance <= 0.1) {
-        bail!("--tolerance {}: must be from 1e-6 to 0.1", options.tolerance);
+        bail!("tolerance = {} must be from 1e-6 to 0.1", options.tolerance);
     }
     if let Some(cells) = options.cells {
         scene.cells = usize::from(cells);
@@ -138,6 +138,48 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
 }
 
 impl Course {
+    /// As a table: the jumps.
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "{}{}\n{:>12} {:>12} {:>10} {:>9} {:>10} {:>12} {:>12}",
+            self.name,
+            if self.warm { ", with heat" } else { ", without heat" },
+            "cycles",
+            "jump",
+            "estimate",
+            "computed",
+            "p_max/p_m",
+            "punch, µm",
+            "strip, µm"
+        );
+        text += if self.warm { "    T, degC\n" } else { "\n" };
+        // Of cycles computed one after the other, the first and the last.
+        let single = |index: usize| self.stations.get(index).is_some_and(|station| station.length == 1.0);
+        for (index, station) in self.stations.iter().enumerate() {
+            if index > 0 && single(index - 1) && single(index) && single(index + 1) {
+                continue;
+            }
+            text += &format!(
+                "{:>12} {:>12} {:>10.1e} {:>9} {:>10.4} {:>12.6} {:>12.6}",
+                station.cycles,
+                station.length,
+                station.estimate,
+                station.computed,
+                station.highest_pressure / self.mean_pressure,
+                1e6 * station.worn[0],
+                1e6 * station.worn[1]
+            );
+            text += &if self.warm { format!(" {:>10.2}\n", station.temperature - 273.15) } else { "\n".into() };
+        }
+        if let Some(last) = self.stations.last() {
+            text += &format!(
+                "{} cycles from {} computed ones; sum of the error estimates {:.1e}\n",
+                last.cycles, last.computed, last.accumulated
+            );
+        }
+        text
+    }
+
     /// As JSON.
     pub fn record(&self) -> Value {
         let station = |s: &Station| {

@@ -7,8 +7,8 @@ use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use toml::de::DeTable;
 
 /// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
-/// text may stand without its quotes (`holder.pivot_height = 30 mm`, or `holder.pivot_height [mm] = 30`), or of one element of an
-/// array.
+/// text may stand without its quotes (`holder.pivot_height = 30 mm`, or `holder.pivot_height [mm] = 30`), of one element of an
+/// array, or the arrays of a table together (`contact.friction_fade = { temperature = [293, 573], factor = [1, 0.8] }`).
 ///
 /// # Errors
 /// Where it is no assignment, or what a scene file with that line would be refused for.
@@ -60,7 +60,7 @@ fn in_toml(value: &str) -> String {
             elements.split(',').map(|part| number(part.trim()).unwrap_or_else(|| part.to_owned())).collect();
         return format!("[{}]", elements.join(","));
     }
-    if value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value) {
+    if value.starts_with(['"', '\'', '[', '{']) || ["true", "false"].contains(&value) {
         return value.to_owned();
     }
     number(value).unwrap_or_else(|| format!("\"{value}\""))

@@ -16,7 +16,8 @@
 //!
 //! [contact]
 //! shear_coupling = false
-//! friction_fade.temperature = ["20 degC", "100 degC", ...]  # all elements of an array
+//! friction_fade.temperature = ["20 degC", "300 degC"]  # a table has as many points as are given, up to those of the FMU
+//! friction_fade.factor = [1, 0.8]
 //! ```
 //!
 //! Keys are the names of the variable table's parameters and inputs (inputs: their start values);
@@ -135,7 +136,7 @@ pub fn read(path: &Path) -> Result<SceneFile, Problems> {
 /// All [`Problems`] together: text that is not TOML, unknown, repeated or missing keys, values of the
 /// wrong type, unit, range or number, unknown materials and items.
 pub fn parse(text: &str) -> Result<SceneFile, Problems> {
-    let mut reader = Reader { text, leaves: BTreeMap::new(), short: Vec::new(), problems: Vec::new() };
+    let mut reader = Reader { text, leaves: BTreeMap::new(), arrays: Vec::new(), problems: Vec::new() };
     match DeTable::parse(text) {
         Ok(table) => reader.flatten("", table.get_ref()),
         Err(error) => {
@@ -162,8 +163,8 @@ struct Leaf<'text> {
 struct Reader<'text> {
     text: &'text str,
     leaves: BTreeMap<String, Leaf<'text>>,
-    /// Place, name and number of elements of the arrays that are shorter than those of the FMU.
-    short: Vec<(usize, String, usize)>,
+    /// Place, name and number of elements of the arrays that are given.
+    arrays: Vec<(usize, String, usize)>,
     problems: Vec<Problem>,
 }
 
@@ -227,7 +228,7 @@ impl<'text> Reader<'text> {
         for (key, leaf) in std::mem::take(&mut self.leaves) {
             self.variable(&key, &leaf, &mut starts, &mut given);
         }
-        self.short_tables(&starts);
+        self.tables(&mut starts, &mut given);
         given.sort_unstable();
         given.dedup();
         let packaged = Packaged { name: name.unwrap_or_default(), starts, experiment };
@@ -255,16 +256,54 @@ impl<'text> Reader<'text> {
         }
     }
 
-    /// Refuses arrays with fewer elements than their table has points.
-    fn short_tables(&mut self, starts: &[f64; COUNT]) {
-        for (at, key, elements) in std::mem::take(&mut self.short) {
-            let table = key.rsplit_once('.').map_or("", |(table, _)| table);
-            let Some((first, points)) = row_called(&format!("{table}.points")) else { continue };
-            let wanted = starts[first as usize];
-            if (elements as f64) < wanted {
-                self.problem(at, &key, format!("has {elements} elements, but {} = {wanted}", points.name));
+    /// Joins the arrays of a table, which has as many points as they have elements: their number where the FMU has one, else further
+    /// elements, over which the table is constant. An array that is given alone leaves the number of points.
+    fn tables(&mut self, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) {
+        let arrays = std::mem::take(&mut self.arrays);
+        let length = |name: &str| arrays.iter().find(|(_, key, _)| key == name).map(|(.., elements)| *elements);
+        let table_of = |name: &str| name.rsplit_once('.').map(|(table, _)| table.to_owned());
+        let mut completed = Vec::new();
+        for (at, key, elements) in &arrays {
+            let Some((first, row)) = row_called(key).filter(|(_, row)| row.may_be_shorter) else { continue };
+            let Some(table) = table_of(key) else { continue };
+            let mut beside =
+                TABLE.iter().filter(|other| other.may_be_shorter && table_of(other.name) == Some(table.clone()));
+            let other = beside.find(|other| length(other.name) != Some(*elements));
+            if let Some((points, row)) = row_called(&format!("{table}.points")) {
+                let wanted = starts[points as usize];
+                match other.map(|other| (other.name, length(other.name))) {
+                    _ if given.contains(&points) => {
+                        if (*elements as f64) < wanted {
+                            self.problem(*at, key, format!("has {elements} elements, but {} = {wanted}", row.name));
+                        }
+                    }
+                    None => {
+                        starts[points as usize] = *elements as f64;
+                        completed.push(points);
+                    }
+                    Some((name, Some(others))) => {
+                        self.problem(*at, key, format!("has {elements} elements, but {name} has {others}"));
+                    }
+                    Some((_, None)) => {}
+                }
+            } else if *elements < row.elements as usize {
+                if let Some(other) = other {
+                    let reason = format!(
+                        "has {elements} elements, but must have {}, or as many as {}",
+                        row.elements, other.name
+                    );
+                    self.problem(*at, key, reason);
+                    continue;
+                }
+                let last = first + *elements as ValueReference - 1;
+                let rise = if row.name.ends_with(".temperature") { 1.0 } else { 0.0 };
+                for element in last + 1..first + row.elements {
+                    starts[element as usize] = starts[last as usize] + rise * f64::from(element - last);
+                    completed.push(element);
+                }
             }
         }
+        given.extend(completed);
     }
 
     fn variable(&mut self, key: &str, leaf: &Leaf, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) {
@@ -291,9 +330,7 @@ impl<'text> Reader<'text> {
                 if elements.len() == count as usize
                     || row.may_be_shorter && (1..count as usize).contains(&elements.len()) =>
             {
-                if elements.len() < count as usize {
-                    self.short.push((leaf.value.span().start, key.to_owned(), elements.len()));
-                }
+                self.arrays.push((leaf.value.span().start, key.to_owned(), elements.len()));
                 (0..count).zip(elements.iter()).filter_map(|(element, value)| store(element, value)).collect()
             }
             (count, DeValue::Array(elements)) => {

@@ -47,9 +47,7 @@ impl Conditions {
     pub fn inputs(&self, step: f64) -> Result<Inputs> {
         let Self { load, velocity, duration, stroke } = *self;
         if duration.is_nan() || duration <= 0.0 {
-            bail!(
-                "nominal.duration = {duration} s is the time that is simulated without --inputs; it must be above 0 s"
-            );
+            bail!("nominal.duration = {duration} s is the time that is simulated without inputs; it must be above 0 s");
         }
         let inputs = |description: String, times: Vec<f64>, speeds: Vec<f64>, step: f64| {
             let values = [vec![load; times.len()], vec![0.0; times.len()], speeds];

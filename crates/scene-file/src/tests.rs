@@ -229,6 +229,51 @@ fn a_zero_that_meant_something_names_what_is_set_instead() {
     }
 }
 
+/// A table has as many points as its arrays have elements.
+#[test]
+fn tables_are_as_long_as_they_are_given() {
+    let starts = |scene: &SceneFile, name: &str, count: usize| -> Vec<f64> {
+        let first = find(&format!("{name}[1]")).unwrap() as usize;
+        scene.packaged.starts[first..first + count].to_vec()
+    };
+    let fade = "contact.friction_fade";
+    let read = parse("name = \"a\"\n[contact]\nfriction_fade.temperature = [300, \"226.85 degC\"]\nfriction_fade.factor = [1, \"70 %\"]").unwrap();
+    // Behind the last point the table is constant.
+    let temperatures: Vec<f64> = [300.0].into_iter().chain((0..7).map(|k| 500.0 + f64::from(k))).collect();
+    assert_eq!(starts(&read, &format!("{fade}.temperature"), 8), temperatures);
+    assert_eq!(starts(&read, &format!("{fade}.factor"), 8), [1.0, 0.7, 0.7, 0.7, 0.7, 0.7, 0.7, 0.7]);
+    assert_eq!(read.given.len(), 16);
+    let speeds = "[contact]\nfriction_table.speed = [0, 2, 8]\nfriction_table.coefficient = [0.5, 0.4, 0.36]\n";
+    let read = parse(&format!("name = \"a\"\n{speeds}")).unwrap();
+    assert_eq!(start(&read, "contact.friction_table.points"), 3.0);
+    let fewer = parse(&format!("name = \"a\"\n{speeds}friction_table.points = 2")).unwrap();
+    assert_eq!(start(&fewer, "contact.friction_table.points"), 2.0);
+    // The same by an assignment; an array alone leaves the number of points.
+    let mut scene = read.clone();
+    assign(&mut scene, "contact.friction_fade={temperature=[\"20 degC\", 500], factor=[1, 0.5]}").unwrap();
+    assert_eq!(starts(&scene, &format!("{fade}.factor"), 3), [1.0, 0.5, 0.5]);
+    assign(&mut scene, "contact.friction_table.speed=[0, 3]").unwrap();
+    assert_eq!(start(&scene, "contact.friction_table.points"), 3.0);
+    assert_eq!(starts(&scene, "contact.friction_table.speed", 3), [0.0, 3.0, 8.0]);
+    for (text, told) in [
+        (
+            "contact.friction_fade.factor = [1, 2]",
+            "has 2 elements, but must have 8, or as many as contact.friction_fade.temperature",
+        ),
+        (
+            "contact.friction_fade = { temperature = [300, 400, 500], factor = [1, 2] }",
+            "contact.friction_fade.factor: has 2 elements, but must have 8, or as many as contact.friction_fade.temperature",
+        ),
+        (
+            "contact.friction_table = { speed = [0, 1], coefficient = [0.4, 0.4, 0.4] }",
+            "contact.friction_table.speed: has 2 elements, but contact.friction_table.coefficient has 3",
+        ),
+    ] {
+        let message = parse(&format!("name = \"a\"\n{text}")).unwrap_err().to_string();
+        assert!(message.contains(told), "{text}: {message}");
+    }
+}
+
 /// Numbers as engineers type them, which TOML would not read.
 #[test]
 fn assigned_numbers_may_begin_and_end_with_their_point_or_begin_with_a_sign() {

@@ -1,9 +1,9 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
+use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use crate::{arguments, scenes};
-use analyses::cycles::{Course, Options, Station, advance};
+use analyses::cycles::{Course, Options, advance};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -35,8 +35,8 @@ pub struct Arguments {
     /// Print the jumps as JSON instead of a table.
     #[arg(long)]
     json: bool,
-    /// Draw edge pressure, wear and temperature over the cycles as SVG into this file.
-    #[arg(short, long, value_name = "FILE.svg")]
+    /// Draw pressure, wear and temperature over the cycles, as SVG, PDF or PNG by the file's ending.
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -46,7 +46,10 @@ pub struct Arguments {
 /// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
 /// written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), &["svg"])?;
+    if let Some(path) = &arguments.output {
+        output::check_file("--output", path)?;
+        figure::format("--output", path)?;
+    }
     let course = course(arguments)?;
     if arguments.json {
         print_line!("{:#}", course.record());
@@ -54,7 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", course.table());
     }
     if let Some(path) = &arguments.output {
-        course.figure().write(path)?;
+        figure::write(&Drawn::Cycles(course.record()), "--output", path)?;
         if !arguments.json {
             print_line!("drawn in {}", path.display());
         }
@@ -81,82 +84,6 @@ fn course(arguments: &Arguments) -> Result<Course> {
     course
 }
 
-/// A scene over its cycles as the command prints and draws it.
-trait Presentation {
-    fn table(&self) -> String;
-    fn figure(&self) -> Figure;
-}
-
-impl Presentation for Course {
-    fn table(&self) -> String {
-        let mut text = format!(
-            "{}{}\n{:>12} {:>12} {:>10} {:>9} {:>10} {:>12} {:>12}",
-            self.name,
-            if self.warm { ", with heat" } else { ", without heat" },
-            "cycles",
-            "jump",
-            "estimate",
-            "computed",
-            "p_max/p_m",
-            "punch, µm",
-            "strip, µm"
-        );
-        text += if self.warm { "    T, degC\n" } else { "\n" };
-        // Of cycles computed one after the other, the first and the last.
-        let single = |index: usize| self.stations.get(index).is_some_and(|station| station.length == 1.0);
-        for (index, station) in self.stations.iter().enumerate() {
-            if index > 0 && single(index - 1) && single(index) && single(index + 1) {
-                continue;
-            }
-            text += &format!(
-                "{:>12} {:>12} {:>10.1e} {:>9} {:>10.4} {:>12.6} {:>12.6}",
-                station.cycles,
-                station.length,
-                station.estimate,
-                station.computed,
-                station.highest_pressure / self.mean_pressure,
-                1e6 * station.worn[0],
-                1e6 * station.worn[1]
-            );
-            text += &if self.warm { format!(" {:>10.2}\n", station.temperature - 273.15) } else { "\n".into() };
-        }
-        if let Some(last) = self.stations.last() {
-            text += &format!(
-                "{} cycles from {} computed ones; sum of the error estimates {:.1e}\n",
-                last.cycles, last.computed, last.accumulated
-            );
-        }
-        text
-    }
-
-    fn figure(&self) -> Figure {
-        let over = |value: &dyn Fn(&Station) -> f64| -> Vec<(f64, f64)> {
-            self.stations.iter().map(|station| (station.cycles, value(station))).collect()
-        };
-        let cycles = || Axis::logarithmic("cycles");
-        let worn = ["punch", "strip"].into_iter().enumerate().filter_map(|(body, name)| {
-            let depth = over(&|s| 1e6 * s.worn[body]);
-            let wears = depth.iter().any(|(_, depth)| *depth > 0.0);
-            wears.then(|| Series::line(name, depth).with(Mark::LineAndPoints))
-        });
-        let worn: Vec<Series> = worn.collect();
-        let mut panels = vec![
-            Panel::new(
-                "Largest mean pressure of the forward half-stroke",
-                cycles(),
-                Axis::new("pressure (MPa)"),
-                vec![Series::line("", over(&|s| 1e-6 * s.highest_pressure)).with(Mark::LineAndPoints)],
-            ),
-            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth (µm)"), worn),
-        ];
-        if self.warm {
-            let temperature = vec![Series::line("", over(&|s| s.temperature - 273.15)).with(Mark::LineAndPoints)];
-            panels.push(Panel::new("Mean contact temperature", cycles(), Axis::new("temperature (°C)"), temperature));
-        }
-        Figure::new(format!("{} over its cycles", self.name), panels)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,6 +107,5 @@ mod tests {
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
         assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
         assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
-        assert!(course.figure().svg().unwrap().contains("depth (µm)"));
     }
 }

@@ -8,6 +8,7 @@
 mod bench;
 mod chart;
 mod cycles;
+mod figure;
 mod fuzz;
 mod golden;
 mod plan;

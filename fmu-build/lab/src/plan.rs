@@ -5,9 +5,8 @@ mod inputs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use scene::Fidelity;
 
-use crate::output::print_line;
+use crate::output::{print_line, print_text};
 use crate::scenes;
 
 /// Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out.
@@ -66,20 +65,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_line!("{:#}", plan.record());
         return Ok(());
     }
-    let scene = &plan.scene;
-    print_line!(
-        "{}: load {} N, speed {} m/s, {} s, tolerance {:e}",
-        file.packaged.name,
-        scene.nominal_load,
-        scene.nominal_velocity,
-        scene.nominal_duration,
-        scene.tolerance
-    );
-    for line in plan.lines() {
-        print_line!("{line}");
-    }
-    if scene.fidelity != Fidelity::Auto {
-        print_line!("The scene itself sets solver.fidelity = {}.", format!("{:?}", scene.fidelity).to_lowercase());
-    }
+    print_text!("{}", plan.table());
     Ok(())
 }

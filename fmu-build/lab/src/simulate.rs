@@ -1,11 +1,11 @@
 //! `cargo fmu simulate`: a scene driven by given inputs, to a table, files and a figure, beside measurements.
 
-mod figure;
 mod progress;
 mod write;
 
 use crate::arguments;
 use crate::columns::{self, Column};
+use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
@@ -71,7 +71,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let table =
         arguments.output.as_ref().map(|path| if parquet.is_some() { path.with_extension("csv") } else { path.clone() });
     if let Some(plot) = &arguments.plot {
-        figure::format(plot)?;
+        figure::format("--plot", plot)?;
     }
     let profiles = table.as_deref().map(write::beside);
     let written =
@@ -117,8 +117,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => Vec::new(),
     };
     if let Some(path) = &arguments.plot {
-        output::make_above(path)?;
-        figure::write(&Figure::new(&packaged.name, &recording, &deviations), path)?;
+        let figure = Figure::new(&packaged.name, &recording, &deviations);
+        figure::write(&Drawn::Simulation(&figure), "--plot", path)?;
         files.push(path.display().to_string());
     }
     let summary = Summary {

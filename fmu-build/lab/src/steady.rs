@@ -1,18 +1,16 @@
 //! `cargo fmu steady`: the steady state of a scene, without time integration.
 
-mod heat;
 mod law;
 
 use std::path::{Path, PathBuf};
 
-use analyses::curve::{CONTACT_POINTS, monotone_cubic};
-use analyses::steady::{Options, Solved, direction, largest, number, solve};
+use analyses::steady::{Options, solve};
 use anyhow::{Result, bail};
 use scene::Scene;
 use scene_file::SceneFile;
 
+use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
-use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use crate::{arguments, scenes};
 
 /// Default number of cells for the law, which computes many states.
@@ -47,8 +45,9 @@ pub struct Arguments {
     /// heat against the length of a cycle over the thermal time of the contact, over five decades.
     #[arg(long, conflicts_with_all = ["cold", "return_speed"])]
     law: bool,
-    /// Draw pressure, shape and temperature as SVG into this file; of the law, its curves, and a table (CSV) beside them.
-    #[arg(short, long, value_name = "FILE.svg")]
+    /// Draw pressure, shape and temperature, as SVG, PDF or PNG by the file's ending; of the law its curves (SVG) and a table (CSV) beside
+    /// them.
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -57,7 +56,12 @@ pub struct Arguments {
 /// # Errors
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), &["svg"])?;
+    if arguments.law {
+        output::check_ending(arguments.output.as_deref(), &["svg"])?;
+    } else if let Some(path) = &arguments.output {
+        output::check_file("--output", path)?;
+        figure::format("--output", path)?;
+    }
     if let (Some(path), Some(scene)) = (&arguments.output, &arguments.scene)
         && output::would_replace(path, Path::new(scene))
     {
@@ -73,7 +77,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", solved.table());
     }
     if let Some(path) = &arguments.output {
-        solved.figure().write(path)?;
+        figure::write(&Drawn::Steady(solved.record()), "--output", path)?;
         if !arguments.json {
             print_line!("drawn in {}", path.display());
         }
@@ -122,115 +126,10 @@ fn write_law(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A steady state as the command prints and draws it.
-trait Presentation {
-    fn table(&self) -> String;
-    fn figure(&self) -> Figure;
-}
-
-impl Presentation for Solved {
-    fn table(&self) -> String {
-        let state = &self.state;
-        let mut lines = vec![
-            ("scene".to_owned(), format!("{}, {} cells", self.name, self.cells.count())),
-            ("state".to_owned(), self.kind().to_owned()),
-            ("load, N".to_owned(), number(self.scene.nominal_load)),
-            ("mean pressure, MPa".to_owned(), number(1e-6 * self.mean_pressure())),
-        ];
-        for stroke in &state.strokes {
-            let [left, right] = self.edges(stroke).map(|pressure| number(1e-6 * pressure));
-            let name = direction(stroke);
-            lines.extend([
-                (format!("{name}: peak pressure, MPa"), number(1e-6 * largest(&stroke.pressure))),
-                (format!("{name}: pressure at -x, +x edge, MPa"), format!("{left}, {right}")),
-                (format!("{name}: approach, µm"), number(1e6 * stroke.approach)),
-                (format!("{name}: tilt, urad"), number(1e6 * stroke.tilt)),
-            ]);
-        }
-        if let [forward, backward] = &state.strokes[..] {
-            // Rounding is no jump.
-            let jump = |a: f64, b: f64| if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) { 1e6 * (a - b) } else { 0.0 };
-            lines.push(("jump of the approach, µm".into(), number(jump(forward.approach, backward.approach))));
-            lines.push(("jump of the tilt, urad".into(), number(jump(forward.tilt, backward.tilt))));
-        }
-        let range = |values: &[f64]| 1e6 * (largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min));
-        let [punch, strip] = state.volume_rates.map(|rate| number(1e9 * rate));
-        lines.extend([
-            ("range of the punch's shape, µm".into(), number(range(&state.shape))),
-            ("depth of the strip's groove, µm".into(), number(range(&state.groove))),
-            ("wear rate of the punch, nm/s".into(), number(1e9 * state.punch_wear_rate)),
-            ("wear of punch, strip, mm3/s".into(), format!("{punch}, {strip}")),
-            ("wear dissipation power, W".into(), number(state.dissipation_power)),
-            ("friction power, W".into(), number(state.friction_power)),
-            ("relative velocity beyond the rigid motion, over it".into(), String::new()),
-        ]);
-        lines.extend(self.neglected().into_iter().map(|(name, value)| (format!("  {name}"), number(value))));
-        lines.extend(heat::lines(self));
-        let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let line = |(name, value): &(String, String)| format!("{}\n", format!("{name:<width$}  {value}").trim_end());
-        lines.iter().map(line).collect()
-    }
-
-    fn figure(&self) -> Figure {
-        let x: Vec<f64> = self.cells.centres().iter().map(|x| 1e3 * x).collect();
-        let over = |values: &[f64], unit: f64| x.iter().zip(values).map(|(&x, v)| (x, unit * v)).collect::<Vec<_>>();
-        let curve = |values: &[f64], unit: f64| {
-            let (x, values) = monotone_cubic(&x, values, CONTACT_POINTS);
-            x.into_iter().zip(values).map(|(x, value)| (x, unit * value)).collect::<Vec<_>>()
-        };
-        let half_width = 1e3 * self.cells.half_width();
-        let axis = || {
-            let along = self.scene.geometry == scene::Geometry::Annular;
-            Axis::new(if along { "radius less the mean one (mm)" } else { "x along the sliding direction (mm)" })
-                .over(-half_width, half_width)
-        };
-        let mean = 1e-6 * self.mean_pressure();
-        let mut pressures: Vec<Series> = Vec::new();
-        for (index, stroke) in self.state.strokes.iter().enumerate() {
-            let name = if stroke.velocity < 0.0 { "backward, v < 0" } else { "forward, v > 0" };
-            let mark = if index == 0 { Mark::Line } else { Mark::Dashes };
-            pressures.push(Series::line(name, curve(&stroke.pressure, 1e-6)).with(mark));
-        }
-        let [hot_pressures, hot_shape] = heat::series(self, &over, &curve);
-        pressures.extend(hot_pressures);
-        pressures.push(Series::line("mean", vec![(-half_width, mean), (half_width, mean)]).coloured(6));
-        let most = self.state.strokes.iter().map(|stroke| 1e-6 * largest(&stroke.pressure)).fold(0.0, f64::max);
-        // Contact without wear of the punch is singular at its edges.
-        let top = (1.06 * most).min(4.0 * mean);
-        let pressure = Axis::new("pressure (MPa)").over(-0.04 * top, top);
-        let mut shapes = vec![Series::line("punch", curve(&self.state.shape, 1e6))];
-        if self.state.groove.iter().any(|depth| *depth > 0.0) {
-            shapes.push(Series::line("groove of the strip", curve(&self.state.groove, 1e6)).with(Mark::Dashes));
-        }
-        shapes.extend(hot_shape);
-        let header = vec![
-            format!(
-                "{}; load {} N, mean pressure {:.4} MPa; level line, {} cells",
-                self.kind(),
-                self.scene.nominal_load,
-                mean,
-                self.cells.count()
-            ),
-            format!(
-                "wear rate of the punch {} nm/s, wear dissipation power {} W, friction power {} W",
-                number(1e9 * self.state.punch_wear_rate),
-                number(self.state.dissipation_power),
-                number(self.state.friction_power)
-            ),
-        ];
-        let shape_axis = Axis::new("depth of the unloaded surface (µm)");
-        let mut panels = vec![
-            Panel::new("Pressure", axis(), pressure, pressures),
-            Panel::new("Worn shape", axis(), shape_axis, shapes),
-        ];
-        panels.extend(heat::panel(self, axis(), &curve));
-        Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use analyses::steady::Solved;
     use serde_json::Value;
 
     fn arguments(scene: &str) -> Arguments {
@@ -251,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_reciprocating_punch_is_printed_recorded_and_drawn() {
+    fn the_reciprocating_punch_is_printed_and_recorded() {
         let solved = solved(&arguments("reciprocating_punch")).unwrap();
         let table = solved.table();
         for text in ["run-in, reciprocating", "peak pressure, MPa", "  33.3333\n", "jump of the approach"] {
@@ -261,10 +160,8 @@ mod tests {
         assert_eq!(record["strokes"][1]["direction"], "backward");
         assert_eq!(record["x"].as_array().unwrap().len(), 33);
         assert!(record["relative_velocity"]["elastic"]["reversal"].as_f64().unwrap() > 0.0);
-        let drawing = solved.figure().svg().unwrap();
-        assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
         // With heat: all friction heat leaves the bodies.
-        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature (°C)"), "{table}");
+        assert!(table.contains("contact temperature, degC"), "{table}");
         let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
         assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));
@@ -307,7 +204,7 @@ mod tests {
         let mut wearing = arguments("reciprocating_punch");
         wearing.return_speed = Some(-1.0);
         let error = format!("{:#}", solved(&wearing).err().unwrap());
-        assert!(error.contains("--return-speed -1 m/s must be above 0 m/s and at most 10000 m/s"), "{error}");
+        assert!(error.contains("return_speed = -1 m/s must be above 0 m/s and at most 10000 m/s"), "{error}");
     }
 
     #[test]

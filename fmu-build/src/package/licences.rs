@@ -7,8 +7,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use super::archive::Files;
 use crate::project;
+use fmu_file::archive::Files;
 
 /// Folder in the FMU.
 pub const FOLDER: &str = "documentation/licenses";

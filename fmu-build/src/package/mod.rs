@@ -1,22 +1,15 @@
 //! `cargo fmu package`: the .fmu of a scene, or the scene as a parameter set.
 
-mod archive;
-mod description;
-mod documentation;
 mod glibc;
 mod imports;
 mod library;
 mod licences;
-mod parameter_set;
 mod platform;
-mod reference;
-mod terminals;
 mod toolchain;
 pub mod wheel;
-mod xml;
 
-pub use description::write as model_description;
-pub use documentation::pages::write as reference_pages;
+pub use fmu_file::description::write as model_description;
+pub use fmu_file::documentation::pages::write as reference_pages;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,8 +22,9 @@ use scene_file::SceneFile;
 
 use crate::output::{self, print_line};
 use crate::{project, scenes};
-use archive::Files;
-use description::MODEL_IDENTIFIER;
+use fmu_file::archive::{self, Files};
+use fmu_file::description::{self, MODEL_IDENTIFIER};
+use fmu_file::{documentation, parameter_set, reference};
 pub use platform::Platform;
 
 /// Drawn by modelDescription/icons.py.
@@ -152,12 +146,7 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
         }
         files.insert(platform.library_path(), library);
     }
-    let texts = [
-        ("modelDescription.xml", description::write(&scene.packaged, &scene.description)),
-        ("documentation/index.html", documentation::write(scene)),
-        ("terminalsAndIcons/terminalsAndIcons.xml", terminals::write()),
-    ];
-    files.extend(texts.map(|(path, text)| (path.to_owned(), text.into_bytes())));
+    fmu_file::add_texts(&mut files, scene);
     let pictures =
         [("model.png", MODEL_ICON), ("terminalsAndIcons/icon.png", MODEL_ICON), (TERMINAL_ICON_PATH, TERMINAL_ICON)];
     files.extend(pictures.map(|(path, bytes)| (path.to_owned(), bytes.to_vec())));
@@ -167,13 +156,11 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     Ok(files)
 }
 
-/// Runs the FMU on this machine for the reference in it: from a folder with what a host reads of it.
+/// Runs the FMU on this machine for the reference in it.
 fn add_reference(files: &mut Files, scene: &slot::Packaged) -> Result<()> {
-    let platform = fmu_host::platform();
-    let path = format!("binaries/{platform}/{MODEL_IDENTIFIER}{}", std::env::consts::DLL_SUFFIX);
     // The one for macOS is for x86-64, whatever this Mac is.
     let runs = !cfg!(all(target_os = "macos", target_arch = "aarch64"));
-    let library = match files.get(&path).filter(|_| runs) {
+    let library = match files.get(&fmu_file::own_library()).filter(|_| runs) {
         Some(packaged) => packaged.clone(),
         None => {
             let mut library = library::for_this_machine(&library::FMU)?;
@@ -185,14 +172,7 @@ fn add_reference(files: &mut Files, scene: &slot::Packaged) -> Result<()> {
     static RUNS: AtomicUsize = AtomicUsize::new(0);
     let run = RUNS.fetch_add(1, Ordering::Relaxed);
     let folder = project::target().join("fmu").join(format!("reference.{}.{run}", std::process::id()));
-    let description = files["modelDescription.xml"].clone();
-    let result = [("modelDescription.xml", description), (path.as_str(), library)]
-        .into_iter()
-        .try_for_each(|(name, bytes)| write(&folder.join(name), &bytes))
-        .and_then(|()| reference::add(files, scene, &folder));
-    // What is left of it is in the target folder.
-    let _ = fs::remove_dir_all(&folder);
-    result
+    reference::add(files, scene, library, &folder)
 }
 
 fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {

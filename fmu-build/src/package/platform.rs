@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use super::description::MODEL_IDENTIFIER;
+use fmu_file::description::MODEL_IDENTIFIER;
 
 /// Platforms under the names of FMI: the first two and the last are those of FMI 2.0, `aarch64-linux` is that of
 /// FMI 3.0, which importers of FMI 2.0 on such machines look for as well.

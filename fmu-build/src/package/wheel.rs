@@ -3,12 +3,12 @@
 //! Written by hand rather than by a build tool of Python's: the library is behind a C interface, so a wheel is the files below, a list
 //! of them with their hashes, and a tag. The same files beside each other are what scripts and tests of this project run from.
 
-use super::archive::{self, Files};
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
 use crate::output::{self, Heartbeat, print_line};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
+use fmu_file::archive::{self, Files};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::fs;
@@ -17,6 +17,8 @@ use std::process::Command;
 
 /// Name of the package.
 const PACKAGE: &str = "sliding_contact";
+/// The command that an installation puts on the path.
+const ENTRY_POINTS: &str = "[console_scripts]\nsliding-contact = sliding_contact._commands:main\n";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Make a wheel of the Python package: native library, scenes and their FMUs, for any Python from 3.9 on.
@@ -61,6 +63,7 @@ pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
     let information = format!("{PACKAGE}-{VERSION}.dist-info");
     licences::add(&mut files, "sliding-contact-python", &format!("{information}/licenses"))?;
     files.insert(format!("{information}/METADATA"), metadata()?.into_bytes());
+    files.insert(format!("{information}/entry_points.txt"), ENTRY_POINTS.into());
     files.insert(format!("{information}/WHEEL"), wheel(&tags).into_bytes());
     files.insert(format!("{information}/RECORD"), record(&files, &information).into_bytes());
     let path = folder.join(format!("{PACKAGE}-{VERSION}-py3-none-{}.whl", tags.join(".")));

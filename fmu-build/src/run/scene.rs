@@ -1,9 +1,9 @@
 //! Checks that a scene fits the machine of an example.
 
 use super::Example;
-use crate::scenes;
 use anyhow::{Context, Result, bail};
 use fmu_host::Description;
+use scene::slot::Packaged;
 use scene::variables;
 use std::f64::consts::PI;
 use std::fs::File;
@@ -21,9 +21,8 @@ const PADS: f64 = 0.5;
 /// Refuses a scene that does not fit the example.
 ///
 /// # Errors
-/// With the variables, their values and what the example drives; everything wrong with the scene.
-pub fn check_scene(example: Example, name: &str) -> Result<()> {
-    let packaged = scenes::load(Some(name))?.packaged;
+/// With the variables, their values and what the example drives.
+pub fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
     check(example, &packaged.name, &|name| Some(packaged.starts[variables::find(name)? as usize]))
 }
 
@@ -109,14 +108,19 @@ fn covered(of: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes;
     use clap::ValueEnum;
+
+    fn packaged(name: &str) -> Packaged {
+        scenes::load(Some(name)).unwrap().packaged
+    }
 
     #[test]
     fn every_example_takes_its_own_scene_and_no_other_machine() {
         let machines = || Example::value_variants().iter().filter(|&&example| example != Example::Published);
         for example in machines() {
             for scene in machines() {
-                let fits = check_scene(*example, scene.scene());
+                let fits = check_scene(*example, &packaged(scene.scene()));
                 assert_eq!(fits.is_ok(), example.scene() == scene.scene(), "{example:?} {scene:?}: {fits:?}");
             }
         }
@@ -124,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_refusal_names_the_variables_and_their_values() {
-        let told = format!("{:#}", check_scene(Example::DiscBrake, "clutch").unwrap_err());
+        let told = format!("{:#}", check_scene(Example::DiscBrake, &packaged("clutch")).unwrap_err());
         for part in ["clutch", "disc_brake", "contact.geometry = annular", "covers 1.000 of its path"] {
             assert!(told.contains(part), "{told} does not contain {part}");
         }

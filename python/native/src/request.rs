@@ -12,6 +12,7 @@ use scene_file::records::Records;
 use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A scene as it is named and changed.
@@ -144,6 +145,15 @@ pub enum Request {
         inputs: Option<Source>,
         tolerance: Option<f64>,
     },
+    /// Writes the FMU of a scene, made from an FMU of any other; its reference runs from `folder`, which is removed.
+    Package {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        packaged: PathBuf,
+        folder: PathBuf,
+        output: PathBuf,
+    },
 }
 
 /// A run that figures and comparisons follow from.
@@ -201,7 +211,7 @@ impl Request {
                 solved.check()?;
                 let warnings: Vec<String> =
                     shipped::warnings(&file).into_iter().chain(steady::heat::warnings(&solved)).collect();
-                with_warnings(solved.record(), &warnings)
+                with_text(solved.record(), solved.table(), &warnings)
             }
             Self::Cycles { scene, scenes, set, cycles, tolerance, cells, cold } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -211,12 +221,15 @@ impl Request {
                 })?;
                 let warnings: Vec<String> =
                     shipped::warnings(&file).into_iter().chain(course.warning.clone()).collect();
-                with_warnings(course.record(), &warnings)
+                with_text(course.record(), course.table(), &warnings)
             }
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                let record = match inputs {
-                    None => plan::choose(&file, tolerance)?.record(),
+                let (record, table) = match inputs {
+                    None => {
+                        let plan = plan::choose(&file, tolerance)?;
+                        (plan.record(), plan.table())
+                    }
                     Some(inputs) => {
                         let tolerance = plan::inputs::tolerance(&file, tolerance)?;
                         let trajectory = Trajectory::new(&file, Some(inputs.inputs()?), None)?;
@@ -225,14 +238,28 @@ impl Request {
                             control.reached((number as f64 + part) / count);
                         })?;
                         levels.cheapest()?;
-                        plan::inputs::record(&levels)
+                        (plan::inputs::record(&levels), levels.table(&file.packaged.name, &trajectory))
                     }
                 };
-                with_warnings(record, &shipped::warnings(&file))
+                with_text(record, table, &shipped::warnings(&file))
+            }
+            Self::Package { scene, scenes, set, packaged, folder, output } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let shipped = fs::read(&packaged).with_context(|| format!("reading {}", packaged.display()))?;
+                let fmu = fmu_file::of_scene(&shipped, &file, &folder)
+                    .with_context(|| format!("the scene {}", file.packaged.name))?;
+                fs::write(&output, fmu).with_context(|| format!("writing {}", output.display()))?;
+                json!(file.packaged.name)
             }
         };
         Ok(Answer { status: Status::Success, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })
     }
+}
+
+/// With the table that the command line prints.
+fn with_text(mut record: Value, table: String, warnings: &[String]) -> Value {
+    record["table"] = json!(table);
+    with_warnings(record, warnings)
 }
 
 fn with_warnings(mut record: Value, warnings: &[String]) -> Value {

@@ -57,6 +57,42 @@ pub struct Levels {
 }
 
 impl Levels {
+    /// As a table: errors and cost of every level, and the cheapest that meets the tolerance.
+    pub fn table(&self, name: &str, trajectory: &Trajectory) -> String {
+        let (first, last) = trajectory.span();
+        let mut text = format!(
+            "{name}: {} s, tolerance {:e}; errors of wear depth, temperature rise and friction force\n\
+             {:16} {:>10} {:>12} {:>10} {:>10} {:>10}\n",
+            last - first,
+            self.tolerance,
+            "level",
+            "wear",
+            "temperature",
+            "friction",
+            "steps",
+            "seconds"
+        );
+        for Candidate { level, errors, steps, seconds } in &self.candidates {
+            let level = level.to_string();
+            let [wear, temperature, force] = errors.map(|error| format!("{error:.1e}"));
+            text += &format!("{level:16} {wear:>10} {temperature:>12} {force:>10} {steps:10} {seconds:10.4}\n");
+        }
+        text += &format!("The two finest lines differ by {:.1e}, which is part of every error.\n", self.resolution);
+        for reason in &self.failed {
+            text += &format!("not run: {reason}\n");
+        }
+        if let Ok(cheapest) = self.cheapest() {
+            text += &format!(
+                "The cheapest that meets it: {}, solver.tolerance = {:e}; error {:.1e}, {:.4} s\n",
+                settings_text(cheapest.level),
+                self.tolerance,
+                largest(cheapest.errors),
+                cheapest.seconds
+            );
+        }
+        text
+    }
+
     /// The coarsest level that meets the tolerance.
     ///
     /// # Errors
@@ -84,6 +120,13 @@ pub fn settings(level: ModelLevel) -> (&'static str, usize) {
         ModelLevel::Lumped => ("lumped", 0),
         ModelLevel::Line(cells) => ("line", cells),
     }
+}
+
+/// A level as settings of a scene, in words.
+pub fn settings_text(level: ModelLevel) -> String {
+    let (fidelity, cells) = settings(level);
+    let cells = if cells > 0 { format!(", solver.cells = {cells}") } else { String::new() };
+    format!("solver.fidelity = {fidelity:?}{cells}")
 }
 
 /// Tolerance of the comparison: the given one, the scene's own, that of its default experiment.

@@ -16,6 +16,7 @@ use serde_json::{Map, Value, json};
 
 /// What `solver.fidelity = auto` takes for a scene, and why.
 pub struct Plan {
+    name: String,
     /// The scene as it is.
     pub scene: Scene,
     choice: Choice,
@@ -45,7 +46,7 @@ pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
             _ => Vec::new(),
         },
     };
-    Ok(Plan { scene, choice, prepared, effects, groups })
+    Ok(Plan { name: file.packaged.name.clone(), scene, choice, prepared, effects, groups })
 }
 
 impl Plan {
@@ -62,15 +63,28 @@ impl Plan {
         comparison.map(|comparison| comparison.error)
     }
 
-    /// The plan line by line.
-    pub fn lines(&self) -> Vec<String> {
-        let mut lines = self.prepared.lines();
-        lines.extend(self.effects.iter().map(|effect| {
+    /// The plan as a table: conditions, level and why, effects, groups.
+    pub fn table(&self) -> String {
+        let scene = &self.scene;
+        let mut text = format!(
+            "{}: load {} N, speed {} m/s, {} s, tolerance {:e}\n",
+            self.name, scene.nominal_load, scene.nominal_velocity, scene.nominal_duration, scene.tolerance
+        );
+        let effects = self.effects.iter().map(|effect| {
             let included = if effect.included { "included" } else { "left out" };
             format!("{:28} {:42} {:>9}  {included}", effect.name, effect.measure, short(effect.number))
-        }));
-        lines.extend(self.groups.named().into_iter().map(|(name, value)| format!("{name:71} {:>9}", short(value))));
-        lines
+        });
+        let groups = self.groups.named().into_iter().map(|(name, value)| format!("{name:71} {:>9}", short(value)));
+        for line in self.prepared.lines().into_iter().chain(effects).chain(groups) {
+            text += &format!("{line}\n");
+        }
+        if scene.fidelity != Fidelity::Auto {
+            text += &format!(
+                "The scene itself sets solver.fidelity = {}.\n",
+                format!("{:?}", scene.fidelity).to_lowercase()
+            );
+        }
+        text
     }
 
     /// The plan as JSON.

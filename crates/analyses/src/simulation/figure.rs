@@ -2,7 +2,7 @@
 //! Python.
 
 use super::measured::Measured;
-use super::quantity::{Shown, rounded};
+use super::quantity::Shown;
 use super::run::{Profiles, Recording, energy_residual};
 use crate::curve::{CONTACT_POINTS, monotone_cubic};
 use serde::Serialize;
@@ -10,8 +10,14 @@ use serde::Serialize;
 /// Points of a curve over time at most: more cannot be seen.
 const POINTS: usize = 4000;
 
-/// Markers of a measured curve at most.
-const MARKERS: usize = 160;
+/// Markers of a measured curve at most: a record of noise is a cloud of its own density.
+const MARKERS: usize = 600;
+
+/// Range of a quantity over its largest value up to which it is constant: told in words, not drawn.
+const CONSTANT: f64 = 1e-3;
+
+/// Half-strokes of a run above which two strokes are drawn in full beside its whole course.
+const MANY: usize = 100;
 
 /// Fraction of the largest value of a panel below which a curve is left out: it is the axis.
 const VISIBLE: f64 = 1e-2;
@@ -46,6 +52,8 @@ pub struct Panel {
     pub y: String,
     /// Curves.
     pub series: Vec<Series>,
+    /// Of a run over many strokes: the last two strokes of the curves that are not measured, in full.
+    pub strokes: Vec<Series>,
 }
 
 /// The figure of a run.
@@ -53,6 +61,8 @@ pub struct Panel {
 pub struct Figure {
     /// Title.
     pub title: String,
+    /// Quantities that are constant, each with its value.
+    pub constants: Vec<String>,
     /// Panels over the time.
     pub courses: Vec<Panel>,
     /// Panels over the contact, one row.
@@ -102,8 +112,15 @@ impl Figure {
     pub fn new(scene: &str, recording: &Recording, measured: &[Measured]) -> Self {
         let residual = power(energy_residual(recording));
         let title = format!("{scene}, level {}; energy balance closes to {residual}", recording.level);
-        let mut courses: Vec<Panel> =
-            COURSES.iter().filter_map(|course| panel(course.0, course.1, recording, measured)).collect();
+        let constants: Vec<(&str, String)> = COURSES
+            .iter()
+            .filter_map(|(label, variables)| Some((*label, constant(label, variables, recording, measured)?)))
+            .collect();
+        let mut courses: Vec<Panel> = COURSES
+            .iter()
+            .filter(|(label, _)| !constants.iter().any(|(constant, _)| constant == label))
+            .filter_map(|course| panel(course.0, course.1, recording, measured))
+            .collect();
         let drawn = |name: &str| COURSES.iter().any(|(_, variables)| variables.iter().any(|(own, _)| *own == name));
         // A record may have every variable of the FMU; what is constant on both sides shows nothing.
         let others = measured.iter().filter(|own| !drawn(&own.name) && varies(own, recording));
@@ -111,8 +128,49 @@ impl Figure {
             others
                 .filter_map(|own| panel(&own.name.replace('_', " "), &[(own.name.as_str(), "")], recording, measured)),
         );
-        Self { title, courses, profiles: profiles(recording) }
+        let constants = constants.into_iter().map(|(_, text)| text).filter(|text| !text.is_empty()).collect();
+        Self { title, constants, courses, profiles: profiles(recording) }
     }
+}
+
+/// Name and value of a quantity that no record has and that is constant over the run; empty where it is 0 and need not be told.
+fn constant(label: &str, variables: &[(&str, &str)], recording: &Recording, measured: &[Measured]) -> Option<String> {
+    let [(name, _)] = variables else { return None };
+    let channel = recording.channel(name).filter(|_| measured.iter().all(|own| own.name != *name))?;
+    let (low, high) = extremes(&channel.values);
+    let most = low.abs().max(high.abs());
+    if high - low > CONSTANT * most {
+        return None;
+    }
+    let shown = Shown::of(name, channel.unit, most);
+    let value = format!("{label} {}", significant(&shown, 0.5 * (low + high)));
+    Some(if most == 0.0 && !ALWAYS.contains(&label) { String::new() } else { value })
+}
+
+/// Four significant digits at most, with the unit.
+fn significant(shown: &Shown, value: f64) -> String {
+    format!("{} {}", rounded_to_four(shown.value(value)), shown.unit).trim_end().to_owned()
+}
+
+/// Four significant digits.
+fn rounded_to_four(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// Rows of the last two strokes of a run over many: between three reversals of the sliding velocity, the last one of the same sense.
+fn last_strokes(recording: &Recording) -> Option<std::ops::Range<usize>> {
+    let velocity = &recording.channel("sliding_velocity")?.values;
+    let mut reversals = Vec::new();
+    let mut sign = 0.0;
+    for (row, value) in velocity.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+        if sign * value < 0.0 {
+            reversals.push(row);
+        }
+        sign = value.signum();
+    }
+    let last = reversals.len().checked_sub(1).filter(|_| reversals.len() > MANY)?;
+    // Two strokes there and back are four half-strokes.
+    Some(reversals[last - 4]..reversals[last])
 }
 
 /// Whether a measured quantity changes, or differs from its calculated course.
@@ -152,7 +210,8 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         return None;
     }
     let shown = Shown::of(first.name, first.unit, most);
-    let mut series = Vec::new();
+    let rows = last_strokes(recording);
+    let (mut series, mut strokes) = (Vec::new(), Vec::new());
     for (colour, (channel, legend, own)) in found.iter().enumerate() {
         let visible = colour == 0 || sizes[colour] > VISIBLE * most;
         // Curves that lie on each other are one.
@@ -163,10 +222,14 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         let values: Vec<f64> = channel.values.iter().map(|value| shown.value(*value)).collect();
         let (x, y) = thinned(&recording.times, &values, POINTS);
         series.push(Series { name: (*legend).to_owned(), colour, measured: false, x, y });
+        if let Some(rows) = &rows {
+            let (x, y) = (recording.times[rows.clone()].to_vec(), values[rows.clone()].to_vec());
+            strokes.push(Series { name: (*legend).to_owned(), colour, measured: false, x, y });
+        }
         if let Some(own) = own {
             let (x, y): (Vec<f64>, Vec<f64>) =
                 own.points.iter().map(|(time, value)| (*time, shown.value(*value))).unzip();
-            let (x, y) = thinned(&x, &y, MARKERS);
+            let (x, y) = sampled(&x, &y, MARKERS);
             series.push(Series { name: String::new(), colour, measured: true, x, y });
         }
     }
@@ -176,7 +239,7 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         [simulated, measured] if measured.measured && simulated.name.is_empty() => simulated.name = "simulated".into(),
         _ => {}
     }
-    Some(Panel { x: "time (s)".into(), y: shown.label(label), series })
+    Some(Panel { x: "time (s)".into(), y: shown.label(label), series, strokes })
 }
 
 /// Panels over the contact; none of a run without profiles.
@@ -194,7 +257,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
         let series = all.iter().enumerate().map(|(colour, own)| {
             let (x, y) = monotone_cubic(&own.x, &of(own), CONTACT_POINTS);
             Series {
-                name: format!("{} s", rounded(own.time)),
+                name: format!("{} s", rounded_to_four(own.time)),
                 colour,
                 measured: false,
                 x: x.iter().map(|x| position.value(*x)).collect(),
@@ -202,7 +265,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
             }
         });
         let series = series.collect();
-        Panel { x: position.label(along), y: shown.label(label), series }
+        Panel { x: position.label(along), y: shown.label(label), series, strokes: Vec::new() }
     };
     let mut panels = vec![
         draw("pressure", "profile.pressure", "Pa", &|own| own.pressure.to_vec()),
@@ -253,10 +316,52 @@ fn thinned(x: &[f64], y: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     kept.iter().map(|&row| (x[row], y[row])).unzip()
 }
 
+/// At most `most` points, equally far apart by their number, the first and the last among them: of noise, its extremes alone would look
+/// like two bands.
+fn sampled(x: &[f64], y: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
+    if x.len() <= most {
+        return (x.to_vec(), y.to_vec());
+    }
+    (0..most).map(|point| point * (x.len() - 1) / (most - 1)).map(|row| (x[row], y[row])).unzip()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tests::shipped;
+
+    #[test]
+    fn a_sampled_record_keeps_its_scatter() {
+        let x: Vec<f64> = (0..100_000).map(f64::from).collect();
+        // A fixed sequence that fills the interval from 0 to 1 evenly.
+        let y: Vec<f64> = x.iter().map(|x| (0.618_033_988_749_895 * x).fract()).collect();
+        let (times, values) = sampled(&x, &y, MARKERS);
+        assert_eq!((times.len(), times[0], times[MARKERS - 1]), (MARKERS, 0.0, 99_999.0));
+        let inner = values.iter().filter(|value| (0.25..0.75).contains(*value)).count();
+        assert!((0.45..0.55).contains(&(inner as f64 / MARKERS as f64)), "{inner} of {MARKERS}");
+        assert_eq!(sampled(&x[..5], &y[..5], MARKERS).0, x[..5]);
+    }
+
+    #[test]
+    fn two_of_hundreds_of_strokes_are_drawn_in_full() {
+        let mut file = shipped("reciprocating_punch");
+        for assignment in ["solver.fidelity=lumped", "nominal.duration=60 s"] {
+            scene_file::assign(&mut file, assignment).unwrap();
+        }
+        let scene = scene::Scene::new(&file.packaged.starts, None).unwrap();
+        let trajectory = super::super::trajectory::Trajectory::nominal(&file, &scene, None).unwrap();
+        let recording = super::super::run::run(&file, &trajectory, &[], &mut |_| ()).unwrap();
+        let figure = Figure::new("strokes", &recording, &[]);
+        let velocity = figure.courses.iter().find(|panel| panel.y.starts_with("sliding velocity")).unwrap();
+        let drawn = &velocity.strokes[0];
+        let length = drawn.x[drawn.x.len() - 1] - drawn.x[0];
+        // Two strokes there and back of nominal.stroke each way at the nominal mean speed.
+        let expected = 4.0 * scene.nominal_stroke / scene.nominal_velocity;
+        assert!((length / expected - 1.0).abs() < 0.1 && drawn.x[0] > 55.0, "{length} {expected}");
+        let reversals = drawn.y.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+        assert!((3..=4).contains(&reversals), "{reversals}");
+        assert!(figure.constants.contains(&"normal load 10 kN".to_owned()), "{:?}", figure.constants);
+    }
 
     #[test]
     fn thinning_keeps_extremes_ends_and_order() {
@@ -297,12 +402,17 @@ mod tests {
     fn panels_have_units_measured_points_and_only_what_can_be_seen() {
         let figure = stop("solver.fidelity=line");
         let labels: Vec<&str> = figure.courses.iter().map(|panel| panel.y.as_str()).collect();
-        for label in ["sliding velocity (m/s)", "normal load (N)", "temperature (°C)", "pressure (MPa)", "tilt (µrad)"]
-        {
+        for label in ["temperature (°C)", "pressure (MPa)", "tilt (µrad)"] {
             assert!(labels.contains(&label), "{label} is not among {labels:?}");
         }
-        // Inputs that are 0 throughout.
-        assert!(!labels.iter().any(|label| label.starts_with("angular") || label.starts_with("cooling")), "{labels:?}");
+        // What is constant is told, inputs that are 0 throughout are not.
+        assert_eq!(
+            figure.constants,
+            ["sliding velocity 3.8 m/s", "normal load 2600 N", "friction force 2080 N", "friction coefficient 0.4"]
+        );
+        for told in ["sliding", "normal", "friction", "angular", "cooling"] {
+            assert!(!labels.iter().any(|label| label.starts_with(told)), "{labels:?}");
+        }
         let panel = |start: &str| figure.courses.iter().find(|panel| panel.y.starts_with(start)).unwrap();
         let measured: Vec<&Series> = panel("temperature").series.iter().filter(|series| series.measured).collect();
         assert!(
@@ -310,7 +420,7 @@ mod tests {
             "{measured:?}"
         );
         assert_eq!(panel("tilt").series[0].name, "simulated");
-        assert!(panel("normal load").series[0].name.is_empty());
+        assert!(panel("worn depth").series[0].name.is_empty() && panel("energy").strokes.is_empty());
         // Heat through the base of the disc is nothing.
         let energies: Vec<&str> = panel("energy").series.iter().map(|series| series.name.as_str()).collect();
         assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");

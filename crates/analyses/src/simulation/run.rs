@@ -183,7 +183,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     let (level, has_profiles) = operators.as_ref().map_or((String::new(), false), level);
     if !has_profiles && !at.is_empty() {
         bail!(
-            "--at: the scene {} runs at the level {level}, whose pressure is uniform; profiles need the contact line, as with \
+            "at: the scene {} runs at the level {level}, whose pressure is uniform; profiles need the contact line, as with \
              --set solver.fidelity=line",
             packaged.name
         );

@@ -121,7 +121,7 @@ impl Trajectory {
         let (first, last) = self.span();
         if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
             let [outside, first, last] = [*outside, first, last].map(Number);
-            bail!("--at {outside} s is outside of the simulated time, {first} s to {last} s");
+            bail!("at = {outside} s is outside of the simulated time, {first} s to {last} s");
         }
         let mut instants = [self.times.as_slice(), also].concat();
         instants.sort_unstable_by(f64::total_cmp);
@@ -205,7 +205,7 @@ mod tests {
     fn rows_and_wanted_times_are_communication_points_and_steps_between_them_are_equal() {
         assert_eq!(ramp(0.5).points(&[]).unwrap(), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
         assert_eq!(ramp(10.0).points(&[1.0, 1.25]).unwrap(), [1.0, 1.25, 3.0, 3.5]);
-        for (also, wanted) in [(0.5, "1 s to 3.5 s"), (4.0, "--at 4 s")] {
+        for (also, wanted) in [(0.5, "1 s to 3.5 s"), (4.0, "at = 4 s")] {
             let told = ramp(1.0).points(&[also]).unwrap_err().to_string();
             assert!(told.contains(wanted), "{told}");
         }

@@ -1,6 +1,7 @@
 //! The steady state of a scene, without time integration.
 
 pub mod heat;
+mod table;
 
 use crate::convergence::{Convergence, half};
 use ::steady::relative_velocity::{RelativeVelocity, assess};
@@ -72,11 +73,11 @@ pub fn solve(file: &SceneFile, options: &Options) -> Result<Solved> {
     match (options.return_speed, &mut sliding) {
         (None, _) => {}
         (Some(speed), Sliding::Reciprocating { .. }) if !(speed > 0.0 && speed <= FASTEST) => {
-            bail!("--return-speed {} m/s must be above 0 m/s and at most {FASTEST} m/s", Number(speed))
+            bail!("return_speed = {} m/s must be above 0 m/s and at most {FASTEST} m/s", Number(speed))
         }
         (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(
-            "--return-speed {speed} m/s: the scene {name} slides in one direction (nominal.stroke = {} m)",
+            "return_speed = {speed} m/s: the scene {name} slides in one direction (nominal.stroke = {} m)",
             scene.nominal_stroke
         ),
     }
@@ -129,7 +130,7 @@ impl Solved {
     /// With the reason.
     pub fn check(&self) -> Result<()> {
         match &self.too_hot {
-            Some(reason) => bail!("the scene {}: {reason}; --cold leaves heat out", self.name),
+            Some(reason) => bail!("the scene {}: {reason}; the option cold leaves heat out", self.name),
             None => Ok(()),
         }
     }

@@ -10,6 +10,7 @@ use crate::Inputs;
 use crate::lumped::outputs::write_limits;
 use contact::Normal;
 use contact::wear::line::Disturbance;
+use elasticity::Cells;
 use numerics::maximum::maximum;
 use numerics::scalar::Dual;
 use scene::variables::{COUNT, reference};
@@ -158,6 +159,7 @@ impl Line {
         value!(values, "wear_mass_punch") = masses[0];
         value!(values, "wear_mass_strip") = masses[1];
         value!(values, "wear_mass_airborne") = masses[2];
+        value!(values, "wear_taper_punch") = taper(&operators.cells, &state.punch);
         let life = |depth: &[f64], body: &scene::Body| {
             let deepest = depth.iter().copied().fold(0.0, maximum) + body.initial_wear;
             if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }
@@ -283,6 +285,12 @@ impl Line {
     }
 }
 
+/// Rise, from the -x to the +x edge, of the straight line of least squares through cell means `w` of a depth, m:
+/// `W sum_i c_i x_i w_i / sum_i c_i x_i^2` with widths `c_i` and centres `x_i` of the cells, which are symmetric.
+fn taper(cells: &Cells, depth: &[f64]) -> f64 {
+    2.0 * cells.half_width() * cells.moment(depth) / cells.moment(cells.centres())
+}
+
 impl LineOperators {
     /// Whether the contact line determines the load of the lumped level.
     pub fn decides_load(&self) -> bool {
@@ -323,5 +331,24 @@ impl LineOperators {
             relative * (laws[body].derivative * pressure + laws[body].value * rise * change)
         };
         of(0) + of(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_taper_of_a_wedge_is_its_rise_and_a_symmetric_shape_has_none() {
+        let cells = Cells::graded(0.03, 33).unwrap();
+        let of = |depth: &dyn Fn(f64) -> f64| {
+            let depths: Vec<f64> = cells.centres().iter().map(|&x| depth(x)).collect();
+            taper(&cells, &depths)
+        };
+        assert!((of(&|x| 5e-6 + 1e-4 * x) - 6e-6).abs() < 1e-18);
+        assert!(of(&|x| 1e-6 + 4e-3 * x * x).abs() < 1e-18);
+        // The line of least squares through x^3 over the half-width a has the slope 3/5 a^2.
+        let cubic = of(&|x| x * x * x) / (2.0 * 0.03 * 0.6 * 0.03 * 0.03);
+        assert!((cubic - 1.0).abs() < 0.01, "{cubic}");
     }
 }

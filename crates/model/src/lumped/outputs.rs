@@ -213,6 +213,7 @@ impl Lumped {
             "wear_mass_punch" = masses[0],
             "wear_mass_strip" = masses[1],
             "wear_mass_airborne" = masses[2],
+            "wear_taper_punch" = 0.0,
             "remaining_life" = life(state.punch.depth, &operators.punch).min(life(strip_depth, &operators.strip)),
             "sliding_distance" = state.distance,
             "dissipated_energy" = state.dissipated * operators.area * faces,

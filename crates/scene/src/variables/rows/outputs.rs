@@ -58,7 +58,7 @@ pub const ROWS: &[Row] = &[
     real("effective_radius", &METRE, 0.1, "Friction torque over friction coefficient times load; contact.mean_radius for line geometry")
         .shown("mm")
         .local(),
-    real("friction_power", &WATT, 1e3, "Friction force times velocity, all faces").of_type("Power").shown("kW").local(),
+    real("friction_power", &WATT, 1e3, "Friction force times velocity, all faces").of_type("Power").shown("kW").output(ON_INPUTS),
     real("friction_coefficient", &ONE, 0.3, "Present friction coefficient, including fade and Stribeck effect").of_type("CoefficientOfFriction")
         .local(),
     real("friction_force_kinetic", &NEWTON, 1e3, "Magnitude of the friction force while sliding, >= 0, all faces")
@@ -100,14 +100,14 @@ pub const ROWS: &[Row] = &[
     real("pressure_mean", &PASCAL, 1e6, "Mean contact pressure").shown("MPa").local(),
     real("pressure_max", &PASCAL, 1e6, "Highest contact pressure").shown("MPa").local(),
     real("contact_fraction", &ONE, 1.0, "Fraction of the contact zone in contact").local(),
-    real("tilt", &RADIAN, 1e-4, "Rotation of the punch; positive lowers the edge at +x").shown("deg").local(),
+    real("tilt", &RADIAN, 1e-4, "Rotation of the punch; positive lowers the edge at +x").shown("deg").output(ON_INPUTS),
     real("approach", &METRE, 1e-6, "Approach of the bodies from first touch, positive when pressed together or worn")
         .shown("um")
         .output(ON_INPUTS),
     // Heat.
     real("contact_temperature_max", &KELVIN, 400.0, "Highest temperature of the contact, on the hotter side: largest mean over a 32nd of the width")
         .shown("degC")
-        .local(),
+        .output(ON_INPUTS),
     real("heat_flow_punch", &WATT, 1e3, "Friction heat that enters the punches, all faces").shown("kW").local(),
     real("heat_flow_strip", &WATT, 1e3, "Friction heat that enters the strips, all faces").shown("kW").local(),
     real("heat_flow_punch_top", &WATT, 100.0, "Heat that leaves through the punches' tops, all faces").local(),
@@ -146,7 +146,7 @@ pub const ROWS: &[Row] = &[
         .local(),
     real("heat_received_punch", &JOULE, 1e4, "Integral of heat_flow_punch").of_type("Heat").shown("kJ").local(),
     real("heat_received_strip", &JOULE, 1e4, "Integral of heat_flow_strip").of_type("Heat").shown("kJ").local(),
-    real("punch.mean_temperature", &KELVIN, 400.0, "Mean temperature of the punch").shown("degC").local(),
+    real("punch.mean_temperature", &KELVIN, 400.0, "Mean temperature of the punch").shown("degC").output(ON_STATES),
     real("strip.mean_temperature", &KELVIN, 400.0, "Mean temperature of the strip (of a straight one: along the track)")
         .shown("degC")
         .output(ON_STATES),
@@ -154,7 +154,7 @@ pub const ROWS: &[Row] = &[
     // Wear.
     real("wear_depth_punch", &METRE, 1e-6, "Mean worn depth of the punch over the present contact zone")
         .shown("um")
-        .local(),
+        .output(ON_STATES),
     real(
         "wear_depth_strip",
         &METRE,
@@ -162,7 +162,7 @@ pub const ROWS: &[Row] = &[
         "Mean worn depth of the strip over the present contact zone; on a straight path not monotone, the volume is",
     )
     .shown("um")
-    .local(),
+    .output(ON_STATES),
     real("wear_volume_punch", &CUBIC_METRE, 1e-9, "Volume worn off the punches, all faces").shown("mm3").local(),
     real("wear_volume_strip", &CUBIC_METRE, 1e-9, "Volume worn off the strips, all faces").shown("mm3").local(),
     real(
@@ -179,7 +179,7 @@ pub const ROWS: &[Row] = &[
     real("sliding_distance", &METRE, 1e3, "Distance slid").of_type("Distance").shown("km").local(),
     real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").local(),
     real("estimated_error", &ONE, 1e-3, "Relative error of wear depth, temperature rise and friction force so far, measured against a coarser run; 1: not known")
-        .local(),
+        .output(ON_STATES),
     real("estimated_step_error", &ONE, 1e-3, "Estimated relative error by the reduction of the bodies and the time steps alone; not a bound")
         .local(),
     limit_reached(),
@@ -189,13 +189,23 @@ pub const ROWS: &[Row] = &[
     // Masses.
     real("wear_mass_punch", &KILOGRAM, 1e-6, "Mass worn off the punches, all faces: density times wear_volume_punch")
         .shown("mg")
-        .local(),
+        .output(ON_STATES),
     real("wear_mass_strip", &KILOGRAM, 1e-6, "Mass worn off the strips, all faces: density times wear_volume_strip")
         .shown("mg")
-        .local(),
+        .output(ON_STATES),
     real("wear_mass_airborne", &KILOGRAM, 1e-6, "Mass of airborne wear particles: airborne_fraction of both bodies times their worn mass")
         .shown("mg")
-        .local(),
+        .output(ON_STATES),
+    // Shape.
+    real(
+        "wear_taper_punch",
+        &METRE,
+        1e-6,
+        "Taper of the worn punch: its worn depth at the +x edge less that at the -x edge, on the straight line of least squares through it; \
+         annular: outer less inner edge",
+    )
+    .shown("um")
+    .output(ON_STATES),
 ];
 
 pub const PROFILES: &[Row] = &[

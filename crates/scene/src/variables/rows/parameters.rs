@@ -245,7 +245,8 @@ macro_rules! body_rows {
             )
             .shown("degC")
             .within(0.0, 1e5)
-            .starts(FADE_TEMPERATURES),
+            .starts(FADE_TEMPERATURES)
+            .may_be_shorter(),
             real(
                 concat!($body, ".wear_fade.factor"),
                 &ONE,
@@ -254,7 +255,8 @@ macro_rules! body_rows {
             )
             .within(0.0, 1e3)
             .array(8)
-            .start(1.0),
+            .start(1.0)
+            .may_be_shorter(),
             real(
                 concat!($body, ".initial_wear"),
                 &METRE,
@@ -446,7 +448,8 @@ pub const CONTACT: &[Row] = &[
     )
     .shown("degC")
     .within(0.0, 1e5)
-    .starts(FADE_TEMPERATURES),
+    .starts(FADE_TEMPERATURES)
+    .may_be_shorter(),
     real(
         "contact.friction_fade.factor",
         &ONE,
@@ -455,7 +458,8 @@ pub const CONTACT: &[Row] = &[
     )
     .within(0.0, 1e3)
     .array(8)
-    .start(1.0),
+    .start(1.0)
+    .may_be_shorter(),
     real(
         "contact.static_friction_ratio",
         &ONE,

@@ -3,8 +3,8 @@
 use scene::variables::units::Unit;
 use scene::variables::{Causality, Kind, Row, TABLE};
 
-use super::super::description::variability;
-use super::super::xml::number;
+use crate::description::variability;
+use crate::xml::number;
 
 /// A table of variables.
 pub struct Topic {
@@ -36,12 +36,9 @@ type Names = (&'static str, &'static [&'static str]);
 /// Topics of the results, which are read and not connected.
 const RESULTS: &[Names] = &[
     ("Friction", &["friction_*", "effective_radius", "bristle_*", "critical_speed"]),
-    ("Contact", &["pressure_*", "contact_fraction", "tilt"]),
-    (
-        "Temperature and heat",
-        &["contact_temperature_max", "*.mean_temperature", "heat_*", "stored_heat", "dissipated_energy"],
-    ),
-    ("Wear", &["wear_depth_*", "wear_volume_*", "wear_mass_*", "wear_dissipation_power", "sliding_distance"]),
+    ("Contact", &["pressure_*", "contact_fraction"]),
+    ("Temperature and heat", &["heat_*", "stored_heat", "dissipated_energy"]),
+    ("Wear", &["wear_volume_*", "wear_dissipation_power", "sliding_distance"]),
     ("Error and limits", &["estimated_*", "*_exceeded", "wear_limit_reached"]),
     ("Profiles along the contact", &["profile.*"]),
 ];

@@ -1,11 +1,11 @@
 //! The .fmu as a zip file whose bytes depend on its content alone.
 
 use std::collections::BTreeMap;
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read, Write};
 
 use anyhow::{Context, Result};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 /// Files of an FMU: path with forward slashes, and bytes. Sorted by path.
 pub type Files = BTreeMap<String, Vec<u8>>;
@@ -31,9 +31,27 @@ pub fn pack(files: &Files) -> Result<Vec<u8>> {
     Ok(zip.finish().context("packing")?.into_inner())
 }
 
+/// Files of an archive; entries that are folders are left out.
+///
+/// # Errors
+/// Where it is none or damaged.
+pub fn unpack(bytes: &[u8]) -> Result<Files> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).context("reading the zip file")?;
+    let mut files = Files::new();
+    for index in 0..zip.len() {
+        let mut file = zip.by_index(index).context("reading the zip file")?;
+        let name = file.name().context("reading the zip file")?.into_owned();
+        if !name.ends_with('/') {
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes).with_context(|| format!("unpacking {name}"))?;
+            files.insert(name, bytes);
+        }
+    }
+    Ok(files)
+}
+
 #[cfg(test)]
 mod tests {
-    use std::io::Read;
 
     use super::*;
 

@@ -2,6 +2,7 @@
 //!
 //! The names and the form are those of the FMI cross check: `_in.csv`, `_ref.csv`, `_ref.opt`.
 
+use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -9,9 +10,9 @@ use fmu_host::{Interpolation, Schedule, Span, Worker};
 use scene::slot::Packaged;
 use scene::variables::find;
 
-use super::archive::Files;
-use super::description::MODEL_IDENTIFIER;
-use super::xml::number;
+use crate::archive::Files;
+use crate::description::MODEL_IDENTIFIER;
+use crate::xml::number;
 
 const FOLDER: &str = "extra/reference";
 const README: &str = include_str!("../../../modelDescription/reference.txt");
@@ -39,12 +40,28 @@ const OUTPUTS: [&str; 12] = [
     "stored_heat",
 ];
 
-/// Adds the reference files of a scene: [`STEPS`] steps of its default experiment, by the library in `folder`, an unpacked
-/// FMU.
+/// Adds the reference files of a scene, whose model description is among the files. The library for this machine runs from `folder`,
+/// which is made, with what a host reads of an FMU, and removed.
 ///
 /// # Errors
-/// Where the scene cannot be initialised or a step fails; the message is the component's.
-pub fn add(files: &mut Files, scene: &Packaged, folder: &Path) -> Result<()> {
+/// Where the folder cannot be written, the scene not be initialised, or a step fails; the message is then the component's.
+pub fn add(files: &mut Files, scene: &Packaged, library: Vec<u8>, folder: &Path) -> Result<()> {
+    let own = crate::own_library();
+    let written = [(crate::DESCRIPTION, &files[crate::DESCRIPTION]), (own.as_str(), &library)];
+    let run = written.into_iter().try_for_each(|(name, bytes)| {
+        let path = folder.join(name);
+        let context = || format!("writing {}", path.display());
+        fs::create_dir_all(path.parent().unwrap_or(folder)).with_context(context)?;
+        fs::write(&path, bytes).with_context(context)
+    });
+    let result = run.and_then(|()| from_folder(files, scene, folder));
+    // What is left of it is in a folder for what may be removed.
+    let _ = fs::remove_dir_all(folder);
+    result
+}
+
+/// [`STEPS`] steps of the scene's default experiment by the unpacked FMU in `folder`.
+fn from_folder(files: &mut Files, scene: &Packaged, folder: &Path) -> Result<()> {
     let experiment = scene.experiment;
     let span = Span { start: experiment.start, stop: time(scene, STEPS), step: experiment.step };
     let times: Vec<f64> = (0..=STEPS).map(|index| span.time(index)).collect();
@@ -124,18 +141,18 @@ fn time(scene: &Packaged, index: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes;
+    use scene_file::shipped;
 
     #[test]
     fn settings_are_those_of_the_experiment() {
-        let scene = scenes::load(Some("pin_on_disk")).unwrap().packaged;
+        let scene = shipped::load(Some("pin_on_disk"), &crate::examples()).unwrap().packaged;
         assert_eq!(settings(&scene), "StartTime,0\nStopTime,2000\nStepSize,10\nRelTol,0.001\n");
     }
 
     #[test]
     fn the_load_comes_and_goes_and_the_velocity_follows_the_stroke() {
-        for name in scenes::names() {
-            let scene = scenes::load(Some(&name)).unwrap().packaged;
+        for name in shipped::names(&crate::examples()) {
+            let scene = shipped::load(Some(&name), &crate::examples()).unwrap().packaged;
             let nominal = |name: &str| scene.starts[find(name).unwrap() as usize];
             let rows: Vec<[f64; 2]> = (0..=STEPS).map(|index| inputs(index, &scene)).collect();
             assert_eq!([rows[0][1], rows[STEPS / 2][1], rows[STEPS][1]], [0.0, short(nominal("nominal.load")), 0.0]);

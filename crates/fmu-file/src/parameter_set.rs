@@ -4,8 +4,8 @@ use scene::variables::units::{UNITS, Unit};
 use scene::variables::{Kind, lookup};
 use scene_file::SceneFile;
 
-use super::description::{SUMMARY, enumerations};
-use super::xml::{Xml, number, text};
+use crate::description::{SUMMARY, enumerations};
+use crate::xml::{Xml, number, text};
 
 /// Writes what the scene sets; everything else keeps the start value of the stock FMU.
 pub fn write(scene: &SceneFile) -> String {

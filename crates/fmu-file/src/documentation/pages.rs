@@ -8,25 +8,25 @@ use scene::variables::units::UNITS;
 use scene::variables::{TABLE, lookup};
 use scene_file::SceneFile;
 use scene_file::materials::MATERIALS;
-use scene_file::unit_names;
+use scene_file::{shipped, unit_names};
+use std::path::Path;
 
 use super::markdown::{contents, escaped};
 use super::tables::{Entry, topics, value};
-use crate::package::description::enumerations;
-use crate::package::xml::number;
-use crate::scenes;
+use crate::description::enumerations;
+use crate::xml::number;
 
 /// Elements of an array up to which all of its values are listed.
 const MOST_SHOWN: usize = 16;
 
-/// File names and texts of the pages.
+/// File names and texts of the pages; the shipped scenes are in `folder`.
 ///
 /// # Errors
 /// Where a shipped scene cannot be read.
-pub fn write() -> Result<[(&'static str, String); 2]> {
+pub fn write(folder: &Path) -> Result<[(&'static str, String); 2]> {
     let of = "Start values are those of the stock FMU, a car's front disc brake; those of the other scenes are in [scenes](scenes.md). Scene \
               files, `--set` and Python accept other units too ([scenes](scenes.md#units)).";
-    Ok([("scenes.md", scenes()?), ("variables.md", variables(&Packaged::stock().starts, of))])
+    Ok([("scenes.md", scenes(folder)?), ("variables.md", variables(&Packaged::stock().starts, of))])
 }
 
 /// The variables with these start values, and what there is to say about those.
@@ -114,7 +114,8 @@ conductivity = 0.9      # overrides that of the material
 
 [contact]
 shear_coupling = false
-friction_fade.temperature = ["20 degC", "100 degC", "200 degC", "300 degC", "400 degC", "500 degC", "600 degC", "700 degC"]
+friction_fade.temperature = ["20 degC", "300 degC", "600 degC"]    # a table has as many points as are given
+friction_fade.factor = [1, 0.97, 0.65]
 ```
 
 Whatever is wrong is reported together, each with line, column, key and what is accepted. Rules that join parameters are in
@@ -137,11 +138,11 @@ An amount of a temperature difference is in K.
 |---|---|
 ";
 
-fn scenes() -> Result<String> {
+fn scenes(folder: &Path) -> Result<String> {
     let mut text = SCENES.to_owned();
-    let mut known = vec![("stock".to_owned(), scenes::load(None)?)];
-    for name in scenes::names() {
-        known.push((name.clone(), scenes::load(Some(&name))?));
+    let mut known = vec![("stock".to_owned(), shipped::load(None, folder)?)];
+    for name in shipped::names(folder) {
+        known.push((name.clone(), shipped::load(Some(&name), folder)?));
     }
     text += "| name | scene | level | tolerance | nominal conditions |\n|---|---|---|---|---|\n";
     for (name, scene) in &known {
@@ -255,7 +256,7 @@ mod tests {
 
     #[test]
     fn every_row_of_a_page_has_the_columns_of_its_head() {
-        for (name, text) in write().unwrap() {
+        for (name, text) in write(&crate::examples()).unwrap() {
             let mut columns = 0;
             for line in text.lines() {
                 let own = line.replace("\\|", "").matches('|').count();

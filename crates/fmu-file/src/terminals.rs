@@ -2,7 +2,7 @@
 //!
 //! The format is that of FMI 3.0, which keeps the same folder and which importers read from FMI 2.0 files too.
 
-use super::xml::{Xml, numeric, text};
+use crate::xml::{Xml, numeric, text};
 
 /// A group of variables that connect to the same neighbouring model.
 struct Terminal {
@@ -86,7 +86,7 @@ pub fn write() -> String {
 }
 
 /// Lower left and upper right corner of a square.
-fn corners((x, y): (f64, f64), half: f64) -> [super::xml::Attribute<'static>; 4] {
+fn corners((x, y): (f64, f64), half: f64) -> [crate::xml::Attribute<'static>; 4] {
     [numeric("x1", x - half), numeric("y1", y - half), numeric("x2", x + half), numeric("y2", y + half)]
 }
 

@@ -8,8 +8,8 @@ use scene::slot::STOCK_NAME;
 use scene::variables::reference;
 use scene_file::SceneFile;
 
-use super::description::SUMMARY;
-use super::xml::number;
+use crate::description::SUMMARY;
+use crate::xml::number;
 use markdown::{contents, escaped, section, to_html};
 
 /// The frame of the page.
@@ -66,13 +66,13 @@ pub fn write(scene: &SceneFile) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes;
     use scene::variables::TABLE;
+    use scene_file::shipped;
 
     #[test]
     fn every_variable_stands_in_the_page_and_no_place_is_left_open() {
         for scene in [None, Some("clutch")] {
-            let page = write(&scenes::load(scene).unwrap());
+            let page = write(&shipped::load(scene, &crate::examples()).unwrap());
             assert!(!page.contains("{{") && !page.contains("}}"));
             for row in TABLE {
                 assert!(page.contains(&format!("<code>{}", row.name)), "{}", row.name);
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn the_page_needs_nothing_from_outside() {
-        let page = write(&scenes::load(None).unwrap());
+        let page = write(&shipped::load(None, &crate::examples()).unwrap());
         for outside in ["http:", "https:", "<script", "<link", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");
         }
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn values_are_those_of_the_scene_in_both_units() {
-        let page = write(&scenes::load(Some("clutch")).unwrap());
+        let page = write(&shipped::load(Some("clutch"), &crate::examples()).unwrap());
         for expected in
             [">SlidingContact.clutch</h1>", "<td>0.039 (39 mm)</td>", "<td>333.15 (60 degC)</td>", "<td>annular</td>"]
         {

@@ -1,8 +1,8 @@
-//! The figure of a run as a file, drawn with the matplotlib of the pinned environment, as the figures of the examples.
+//! Figures of a run, a steady state and cycles as files, drawn by the Python package with the matplotlib of the pinned environment.
 
-use crate::{project, python};
-use analyses::simulation::Figure;
+use crate::{output, project, python};
 use anyhow::{Context, Result, anyhow, bail};
+use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -10,16 +10,28 @@ use std::process::{Command, Stdio};
 /// Formats, by the ending of the file.
 pub const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
 
-/// Draws into a file.
+/// What is drawn: the content of a run, the record of a steady state or of cycles.
+#[derive(Serialize)]
+#[serde(tag = "kind", content = "content", rename_all = "lowercase")]
+pub enum Drawn<'a> {
+    Simulation(&'a analyses::simulation::Figure),
+    Steady(serde_json::Value),
+    Cycles(serde_json::Value),
+}
+
+/// Draws into a file, whose folder is made; `option` names it.
 ///
 /// # Errors
 /// Where the Python environment cannot be made, or the file not be written.
-pub fn write(figure: &Figure, path: &Path) -> Result<()> {
-    let python = python::environment().context("the environment with matplotlib, for --plot")?;
+pub fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
+    let kind = format(option, path)?;
+    output::make_above(path)?;
+    let python = python::environment().with_context(|| format!("the environment with matplotlib, for {option}"))?;
     let mut child = Command::new(python)
-        .arg(project::root().join("python/sliding_contact/_figure.py"))
+        .args(["-m", "sliding_contact._figure"])
         .arg(path)
-        .arg(format(path)?)
+        .arg(kind)
+        .env("PYTHONPATH", project::root().join("python"))
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
         .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
@@ -27,7 +39,7 @@ pub fn write(figure: &Figure, path: &Path) -> Result<()> {
         .stderr(Stdio::piped())
         .spawn()
         .context("starting Python")?;
-    let text = serde_json::to_vec(figure)?;
+    let text = serde_json::to_vec(drawn)?;
     // A script that ends early has told why on its error stream.
     let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(&text));
     let output = child.wait_with_output()?;
@@ -42,10 +54,10 @@ pub fn write(figure: &Figure, path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// Another ending, with those that are accepted.
-pub fn format(path: &Path) -> Result<&'static str> {
+pub fn format(option: &str, path: &Path) -> Result<&'static str> {
     let Some(ending) = path.extension() else { return Ok(FORMATS[0]) };
     FORMATS.into_iter().find(|format| ending.eq_ignore_ascii_case(format)).ok_or_else(|| {
-        anyhow!("--plot {}: .{} are drawn, not .{}", path.display(), FORMATS.join(", ."), ending.display())
+        anyhow!("{option} {}: .{} are drawn, not .{}", path.display(), FORMATS.join(", ."), ending.display())
     })
 }
 
@@ -55,9 +67,9 @@ mod tests {
 
     #[test]
     fn an_ending_of_no_figure_is_refused() {
-        assert_eq!(format(Path::new("a.PDF")).unwrap(), "pdf");
-        assert_eq!(format(Path::new("a")).unwrap(), "svg");
-        let told = format(Path::new("a.jpg")).unwrap_err().to_string();
+        assert_eq!(format("--plot", Path::new("a.PDF")).unwrap(), "pdf");
+        assert_eq!(format("--plot", Path::new("a")).unwrap(), "svg");
+        let told = format("--plot", Path::new("a.jpg")).unwrap_err().to_string();
         assert_eq!(told, "--plot a.jpg: .svg, .pdf, .png are drawn, not .jpg");
     }
 }

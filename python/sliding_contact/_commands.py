@@ -1,0 +1,316 @@
+"""The command line: one table of commands, from which parser, help and completion are made.
+
+An option is an argument of the method of `Scene` that its command calls, under the same name, so what is refused is said in the same words.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import sys
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Optional, Sequence
+
+from ._errors import Error, writing
+from .results import Simulation, StepFailed
+from .scene import Scene, scenes
+
+SHELLS = ("bash", "zsh", "fish")
+NOT_READ = 141  # exit status after a closed pipe, as in shells
+
+
+@dataclass(frozen=True)
+class Option:
+    """An argument of a command; one whose flags have no dash is positional."""
+
+    flags: tuple[str, ...]
+    help: str
+    value: str = ""  #: what stands for the value in the help; empty: a switch
+    repeated: bool = False
+    default: Optional[str] = None
+    choices: tuple[str, ...] = ()
+
+    def add_to(self, parser: argparse.ArgumentParser) -> None:
+        settings: dict[str, Any] = {"help": self.help}
+        positional = not self.flags[0].startswith("-")
+        if not self.value and not positional:
+            parser.add_argument(*self.flags, action="store_true", **settings)
+            return
+        if self.choices:
+            settings["choices"] = self.choices
+        if self.repeated:
+            settings.update(action="append", default=[])
+        elif self.default is not None:
+            settings["default"] = self.default
+            settings["help"] += f" [default: {self.default}]"
+            if positional:
+                settings["nargs"] = "?"
+        if not positional:
+            settings["metavar"] = self.value
+        parser.add_argument(*self.flags, **settings)
+
+
+Arguments = argparse.Namespace
+
+SCENE = Option(("scene",), "scene file, or name of a shipped scene (`sliding-contact scenes`)")
+SET = Option(("-s", "--set"), 'another value of a variable, as punch.width="40 mm"; may be repeated', "KEY=VALUE", repeated=True)
+JSON = Option(("--json",), "print JSON instead of a table")
+PLOT = Option(("-p", "--plot"), "draw into this file (.svg, .pdf or .png); needs matplotlib", "FILE")
+INPUTS = Option(("-i", "--inputs"), "inputs over time (CSV): time [s], sliding_velocity [km/h], normal_load [kN], or any input with its unit", "FILE.csv")
+CELLS = Option(("--cells",), "cells of the contact line; by default the scene's", "N")
+COLD = Option(("--cold",), "without heat")
+
+
+def _scene(arguments: Arguments) -> Scene:
+    return Scene(arguments.scene, arguments.set)
+
+
+def _print(arguments: Arguments, result: Any) -> None:
+    """Prints a result, and draws it where a file is named."""
+    if arguments.plot is not None:
+        result.plot(arguments.plot)
+    print(json.dumps(result.record, indent=2) if arguments.json else result)
+
+
+def _progress(part: float) -> None:
+    print(f"\r{100.0 * part:3.0f} %", end="", file=sys.stderr, flush=True)
+
+
+def _write(result: Simulation, path: str) -> None:
+    """Every input and output over the time, in SI units, as `cargo fmu simulate -o` writes them."""
+    with writing(path), open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time [s]", *(f"{name} [{unit}]" for name, unit in result.units.items())])
+        writer.writerows(zip(*(map(repr, values.tolist()) for values in (result.time, *result.values()))))
+
+
+def _simulate(arguments: Arguments) -> None:
+    output = arguments.output
+    if output is not None and Path(output).suffix.lower() != ".csv":
+        raise Error(f"output = {output!r} must end in .csv")
+    times = [time for times in arguments.at for time in times.split(",")]
+    shown = _progress if sys.stderr.isatty() else None
+    try:
+        result = _scene(arguments).simulate(arguments.inputs, step=arguments.step, at=times, progress=shown)
+    except StepFailed as failed:
+        if output is None or failed.result is None:
+            raise
+        _write(failed.result, output)
+        raise Error(f"{failed}; the rows before it are in {output}") from failed
+    finally:
+        if shown is not None:
+            print("\r     \r", end="", file=sys.stderr, flush=True)
+    if output is not None:
+        _write(result, output)
+    deviations = {} if arguments.measured is None else result.compare(arguments.measured)
+    if arguments.plot is not None:
+        result.plot(arguments.plot, measured=arguments.measured)
+    if arguments.json:
+        print(json.dumps(result.record, indent=2))
+        return
+    print(result)
+    for deviation in deviations.values():
+        print(deviation)
+
+
+def _plan(arguments: Arguments) -> None:
+    plan = _scene(arguments).plan(arguments.inputs, tolerance=arguments.tolerance)
+    print(json.dumps(plan.record, indent=2) if arguments.json else plan)
+
+
+def _steady(arguments: Arguments) -> None:
+    _print(arguments, _scene(arguments).steady(cells=arguments.cells, return_speed=arguments.return_speed, cold=arguments.cold))
+
+
+def _cycles(arguments: Arguments) -> None:
+    scene = _scene(arguments)
+    _print(arguments, scene.cycles(arguments.cycles, tolerance=arguments.tolerance, cells=arguments.cells, cold=arguments.cold))
+
+
+def _fit(arguments: Arguments) -> None:
+    fit = _scene(arguments).fit(arguments.records, tuple(arguments.exponents.split(",")), float(arguments.confidence))
+    if arguments.plot is not None:
+        fit.plot(arguments.plot)
+    print(fit)
+
+
+def _package(arguments: Arguments) -> None:
+    scene = _scene(arguments)
+    print(scene.package(f"SlidingContact.{scene.name}.fmu" if arguments.output is None else arguments.output))
+
+
+def _scenes(_: Arguments) -> None:
+    for name in scenes():
+        print(f"{name}: {Scene.load(name).description}")
+
+
+def _completion(arguments: Arguments) -> None:
+    print(completion(arguments.shell))
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command: what it does in one line, its arguments, and the function that does it."""
+
+    name: str
+    help: str
+    options: tuple[Option, ...]
+    run: Callable[[Arguments], None]
+
+
+COMMANDS = (
+    Command(
+        "simulate",
+        "simulate a scene along inputs of your own: table, CSV, figure, deviation from a measured record",
+        (
+            SCENE,
+            INPUTS,
+            SET,
+            Option(("--step",), 'longest communication step, in seconds or as "20 ms"', "TIME"),
+            Option(("--at",), 'times of the profiles over the contact, as 0,10,"2 min"', "TIMES", repeated=True),
+            Option(("-m", "--measured"), "measured record (CSV), drawn over the curves of the same names", "FILE.csv"),
+            Option(("-o", "--output"), "write every input and output over the time, in SI units", "FILE.csv"),
+            PLOT,
+            JSON,
+        ),
+        _simulate,
+    ),
+    Command(
+        "plan",
+        "print the level that solver.fidelity = auto takes; with inputs, error and cost of every level on them",
+        (SCENE, INPUTS, SET, Option(("--tolerance",), "relative tolerance, where the scene has none", "NUMBER"), JSON),
+        _plan,
+    ),
+    Command(
+        "steady",
+        "compute the steady state under nominal load and sliding, without time integration",
+        (SCENE, SET, CELLS, Option(("--return-speed",), "speed of the backward half-stroke, m/s", "NUMBER"), COLD, PLOT, JSON),
+        _steady,
+    ),
+    Command(
+        "cycles",
+        "advance a reciprocating scene over many cycles at nominal load and speed",
+        (
+            SCENE,
+            SET,
+            Option(("--cycles",), "number of cycles", "N", default="1e6"),
+            Option(("--tolerance",), "largest estimated error of a jump", "NUMBER", default="1e-3"),
+            CELLS,
+            COLD,
+            PLOT,
+            JSON,
+        ),
+        _cycles,
+    ),
+    Command(
+        "fit",
+        "fit the wear law of the punch to measured volumes, with confidence intervals; needs scipy",
+        (
+            Option(("records",), "tests (CSV): load [N], speed [m/s], distance [m], volume [mm3], in any unit of theirs"),
+            Option(("--scene",), "scene of the tests", "SCENE", default="pin_on_disk"),
+            SET,
+            Option(("--exponents",), "exponents to fit, with commas: pressure, velocity", "NAMES", default="pressure"),
+            Option(("--confidence",), "probability that the intervals hold the values", "NUMBER", default="0.95"),
+            PLOT,
+        ),
+        _fit,
+    ),
+    Command(
+        "package",
+        "write the FMU of a scene (FMI 2.0 for co-simulation), for the platform of this package",
+        (SCENE, SET, Option(("-o", "--output"), "file to write [default: SlidingContact.NAME.fmu]", "FILE.fmu")),
+        _package,
+    ),
+    Command("scenes", "list the shipped scenes", (), _scenes),
+    Command(
+        "completion",
+        "print the completion of this command for a shell, to be read by it when it starts",
+        (Option(("shell",), "shell", "SHELL", choices=SHELLS),),
+        _completion,
+    ),
+)
+PROGRAM = "sliding-contact"
+
+
+def parser() -> argparse.ArgumentParser:
+    from . import __version__
+
+    own = argparse.ArgumentParser(PROGRAM, description="Wear and heat of two bodies in sliding contact.", allow_abbrev=False)
+    own.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
+    commands = own.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        sentence = f"{command.help[0].upper()}{command.help[1:]}."
+        sub = commands.add_parser(command.name, help=command.help, description=sentence, allow_abbrev=False)
+        for option in command.options:
+            option.add_to(sub)
+        sub.set_defaults(run=command.run)
+    return own
+
+
+def _flags(command: Command) -> list[str]:
+    return [flag for option in command.options for flag in option.flags if flag.startswith("--")] + ["--help"]
+
+
+def completion(shell: str) -> str:
+    """Completion of commands, options, shipped scenes and files."""
+    names = " ".join(command.name for command in COMMANDS)
+    known = " ".join(scenes())
+
+    def quoted(text: str) -> str:
+        return "'" + text.replace("'", "\\'") + "'"
+
+    if shell == "fish":
+        lines = [f"complete -c {PROGRAM} -n __fish_use_subcommand -f -a {command.name} -d {quoted(command.help)}" for command in COMMANDS]
+        for command in COMMANDS:
+            seen = f"-n '__fish_seen_subcommand_from {command.name}'"
+            if SCENE in command.options:
+                lines.append(f"complete -c {PROGRAM} {seen} -a '{known}'")
+            for option in command.options:
+                flags = " ".join(f"-l {flag[2:]}" if flag.startswith("--") else f"-s {flag[1:]}" for flag in option.flags if flag.startswith("-"))
+                if flags:
+                    lines.append(f"complete -c {PROGRAM} {seen} {flags} -d {quoted(option.help)}" + (" -r" if option.value else ""))
+                elif option.choices:
+                    lines.append(f"complete -c {PROGRAM} {seen} -f -a '{' '.join(option.choices)}'")
+        return "\n".join(lines)
+    cases = []
+    for command in COMMANDS:
+        words = [*_flags(command), *(choice for option in command.options for choice in option.choices)]
+        cases.append(f'    {command.name}) words="{" ".join(words)}{" " + known if SCENE in command.options else ""}" ;;')
+    lines = [
+        f"_{PROGRAM.replace('-', '_')}() {{",
+        f'  local words="{names}" own="${{COMP_WORDS[COMP_CWORD]}}"',
+        '  [ "$COMP_CWORD" -gt 1 ] && case "${COMP_WORDS[1]}" in',
+        *cases,
+        "  esac",
+        '  COMPREPLY=($(compgen -W "$words" -- "$own"))',
+        '  [ "$COMP_CWORD" -gt 1 ] && COMPREPLY+=($(compgen -f -- "$own"))',
+        "}",
+        f"complete -o filenames -F _{PROGRAM.replace('-', '_')} {PROGRAM}",
+    ]
+    return "\n".join((["autoload -U +X bashcompinit && bashcompinit"] if shell == "zsh" else []) + lines)
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command line and returns its exit status."""
+    given = parser().parse_args(arguments)
+    with warnings.catch_warnings():
+        # Each once, without the line of the package that raised it.
+        warnings.simplefilter("once")
+        warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
+        try:
+            given.run(given)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            # What is left to be written has no reader either.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return NOT_READ
+        except KeyboardInterrupt:
+            return 130
+        except (Error, ImportError, OSError) as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 1
+    return 0
