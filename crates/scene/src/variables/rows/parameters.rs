@@ -89,6 +89,14 @@ pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
     ],
 };
+pub static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
+    name: "TangentialCompliance",
+    description: "Elastic displacement of the bodies along the sliding direction",
+    items: &[
+        ("neglected", "The bodies slide by the whole sliding distance"),
+        ("elastic", "They deform before they slide, by a bristle of their tangential compliance"),
+    ],
+};
 pub static SCHEME: EnumerationType = EnumerationType {
     name: "Scheme",
     description: "Time stepping; the last two exist for comparison",
@@ -528,6 +536,12 @@ pub const CONTACT: &[Row] = &[
          h stick_stiffness < stick_damping < 2 m/h - h stick_stiffness/2",
     )
     .within(0.0, 1e12),
+    choice(
+        "contact.tangential_compliance",
+        &TANGENTIAL_COMPLIANCE,
+        1,
+        "Whether the bodies deform along the sliding direction before they slide; in series with contact.stick_stiffness",
+    ),
     real(
         "contact.conductance",
         &HEAT_TRANSFER,
