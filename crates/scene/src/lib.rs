@@ -300,6 +300,8 @@ pub struct Scene {
     pub regularization_velocity: f64,
     /// Stiffness of the bristle, N/m; 0: off.
     pub stick_stiffness: f64,
+    /// The bodies deform along the sliding direction before they slide.
+    pub elastic_slip: bool,
     /// Damping of the bristle, N s/m.
     pub stick_damping: f64,
     /// Thermal contact conductance, W/(m2 K).
@@ -446,6 +448,7 @@ impl Scene {
             friction_table: friction_table(v),
             regularization_velocity: value!(v, "contact.regularization_velocity"),
             stick_stiffness: value!(v, "contact.stick_stiffness"),
+            elastic_slip: value!(v, "contact.tangential_compliance") == 2.0,
             stick_damping: value!(v, "contact.stick_damping"),
             conductance: value!(v, "contact.conductance"),
             initial_shape: match value!(v, "contact.initial_shape") as i32 {

@@ -270,6 +270,7 @@ impl Line {
     /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
     fn piece(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
+        self.follow_elastic_slip(inputs);
         let decides_load = operators.decides_load();
         if self.heat.is_some() {
             return self.piece_with_resolved_heat(inputs, slopes, length);

@@ -12,6 +12,7 @@ use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingCo
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
+use elasticity::tangential::tangential_compliances;
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
 use scene::message::Number;
@@ -76,6 +77,9 @@ pub struct LineOperators {
     /// Normal compliance of both bodies and shear coupling (strip less punch), N x N, m/Pa.
     normal: DMatrix<f64>,
     shear: DMatrix<f64>,
+    /// Displacement of the faces against each other along the sliding direction per shear traction, N x N, m/Pa, where elastic slip
+    /// depends on the pressure along the line.
+    tangential: Option<DMatrix<f64>>,
     /// Displacement per mean pressure (m/Pa): scale of the error of a worn shape.
     pub displacement_scale: f64,
     /// Wear laws of punch and strip, with the factor of the mean over the path.
@@ -159,6 +163,12 @@ impl LineOperators {
             initial_gap = run_in(scene, heat, &cells, &bodies)
                 .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
+        let tangential = if scene.elastic_slip && scene.geometry != Geometry::Annular {
+            let [punch, strip] = tangential_compliances(scene, &cells).map_err(|error| error.to_string())?;
+            Some(punch.to_far_face + strip.to_far_face)
+        } else {
+            None
+        };
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;
         let profile_pressure = nalgebra::DVector::from_fn(count, |i, _| match count {
@@ -200,6 +210,7 @@ impl LineOperators {
             initial_gap,
             normal,
             shear,
+            tangential,
             displacement_scale,
             strip_wear,
             rotates,
@@ -259,6 +270,25 @@ impl LineOperators {
         }
         let carried = if self.mean.power_factor == 1.0 { load } else { torque / self.mean.power_factor };
         carried * self.shared_depth
+    }
+
+    /// Whether elastic slip depends on the pressure along the line.
+    pub fn has_tangential_compliance(&self) -> bool {
+        self.tangential.is_some()
+    }
+
+    /// Friction force of all faces over the elastic displacement along the sliding direction at this pressure, N/m: the spring that
+    /// holds the elastic energy of the friction traction, `n_f n b P^2/(p' w V p)`. `None` where the contact is open, or where the
+    /// displacement is that of a uniform traction.
+    pub fn tangential_stiffness(&self, pressure: &[f64]) -> Option<f64> {
+        let tangential = self.tangential.as_ref()?;
+        let (mut load, mut work) = (0.0, 0.0);
+        for (j, column) in tangential.column_iter().enumerate() {
+            load += self.weights[j] * pressure[j];
+            let moved: f64 = (0..pressure.len()).map(|i| self.weights[i] * pressure[i] * column[i]).sum();
+            work += moved * pressure[j];
+        }
+        (load > 0.0 && work > 0.0).then(|| self.scene.faces * self.shared_depth * load * load / work)
     }
 
     /// Nonuniformity of the pressure of the unworn, cold contact at nominal load.

@@ -152,7 +152,15 @@ impl Lumped {
 
     /// Whether a bristle models the friction force at standstill.
     pub fn has_bristle(&self) -> bool {
-        self.operators.scene.stick_stiffness > 0.0
+        self.state.stiffness > 0.0
+    }
+
+    /// Takes the friction force over elastic displacement `elastic` (N/m) of a contact whose pressure has changed. The energy of the
+    /// bristle stays: its deflection follows, by no more than the change of the stiffness.
+    pub fn set_tangential_stiffness(&mut self, elastic: f64) {
+        let before = self.state.stiffness;
+        self.state.stiffness = self.operators.stick_stiffness(elastic);
+        self.state.bristle *= (before / self.state.stiffness).sqrt();
     }
 
     /// Current state.

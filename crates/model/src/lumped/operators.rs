@@ -12,6 +12,7 @@ use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, mean_expansion};
+use elasticity::tangential::tangential_stiffness;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.
@@ -151,6 +152,9 @@ pub struct LumpedOperators {
     pub growth: PerturbationGrowth,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
+    /// Friction force over the elastic displacement of the faces along the sliding direction, under a uniform traction, all faces, N/m;
+    /// infinite where neither body gives way, or where nothing depends on it: without strokes and without elastic slip.
+    pub tangential_stiffness: f64,
     /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
     pub series_stiffness: f64,
 }
@@ -199,6 +203,11 @@ impl LumpedOperators {
             Some(known) => known.compliance,
             None => mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false),
         };
+        let tangential_stiffness = match known {
+            Some(known) => known.tangential_stiffness,
+            None if scene.elastic_slip || scene.nominal_stroke > 0.0 => tangential_stiffness(scene),
+            None => f64::INFINITY,
+        };
         let series_stiffness =
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
@@ -223,6 +232,7 @@ impl LumpedOperators {
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
             growth,
             compliance,
+            tangential_stiffness,
             series_stiffness,
             scene: scene.clone(),
         };
@@ -236,7 +246,7 @@ impl LumpedOperators {
             && self.strip.heat.is_some()
             && self.scene.conductance > 0.0
             && self.series_stiffness == 0.0
-            && self.bristle().is_none()
+            && !self.has_bristle()
             && !self.punch.is_cooled_variably()
             && !self.strip.air[FAR].acts()
             && (!self.strip.air[BESIDE].acts() || self.strip.cooled_is_contact)

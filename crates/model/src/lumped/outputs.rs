@@ -192,7 +192,6 @@ impl Lumped {
         let strip_depth = self.strip_depth();
         let punch = self.flows(&operators.punch, &state.punch);
         let strip = self.flows(&operators.strip, &state.strip);
-        let stick = scene.stick_stiffness;
         let external = |body: &BodyOperators, state: &BodyState, far: f64| {
             point::external_flow(body, far, state.external * body.area * faces)
         };
@@ -218,7 +217,7 @@ impl Lumped {
             "sliding_distance" = state.distance,
             "dissipated_energy" = state.dissipated * operators.area * faces,
             "bristle_deflection" = state.bristle,
-            "bristle_energy" = 0.5 * stick * state.bristle * state.bristle,
+            "bristle_energy" = 0.5 * state.stiffness * state.bristle * state.bristle,
             "heat_lost_ambient" = punch.ambient + strip.ambient,
             "heat_lost_punch_top" = punch.far,
             "heat_lost_strip_base" = strip.far,

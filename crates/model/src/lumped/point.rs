@@ -239,7 +239,7 @@ pub fn evaluate<S: Scalar>(
     let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, far[0], neighbours[0]);
     let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, far[1], neighbours[1]);
     let sides = (punch, strip);
-    let bristle = operators.bristle();
+    let bristle = operators.bristle(state.stiffness);
     let faces = scene.faces;
     // Friction heat per unit of the kinetic friction coefficient at temperature.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
@@ -370,9 +370,29 @@ pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
 }
 
 impl LumpedOperators {
-    /// Bristle of the scene, if any.
-    pub fn bristle(&self) -> Option<Bristle> {
-        (self.scene.stick_stiffness > 0.0)
-            .then_some(Bristle { stiffness: self.scene.stick_stiffness, damping: self.scene.stick_damping })
+    /// Bristle of this stiffness (N/m), which is 0 where there is none.
+    pub fn bristle(&self, stiffness: f64) -> Option<Bristle> {
+        (stiffness > 0.0).then_some(Bristle { stiffness, damping: self.scene.stick_damping })
+    }
+
+    /// Stiffness (N/m) of the bristle, all faces together: `contact.stick_stiffness` in series with the bodies, whose friction force
+    /// over elastic displacement is `elastic`; 0: no bristle.
+    pub fn stick_stiffness(&self, elastic: f64) -> f64 {
+        let given = if self.scene.stick_stiffness > 0.0 { self.scene.stick_stiffness.recip() } else { 0.0 };
+        let own = if self.scene.elastic_slip { elastic.recip() } else { 0.0 };
+        let sum = given + own;
+        if sum > 0.0 { sum.recip() } else { 0.0 }
+    }
+
+    /// Elastic displacement of the faces against each other between full slip to one side and to the other, at nominal load, m.
+    pub fn deformation_at_reversal(&self) -> f64 {
+        let scene = &self.scene;
+        let force = scene.friction_coefficient * scene.nominal_load * scene.faces * self.power_factor;
+        2.0 * force / self.tangential_stiffness
+    }
+
+    /// Whether there is a bristle.
+    pub fn has_bristle(&self) -> bool {
+        self.stick_stiffness(self.tangential_stiffness) > 0.0
     }
 }

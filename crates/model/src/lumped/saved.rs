@@ -16,7 +16,7 @@ impl LumpedState {
             out.extend([body.external, body.depth, body.worn]);
         }
         write_row(&mut out, &self.flash);
-        out.extend([self.position, self.distance, self.dissipated, self.bristle]);
+        out.extend([self.position, self.distance, self.dissipated, self.bristle, self.stiffness]);
         out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
         out.extend([self.end_temperature, self.end_force, self.growth]);
         out.extend(self.far_start);
@@ -47,6 +47,7 @@ impl LumpedState {
         state.distance = next()?;
         state.dissipated = next()?;
         state.bristle = next()?;
+        state.stiffness = next()?;
         state.peak_rise = next()?;
         state.peak_flux = next()?;
         state.peak_wear = next()?;

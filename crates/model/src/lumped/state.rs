@@ -53,6 +53,8 @@ pub struct LumpedState {
     pub dissipated: f64,
     /// Bristle deflection, m.
     pub bristle: f64,
+    /// Stiffness of the bristle, N/m; 0: none.
+    pub stiffness: f64,
     /// Prescribed temperatures of the far faces (punch, strip) at initialisation, K above the reference.
     pub far_start: [f64; 2],
     /// The same now.
@@ -179,7 +181,8 @@ impl LumpedState {
         let initial = [&operators.punch, &operators.strip].map(|body| body.initial_temperature);
         let risen = initial.into_iter().filter(|initial| *initial > 0.0).map(|initial| (initial - reference).abs());
         let peak_rise = risen.fold(0.0, f64::max);
-        LumpedState { punch, strip, track, reference, peak_rise, ..LumpedState::empty() }
+        let stiffness = operators.stick_stiffness(operators.tangential_stiffness);
+        LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::empty() }
     }
 
     /// Zero state without a track.
@@ -193,6 +196,7 @@ impl LumpedState {
             distance: 0.0,
             dissipated: 0.0,
             bristle: 0.0,
+            stiffness: 0.0,
             far_start: [0.0; 2],
             far: [0.0; 2],
             peak_rise: 0.0,
@@ -233,6 +237,7 @@ impl LumpedState {
         within(&self.punch.heat, &operators.punch)
             && within(&self.strip.heat, &operators.strip)
             && self.track.is_some() == operators.tracked
+            && (self.stiffness > 0.0) == operators.has_bristle()
             && self.refinement <= 60
     }
 }

@@ -111,6 +111,7 @@ pub struct CycleMap {
 pub fn sliding_scene(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.stick_stiffness = 0.0;
+    scene.elastic_slip = false;
     scene
 }
 

@@ -88,6 +88,14 @@ pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
     ],
 };
+pub static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
+    name: "TangentialCompliance",
+    description: "Elastic displacement of the bodies along the sliding direction",
+    items: &[
+        ("neglected", "The bodies slide by the whole sliding distance"),
+        ("elastic", "They deform before they slide, by a bristle of their tangential compliance"),
+    ],
+};
 
 /// Temperatures of a fade table at start; the factors beside them are 1.
 const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
@@ -522,6 +530,12 @@ pub const CONTACT: &[Row] = &[
          h stick_stiffness < stick_damping < 2 m/h - h stick_stiffness/2",
     )
     .within(0.0, 1e12),
+    choice(
+        "contact.tangential_compliance",
+        &TANGENTIAL_COMPLIANCE,
+        1,
+        "Whether the bodies deform along the sliding direction before they slide; in series with contact.stick_stiffness",
+    ),
     real(
         "contact.conductance",
         &HEAT_TRANSFER,
