@@ -6,6 +6,7 @@ mod fade;
 pub mod fnv;
 mod friction_table;
 pub mod message;
+mod property_table;
 mod rules;
 pub mod slot;
 pub mod variables;
@@ -13,9 +14,10 @@ mod warnings;
 
 pub use fade::FadeTable;
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
+pub use property_table::{PROPERTY_POINTS, PropertyTable};
 pub use rules::BrokenRule;
 
-use crate::variables::{COUNT, TOLERANCES, reference};
+use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 
 /// Value of the row called `$name` in `$values`; an unknown name does not compile.
 #[macro_export]
@@ -195,10 +197,12 @@ pub struct Body {
     pub foundation_stiffness: f64,
     /// rho, kg/m3.
     pub density: f64,
-    /// c, J/(kg K).
+    /// c, J/(kg K); of the property table at the initial temperature where there is one.
     pub specific_heat: f64,
-    /// K, W/(m K); 0: an insulator.
+    /// K, W/(m K), likewise; 0: an insulator.
     pub conductivity: f64,
+    /// Conductivity and specific heat over temperature, in place of constants.
+    pub properties: Option<PropertyTable>,
     /// alpha, 1/K.
     pub thermal_expansion: f64,
     /// k of the wear law, m2/N.
@@ -353,13 +357,35 @@ fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
     })
 }
 
+/// The property table whose rows begin at these references, if it has points.
+fn property_table(v: &[f64; COUNT], points: f64, first: [ValueReference; 3]) -> Option<PropertyTable> {
+    let [temperature, conductivity, specific_heat] =
+        first.map(|first| std::array::from_fn(|point| v[first as usize + point]));
+    (points > 0.0).then_some(PropertyTable { points: points as usize, temperature, conductivity, specific_heat })
+}
+
 /// A temperature where it is chosen to act, K; 0 where not.
 fn chosen(acts: bool, temperature: f64) -> f64 {
     if acts { temperature } else { 0.0 }
 }
 
 macro_rules! body {
-    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {{
+        let table = property_table(
+            $v,
+            value!($v, concat!($body, ".property_table.points")),
+            [
+                const { reference(concat!($body, ".property_table.temperature")) },
+                const { reference(concat!($body, ".property_table.conductivity")) },
+                const { reference(concat!($body, ".property_table.specific_heat")) },
+            ],
+        );
+        let initial_temperature = chosen(
+            value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
+            value!($v, concat!($body, ".initial_temperature")),
+        );
+        let ambient = value!($v, "ambient_temperature");
+        let first = if initial_temperature > 0.0 { initial_temperature } else { ambient };
         Body {
             height: value!($v, concat!($body, ".height")),
             mechanical: match value!($v, concat!($body, ".body")) as i32 {
@@ -372,8 +398,11 @@ macro_rules! body {
             poissons_ratio: value!($v, concat!($body, ".poissons_ratio")),
             foundation_stiffness: value!($v, concat!($body, ".foundation_stiffness")),
             density: value!($v, concat!($body, ".density")),
-            specific_heat: value!($v, concat!($body, ".specific_heat")),
-            conductivity: value!($v, concat!($body, ".conductivity")),
+            specific_heat: table
+                .map_or(value!($v, concat!($body, ".specific_heat")), |table| table.specific_heat_at(first)),
+            conductivity: table
+                .map_or(value!($v, concat!($body, ".conductivity")), |table| table.conductivity_at(first)),
+            properties: table,
             thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
             wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
             wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
@@ -385,10 +414,7 @@ macro_rules! body {
             ),
             initial_wear: value!($v, concat!($body, ".initial_wear")),
             wear_limit: value!($v, concat!($body, ".wear_limit")),
-            initial_temperature: chosen(
-                value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
-                value!($v, concat!($body, ".initial_temperature")),
-            ),
+            initial_temperature,
             convection: value!($v, concat!($body, ".convection")),
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
@@ -398,7 +424,7 @@ macro_rules! body {
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
             far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
-    };
+    }};
 }
 
 /// Masses worn off both bodies and the airborne part of their sum, kg, by the worn volumes of all faces, m3.

@@ -7,6 +7,7 @@ use crate::growth::PerturbationGrowth;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
+use conduction::properties::Properties;
 use conduction::reduced::{MAX_STATES, Observation, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
@@ -20,6 +21,16 @@ use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 pub struct BodyOperators {
     /// Reduced conduction model; `None` for an insulator.
     pub heat: Option<ReducedBody>,
+    /// Conductivity and specific heat over the mean temperature; `None`: constants.
+    pub properties: Option<Properties>,
+    /// Heat capacity of the whole height with the constants of `heat`, J/(m2 K) of reference area.
+    pub heat_capacity: f64,
+    /// Mean of the temperature field that the states have of 1 K throughout.
+    pub uniform_mean: f64,
+    /// Heat leaves by the constant heat transfer within the states.
+    pub loses_to_air: bool,
+    /// Heat leaves through the far face, or by the constant heat transfer.
+    pub passes_heat: bool,
     /// Fraction of the contact flux that enters per reference area.
     pub coverage: f64,
     /// Reference area of the conduction problem per face, m2.
@@ -51,6 +62,20 @@ pub struct BodyOperators {
 }
 
 impl BodyOperators {
+    /// Sets what the account of heat asks of the reduced body.
+    fn observe_heat(&mut self) {
+        let Some(heat) = &self.heat else { return };
+        let any = |observation: &Observation| {
+            observation.states[..heat.count].iter().any(|weight| *weight != 0.0)
+                || observation.direct[Port::Contact as usize] != 0.0
+        };
+        let flows = heat.ambient_flow.direct[Port::Ambient as usize] != 0.0;
+        self.loses_to_air = flows && any(&heat.ambient_flow);
+        self.passes_heat = self.loses_to_air || heat.rate[0] > 0.0;
+        let products = heat.mean_temperature.states.iter().zip(&heat.stored.states);
+        self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
+    }
+
     /// Whether any face has cooling beyond the constant heat transfer.
     pub fn is_cooled_variably(&self) -> bool {
         self.air.iter().any(Air::acts)
@@ -196,6 +221,7 @@ impl LumpedOperators {
             append_track(heat, flash);
         }
         for body in [&mut punch, &mut strip] {
+            body.observe_heat();
             body.cooled_is_contact =
                 body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
         }
@@ -317,6 +343,11 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     BodyOperators {
         heat: None,
+        properties: Properties::of(body),
+        heat_capacity: body.capacity() * body.height,
+        uniform_mean: 1.0,
+        loses_to_air: false,
+        passes_heat: false,
         coverage,
         area,
         air: Air::of(body, cooled_part, area * scene.faces),
@@ -404,6 +435,10 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let mut operators = body_of(scene, body, reference, cooled / reference, coverage, false);
+    if endless {
+        // Fresh material arrives at the temperature for which the constants are.
+        operators.properties = None;
+    }
     // A closed path wears over its whole length; a straight one under the contact, with a worn track.
     operators.worn_area = area;
     let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);

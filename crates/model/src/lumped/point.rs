@@ -9,6 +9,7 @@ use super::interface::{HeatPartition, Side, agree, partition, separated};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
 use conduction::STEFAN_BOLTZMANN;
+use conduction::properties::Scales;
 use conduction::reduced::{Observation, Port, ReducedBody};
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;
@@ -24,25 +25,55 @@ pub struct Frozen {
     closed: f64,
 }
 
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 struct FrozenBody {
     contact: f64,
     /// Cooled faces.
     cooled: [f64; FACES],
     ambient_flow: f64,
     base_flow: f64,
+    /// Properties at the mean temperature, and the cooling of the faces there.
+    scales: Scales,
+    air: [Air; FACES],
+}
+
+impl Default for FrozenBody {
+    fn default() -> Self {
+        FrozenBody {
+            contact: 0.0,
+            cooled: [0.0; FACES],
+            ambient_flow: 0.0,
+            base_flow: 0.0,
+            scales: Scales::ONE,
+            air: [Air::default(); FACES],
+        }
+    }
 }
 
 impl FrozenBody {
-    fn new(body: &BodyOperators, state: &BodyState) -> FrozenBody {
+    fn new(body: &BodyOperators, state: &BodyState, reference: f64, far: f64) -> FrozenBody {
         let Some(heat) = &body.heat else { return FrozenBody::default() };
+        let scales = body
+            .properties
+            .as_ref()
+            .map_or(Scales::ONE, |properties| properties.at(reference + body.mean_rise(heat, &state.heat, far)));
         let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
         FrozenBody {
             contact: of(&heat.contact_temperature),
             cooled: cooled_faces(heat).map(of),
             ambient_flow: of(&heat.ambient_flow),
             base_flow: of(&heat.base_flow),
+            scales,
+            air: body.air.map(|air| air.at(scales)),
         }
+    }
+}
+
+impl FrozenBody {
+    /// Direct feedthrough of a flux to an observed temperature.
+    #[inline]
+    fn direct(&self, observation: &Observation, port: usize) -> f64 {
+        self.scales.flux * observation.direct[port]
     }
 }
 
@@ -57,8 +88,8 @@ impl Frozen {
             0.0
         };
         Frozen {
-            punch: FrozenBody::new(&operators.punch, &state.punch),
-            strip: FrozenBody::new(&operators.strip, &state.strip),
+            punch: FrozenBody::new(&operators.punch, &state.punch, state.reference, state.far[0]),
+            strip: FrozenBody::new(&operators.strip, &state.strip, state.reference, state.far[1]),
             flash: state.flash.iter().sum(),
             closed,
         }
@@ -109,6 +140,9 @@ pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forc
 #[inline]
 pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * air.forced;
+    if air.rest != 0.0 {
+        flux = flux + (ambient - t) * air.rest;
+    }
     if air.emissivity > 0.0 {
         // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
         // [`cooling_slope`] is its derivative.
@@ -124,7 +158,8 @@ pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: 
 /// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
 pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
-    let by_air = forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
+    let by_air =
+        forced * air.forced + air.rest + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
     if air.path > 0.0 { by_air + air.path } else { by_air }
 }
 
@@ -157,17 +192,17 @@ fn held_cooling<S: Scalar>(
     let faces = cooled_faces(heat);
     let level: [S; FACES] = std::array::from_fn(|face| {
         prescribed(faces[face], conditions.ambient, far)
-            + into * faces[face].direct[Port::Contact as usize]
+            + into * frozen.direct(faces[face], Port::Contact as usize)
             + S::from(frozen.cooled[face])
     });
     // Mostly the static correction is small against the resistance of the convection, and the fixed-point iteration contracts by
     // their ratio. Where it does not, the flux through both in series keeps the face between the air and its level.
     for _ in 0..5 {
         for face in 0..FACES {
-            let air = &body.air[face];
+            let air = &frozen.air[face];
             if air.acts() {
-                let t = level[face] + raised(faces[face], &flux);
-                let correction = faces[face].direct[PORTS_OF_FACES[face]];
+                let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
+                let correction = frozen.direct(faces[face], PORTS_OF_FACES[face]);
                 let hottest = t.value().max(conditions.ambient.value());
                 flux[face] =
                     if correction * cooling_slope(air, reference, hottest, conditions.forced.value()) <= CONTRACTING {
@@ -195,7 +230,8 @@ const CONTRACTING: f64 = 0.5;
 /// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`cooling_flux`]: radiation as (a^2 + b^2)(a + b).
 fn transfer_coefficient<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let [air_side, face] = [ambient, t].map(|rise| (rise + S::from(reference)).positive());
-    forced * air.forced + (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity)
+    let radiation = (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity);
+    forced * air.forced + S::from(air.rest) + radiation
 }
 
 /// Direct feedthrough of the cooling fluxes to an observation.
@@ -228,9 +264,10 @@ pub fn evaluate<S: Scalar>(
             let none = S::from(0.0);
             let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], none);
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
-                + raised(&heat.contact_temperature, &cooling)
+                + raised(&heat.contact_temperature, &cooling) * frozen.scales.flux
                 + S::from(frozen.contact + extra);
-            (Side { level, gain: Some(heat.contact_temperature.direct[Port::Contact as usize]) }, cooling)
+            let gain = frozen.direct(&heat.contact_temperature, Port::Contact as usize);
+            (Side { level, gain: Some(gain) }, cooling)
         }
         None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
     };
@@ -307,10 +344,11 @@ pub fn evaluate<S: Scalar>(
     let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
         Some(heat) => {
             let observe = |observation: &Observation, states: f64| {
-                (S::from(states)
+                // The states are those of the conductivity K0.
+                (S::from(states) * (1.0 / frozen.scales.flux)
                     + into * observation.direct[Port::Contact as usize]
                     + raised(observation, &cooling)
-                    + prescribed(observation, conditions.ambient, far))
+                    + prescribed(observation, conditions.ambient, far) * (1.0 / frozen.scales.flux))
                     * (body.area * faces)
             };
             (
@@ -318,10 +356,10 @@ pub fn evaluate<S: Scalar>(
                 observe(&heat.base_flow, frozen.base_flow),
                 if body.air[FAR].path > 0.0 {
                     let t = S::from(frozen.cooled[FAR])
-                        + into * heat.base_temperature.direct[Port::Contact as usize]
-                        + raised(&heat.base_temperature, &cooling)
+                        + into * frozen.direct(&heat.base_temperature, Port::Contact as usize)
+                        + raised(&heat.base_temperature, &cooling) * frozen.scales.flux
                         + prescribed(&heat.base_temperature, conditions.ambient, far);
-                    let by_air = air_flux(&body.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
+                    let by_air = air_flux(&frozen.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
                     (by_air - cooling[FAR]) * (body.area * faces)
                 } else {
                     S::from(0.0)

@@ -17,6 +17,11 @@ pub struct BodyState {
     pub received: [f64; 4],
     /// Heat that has left by the path to the neighbour since initialisation, J/m2 of reference area.
     pub external: f64,
+    /// Heat that has left by the constant heat transfer since initialisation, J/m2 of reference area; counted where the properties follow
+    /// the temperature.
+    pub lost: f64,
+    /// Rate of the mean temperature over the last step, K/s; likewise.
+    pub trend: f64,
     /// Worn depth under a contact that stays on its material, m: of the punch, or of the strip on a closed path.
     pub depth: f64,
     /// Worn volume per face over `worn_area`, m.
@@ -29,6 +34,8 @@ impl BodyState {
         heat: [0.0; conduction::reduced::MAX_STATES],
         received: [0.0; 4],
         external: 0.0,
+        lost: 0.0,
+        trend: 0.0,
         depth: 0.0,
         worn: 0.0,
     };
@@ -159,8 +166,7 @@ impl LumpedState {
     pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
-            let mut state =
-                BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], external: 0.0, depth: 0.0, worn: 0.0 };
+            let mut state = BodyState::EMPTY;
             if let Some(heat) = &body.heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {
