@@ -19,6 +19,7 @@ mod evaluation;
 mod faces;
 mod growth_guard;
 mod prepare;
+mod properties;
 mod stage;
 mod staggered;
 mod start;
@@ -36,6 +37,7 @@ use contact::wear::line::WearingContact;
 use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
+use properties::FrozenProperties;
 use scene::Scheme;
 pub use staggered::Refusal;
 
@@ -151,6 +153,8 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
+    /// Properties of the bodies.
+    frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
@@ -215,6 +219,7 @@ impl ThermalCoupling {
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
+            frozen: FrozenProperties::new(),
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],

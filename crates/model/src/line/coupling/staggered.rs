@@ -217,7 +217,7 @@ impl ThermalCoupling {
     /// Builds the heat partition at the end of the step for the cells in contact.
     fn build_end_partition(&mut self) {
         let steady = self.velocity[0] == self.velocity[1];
-        let key = (self.step, if steady { self.velocity[1] } else { f64::NAN });
+        let key = (self.step, if steady { self.velocity[1] } else { f64::NAN }, self.frozen.scales);
         // The operators of a changing velocity share a slot and are built anew.
         if !(self.partitions.take(key) && steady) {
             let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
