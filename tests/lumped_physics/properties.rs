@@ -1,16 +1,21 @@
-//! Conductivity and specific heat over temperature, against a slab whose properties are those of its local temperature.
+//! Conductivity and specific heat over temperature at both levels, against a slab whose properties are those of its local temperature.
 
 use exact::property_slab::{Face, PropertySlab};
 use scene::Scene;
 use scene::variables::STARTS;
 use sliding_contact::component::Snapshot;
-use test_support::{CONVECTING, Drive, HELD, INSULATED, changed};
+use test_support::{CONVECTING, Drive, HELD, INSULATED, LUMPED, changed};
 
 const AIR: f64 = 293.15;
 const HEIGHT: f64 = 0.011;
 const DENSITY: f64 = 7850.0;
 const AREA: f64 = 0.1;
 const PERIODIC: f64 = 3.0;
+const LINE: f64 = 3.0;
+
+/// A level, and the largest error of temperatures by a step in it: properties are constant over parts of the temperature on the line.
+const LEVELS: [(&str, &[(&str, f64)]); 2] =
+    [("lumped", &[("solver.fidelity", LUMPED)]), ("line", &[("solver.fidelity", LINE), ("solver.cells", 9.0)])];
 
 /// Carbon steel by EN 1993-1-2, section 3.4.1, at a temperature in degC: conductivity and specific heat.
 fn steel(t: f64) -> (f64, f64) {
@@ -130,131 +135,158 @@ fn temperatures_are_those_of_local_properties_to_a_hundredth() {
     let to_air = [("strip.base_thermal", CONVECTING), ("strip.convection", 120.0)];
     let both = [to_air[0], to_air[1], ("strip.cooled_area", AREA)];
     let held = [("strip.base_thermal", HELD)];
+    let mut failed = Vec::new();
     for (name, phases, more, faces, constants) in [
-        ("one stop", stops(1, 6e6), &[][..], [none, none], 0.05),
-        ("fifteen stops", stops(15, 3.2e6), &to_air, [none, air], 0.1),
-        ("fifteen stops, both faces in air", stops(15, 4e6), &both, [air, air], 0.1),
+        ("one stop", stops(1, 3e6), &[][..], [none, none], 0.05),
+        ("fifteen stops", stops(15, 2.2e6), &to_air, [none, air], 0.1),
+        ("fifteen stops, both faces in air", stops(15, 2.9e6), &both, [air, air], 0.1),
         ("drag", vec![(2.2e5, 2.2e5, 150.0)], &to_air, [none, air], 0.1),
-        ("held base", vec![(2e6, 2e6, 20.0), (0.0, 0.0, 10.0)], &held, [none, Face::Held(AIR)], 0.05),
+        ("held base", vec![(1.5e6, 1.5e6, 20.0), (0.0, 0.0, 10.0)], &held, [none, Face::Held(AIR)], 0.05),
         ("heating and cooling", vec![(6e5, 6e5, 50.0), (0.0, 0.0, 600.0)], &both, [air, air], 0.1),
     ] {
-        let step = if phases.len() < 4 { 0.5 } else { 1.0 };
+        let step = if phases.len() < 4 { 0.1 } else { 1.0 };
         let mut exact = PropertySlab::new(HEIGHT, DENSITY, &points(), faces, 60, AIR);
         let exact = slab(&mut exact, &phases, step, 20);
-        let with = [covered(more), table("strip", &points())].concat();
-        let computed = component(&mut drive(&with), &phases, step);
-        let constant = component(&mut drive(&covered(more)), &phases, step);
-        let errors = [difference(&computed, &exact), difference(&constant, &exact)];
         let highest = exact.iter().fold(0.0, |most: f64, t| most.max(*t)) - 273.15;
-        println!(
-            "{name}: up to {highest:.0} degC, error {:.2} %, of constants {:.1} %",
-            100.0 * errors[0],
-            100.0 * errors[1]
-        );
-        assert!(errors[0] < 0.01, "{name}: {}", errors[0]);
-        assert!(errors[1] > constants, "{name}: constants {}", errors[1]);
+        let constant = difference(&component(&mut drive(&covered(more)), &phases, step), &exact);
+        for (level, of_level) in LEVELS {
+            // The line has no air beside a contact that covers everything.
+            if level == "line" && faces[0] != none {
+                continue;
+            }
+            let with = [covered(&[more, of_level].concat()), table("strip", &points())].concat();
+            let error = difference(&component(&mut drive(&with), &phases, step), &exact);
+            println!(
+                "{level}, {name}: up to {highest:.0} degC, error {:.2} %, of constants {:.1} %",
+                100.0 * error,
+                100.0 * constant
+            );
+            if error >= 0.01 || constant <= constants {
+                failed.push(format!("{level}, {name}: {error}, of constants {constant}"));
+            }
+        }
     }
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 #[test]
 fn a_table_of_constants_is_a_body_of_constants() {
     let more = [("strip.base_thermal", CONVECTING), ("strip.convection", 120.0)];
     let constant = |t: f64| (t, steel(20.0).0, steel(20.0).1);
-    let with = [covered(&more), table("strip", &[constant(300.0), constant(800.0)])].concat();
     let phases = stops(3, 3e6);
-    let mut runs = [drive(&with), drive(&covered(&more))];
-    let [computed, exact] = runs.each_mut().map(|run| component(run, &phases, 1.0));
-    let error = difference(&computed, &exact);
-    assert!(error < 1e-9, "{error}");
-    for name in ["heat_lost_strip_base", "stored_heat", "heat_received_strip", "strip.mean_temperature"] {
-        let [one, other] = runs.each_mut().map(|run| run.get(name));
-        assert!((one - other).abs() < 1e-8 * other.abs(), "{name}: {one} {other}");
+    for (level, of_level) in LEVELS {
+        let scene = covered(&[&more[..], of_level].concat());
+        let with = [scene.clone(), table("strip", &[constant(300.0), constant(800.0)])].concat();
+        let mut runs = [drive(&with), drive(&scene)];
+        let [computed, exact] = runs.each_mut().map(|run| component(run, &phases, 1.0));
+        let error = difference(&computed, &exact);
+        // The lumped level interpolates between step sizes.
+        assert!(error < 2e-6, "{level}: {error}");
+        for name in ["heat_lost_strip_base", "stored_heat", "heat_received_strip", "strip.mean_temperature"] {
+            let [one, other] = runs.each_mut().map(|run| run.get(name));
+            assert!((one - other).abs() < 2e-6 * other.abs(), "{level}, {name}: {one} {other}");
+        }
     }
 }
 
 #[test]
 fn steps_are_of_second_order() {
     // A smooth course of the flux, as the limits of a step in a jump are another question.
-    let run = |steps: u32| {
-        let with = [covered(&[("solver.tolerance", 0.1)]), table("strip", &points())].concat();
-        let mut drive = drive(&with);
-        let flux = |part: f64| 4e6 * (std::f64::consts::PI * part).sin().powi(2);
-        for i in 0..steps {
-            let [now, next] = [i, i + 1].map(|i| flux(f64::from(i) / f64::from(steps)));
-            let step = 8.0 / f64::from(steps);
-            drive.set("normal_load", now * AREA / 10.0).slope("normal_load", (next - now) / step * AREA / 10.0);
-            drive.step(step);
-        }
-        drive.get("contact_temperature")
-    };
-    let fine = run(2048);
-    let errors = [8, 16, 32, 64].map(|steps| (run(steps) - fine).abs());
-    println!("{fine} K: {errors:?}");
-    assert!(errors.windows(2).all(|pair| pair[1] < 0.35 * pair[0]), "{errors:?}");
+    for (level, of_level) in LEVELS {
+        let run = |steps: u32| {
+            let with =
+                [covered(&[&[("solver.tolerance", 0.1)], of_level].concat()), table("strip", &points())].concat();
+            let mut drive = drive(&with);
+            let flux = |part: f64| 4e6 * (std::f64::consts::PI * part).sin().powi(2);
+            for i in 0..steps {
+                let [now, next] = [i, i + 1].map(|i| flux(f64::from(i) / f64::from(steps)));
+                let step = 8.0 / f64::from(steps);
+                drive.set("normal_load", now * AREA / 10.0).slope("normal_load", (next - now) / step * AREA / 10.0);
+                drive.step(step);
+            }
+            drive.get("contact_temperature")
+        };
+        let fine = run(2048);
+        let errors = [8, 16, 32, 64].map(|steps| (run(steps) - fine).abs());
+        println!("{level}: {fine} K: {errors:?}");
+        // On the line properties are constant over parts of a hundredth, and the error falls to that.
+        let floor = if level == "line" { 0.3 } else { 0.0 };
+        assert!(errors.windows(2).all(|pair| pair[1] < (0.35 * pair[0]).max(floor)), "{level}: {errors:?}");
+    }
 }
 
 #[test]
 fn heat_is_conserved_and_flows_are_those_of_the_account() {
     let held = [("strip.base_thermal", HELD)];
     let air = [("strip.base_thermal", CONVECTING), ("strip.convection", 300.0), ("strip.cooled_area", AREA)];
-    for more in [&[][..], &held, &air] {
-        let with = [covered(&[more, &[("solver.tolerance", 1e-4)]].concat()), table("strip", &points())].concat();
-        let mut drive = drive(&with);
-        let (mut sums, step, count) = ([0.0; 2], 0.02, 1500);
-        let mut before = [0.0; 2];
-        for i in 0..=count {
-            let flux =
-                |i: u32| 2e6 * (std::f64::consts::PI * f64::from(i) / f64::from(count)).sin().powi(2) * AREA / 10.0;
-            let now = ["heat_flow_ambient", "heat_flow_strip_base"].map(|name| drive.get(name));
-            for k in 0..2 {
-                sums[k] += if i > 0 { 0.5 * step * (before[k] + now[k]) } else { 0.0 };
+    for (level, of_level) in LEVELS {
+        for more in [&[][..], &held, &air] {
+            let with = [covered(&[more, of_level, &[("solver.tolerance", 1e-4)]].concat()), table("strip", &points())]
+                .concat();
+            let mut drive = drive(&with);
+            let (mut sums, step, count) = ([0.0; 2], 0.02, 1500);
+            let mut before = [0.0; 2];
+            for i in 0..=count {
+                let flux =
+                    |i: u32| 2e6 * (std::f64::consts::PI * f64::from(i) / f64::from(count)).sin().powi(2) * AREA / 10.0;
+                let now = ["heat_flow_ambient", "heat_flow_strip_base"].map(|name| drive.get(name));
+                for k in 0..2 {
+                    sums[k] += if i > 0 { 0.5 * step * (before[k] + now[k]) } else { 0.0 };
+                }
+                before = now;
+                if i < count {
+                    drive.set("normal_load", flux(i)).slope("normal_load", (flux(i + 1) - flux(i)) / step).step(step);
+                }
             }
-            before = now;
-            if i < count {
-                drive.set("normal_load", flux(i)).slope("normal_load", (flux(i + 1) - flux(i)) / step).step(step);
+            let imbalance = drive.imbalance();
+            assert!(imbalance < 1e-11, "{level} {more:?}: {imbalance:e}");
+            let received = drive.get("heat_received_strip");
+            for (name, sum) in [("heat_lost_ambient", sums[0]), ("heat_lost_strip_base", sums[1])] {
+                let lost = drive.get(name);
+                println!("{level} {more:?} {name}: {lost} J, flow {sum} J of {received} J");
+                assert!((lost - sum).abs() < 2e-4 * received, "{level} {more:?} {name}: {lost} {sum} of {received}");
             }
-        }
-        let imbalance = drive.imbalance();
-        assert!(imbalance < 1e-12, "{more:?}: {imbalance:e}");
-        let received = drive.get("heat_received_strip");
-        for (name, sum) in [("heat_lost_ambient", sums[0]), ("heat_lost_strip_base", sums[1])] {
-            let lost = drive.get(name);
-            println!("{more:?} {name}: {lost} J, flow {sum} J of {received} J");
-            assert!((lost - sum).abs() < 2e-4 * received, "{more:?} {name}: {lost} {sum} of {received}");
         }
     }
 }
 
 #[test]
 fn nothing_jumps_where_a_property_changes() {
-    // Heating at a constant flux through points of the table and many cached steps of its own time.
-    let with = [covered(&[]), table("strip", &points())].concat();
-    let mut drive = drive(&with);
-    let temperatures = component(&mut drive, &[(5e5, 5e5, 40.0)], 0.02);
-    let rises: Vec<f64> = temperatures.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    // After the first second the rise is nearly steady.
-    let jump = rises.windows(2).skip(500).map(|pair| (pair[1] / pair[0] - 1.0).abs()).fold(0.0, f64::max);
-    println!("up to {} K, {jump:e} of a rise of {} K", temperatures[temperatures.len() - 1], rises[rises.len() - 1]);
-    assert!(temperatures[temperatures.len() - 1] > 700.0 && jump < 5e-3, "{jump:e}");
+    // Heating at a constant flux through points of the table, many cached steps of its own time, and parts of the temperature.
+    for (level, of_level) in LEVELS {
+        let with = [covered(of_level), table("strip", &points())].concat();
+        let mut drive = drive(&with);
+        let temperatures = component(&mut drive, &[(5e5, 5e5, 40.0)], 0.02);
+        let rises: Vec<f64> = temperatures.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // After ten seconds the rise is nearly steady. On the line a part of the temperature ends in a kink, not in a jump: the
+        // heated layer of a step is that of the next properties.
+        let kink = rises.windows(2).skip(500).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let last = temperatures[temperatures.len() - 1];
+        println!("{level}: up to {last} K, {kink} K between rises of {} K", rises[rises.len() - 1]);
+        let bound = if level == "line" { 2e-4 } else { 1e-6 };
+        assert!(last > 700.0 && kink < bound * (last - AIR), "{level}: {kink}");
+    }
 }
 
 #[test]
 fn a_replay_gives_the_same_bits() {
     let more = [("strip.base_thermal", CONVECTING), ("strip.convection", 120.0)];
-    let with = [covered(&more), table("strip", &points())].concat();
-    let mut run = drive(&with);
-    component(&mut run, &stops(2, 3e6), 0.7);
-    let mut saved = Snapshot::default();
-    run.0.snapshot(&mut saved);
-    let phases = [(3e6, 0.0, 4.0), (0.0, 0.0, 30.0)];
-    let first = component(&mut run, &phases, 0.9);
-    run.0.restore(&saved).unwrap();
-    assert_eq!(component(&mut run, &phases, 0.9), first);
-    let mut bytes = Vec::new();
-    saved.encode(&mut bytes);
-    let mut fresh = drive(&with);
-    fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-    assert_eq!(component(&mut fresh, &phases, 0.9), first);
+    for (level, of_level) in LEVELS {
+        let with = [covered(&[&more[..], of_level].concat()), table("strip", &points())].concat();
+        let mut run = drive(&with);
+        component(&mut run, &stops(2, 3e6), 0.7);
+        let mut saved = Snapshot::default();
+        run.0.snapshot(&mut saved);
+        let phases = [(3e6, 0.0, 4.0), (0.0, 0.0, 30.0)];
+        let first = component(&mut run, &phases, 0.9);
+        run.0.restore(&saved).unwrap();
+        assert_eq!(component(&mut run, &phases, 0.9), first, "{level}");
+        let mut bytes = Vec::new();
+        saved.encode(&mut bytes);
+        let mut fresh = drive(&with);
+        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert_eq!(component(&mut fresh, &phases, 0.9), first, "{level}");
+    }
 }
 
 #[test]

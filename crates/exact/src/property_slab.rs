@@ -8,7 +8,7 @@
 //! flux between two nodes the difference of the Kirchhoff integral of K, so that heat is conserved to rounding. In time TR-BDF2 (Bank et
 //! al. 1985), with Newton's method on the tridiagonal system.
 //!
-//! Theory: docs/theory.md, section 4.14.
+//! Theory: docs/theory.md, section 4.15.
 
 /// Conductivity and specific heat at increasing temperatures, linear between and constant beyond.
 #[derive(Clone, Debug)]

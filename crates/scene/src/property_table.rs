@@ -3,7 +3,7 @@
 //! Linear between the points, constant beyond the ends. The enthalpy by mass is the exact integral of the specific heat,
 //! quadratic between the points, and its inverse is exact too.
 //!
-//! Theory: docs/theory.md, section 4.14.
+//! Theory: docs/theory.md, section 4.15.
 
 /// Most points of the table.
 pub const PROPERTY_POINTS: usize = 16;

@@ -27,12 +27,14 @@
 
 pub mod contact_parts;
 pub mod disc;
+pub mod property_body;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
 #[cfg(test)]
 mod tests;
 
+use crate::properties::Scales;
 use contact_parts::ContactParts;
 use nalgebra::DMatrix;
 use std::fmt::Debug;
@@ -243,6 +245,12 @@ pub trait ThermalBody: Debug + Send {
     /// temperatures the influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
     /// effect on a body that does not divide its cells.
     fn set_contact_parts(&mut self, _contact_parts: [&ContactParts; 2]) {}
+
+    /// Sets the mean temperature (K) for whose properties steps are prepared from now on, and the absolute temperature (K) of the
+    /// reference; returns the factors of the properties. Without effect on a body of constants.
+    fn set_temperature(&mut self, _mean: f64, _reference: f64) -> Scales {
+        Scales::ONE
+    }
 
     /// Computes weights and surface influence matrices for a step of `step` s in which the sliding velocity changes linearly
     /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments

@@ -19,6 +19,7 @@ mod evaluation;
 mod faces;
 mod growth_guard;
 mod prepare;
+mod properties;
 mod stage;
 mod start;
 
@@ -35,6 +36,7 @@ use contact::wear::line::WearingContact;
 use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
+use properties::FrozenProperties;
 
 /// Differences stored for the Anderson acceleration of a stage.
 const ACCELERATION_DEPTH: usize = 8;
@@ -146,6 +148,8 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
+    /// Properties of the bodies.
+    frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
@@ -208,6 +212,7 @@ impl ThermalCoupling {
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
+            frozen: FrozenProperties::new(),
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],

@@ -242,7 +242,8 @@ impl Line {
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
-                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
+                let of_properties = solved.error_of_properties(&given);
+                Outcome::Tried(maximum(wear, solved.error(operators, bound)).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

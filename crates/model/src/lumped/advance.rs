@@ -4,7 +4,7 @@
 //! Theory: docs/theory.md, sections 5.1, 7.3.
 
 use super::conditions::Conditions;
-use super::operators::BodyOperators;
+use super::operators::{BodyOperators, LumpedOperators};
 use super::property_step::{ATTEMPTS, PropertyPropagators};
 use super::state::LumpedState;
 use super::stepper::{Attempt, Propagators, Stepper};
@@ -14,6 +14,7 @@ use crate::events::edges;
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
+use conduction::properties::Scales;
 use numerics::cache::KeyedCache;
 use pulp::NullaryFnOnce;
 use scene::message::Number;
@@ -48,6 +49,24 @@ fn propagators<'a>(
     match at_properties {
         Some(prepared) => &prepared.step,
         None => &constant[index],
+    }
+}
+
+/// [`PropertyPropagators::prepare`], compiled for every vector unit; no operation is fused, so all give the same bits.
+struct Prepare<'a> {
+    propagators: &'a mut PropertyPropagators,
+    operators: &'a LumpedOperators,
+    step: f64,
+    scales: [Scales; 2],
+    complete: bool,
+}
+
+impl NullaryFnOnce for Prepare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.propagators.prepare(self.operators, self.step, self.scales, self.complete);
     }
 }
 
@@ -131,7 +150,8 @@ impl Lumped {
             0 => self.property_step.predict(&self.operators, &self.state, step),
             _ => self.property_step.correct(&self.operators),
         };
-        propagators.prepare(&self.operators, step, scales, !self.operators.fast_path);
+        let complete = !self.operators.fast_path;
+        self.arch.dispatch(Prepare { propagators, operators: &self.operators, step, scales, complete });
         0
     }
 

@@ -8,7 +8,7 @@ use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
 use conduction::properties::Properties;
-use conduction::reduced::{MAX_STATES, Observation, Port, ReducedBody};
+use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
@@ -29,6 +29,8 @@ pub struct BodyOperators {
     pub uniform_mean: f64,
     /// Heat leaves by the constant heat transfer within the states.
     pub loses_to_air: bool,
+    /// Heat that leaves by it over a step, per gain of every state and per time integral of every input.
+    pub lost_over_step: ([f64; MAX_STATES], [f64; PORTS]),
     /// Heat leaves through the far face, or by the constant heat transfer.
     pub passes_heat: bool,
     /// Fraction of the contact flux that enters per reference area.
@@ -72,6 +74,12 @@ impl BodyOperators {
         let flows = heat.ambient_flow.direct[Port::Ambient as usize] != 0.0;
         self.loses_to_air = flows && any(&heat.ambient_flow);
         self.passes_heat = self.loses_to_air || heat.rate[0] > 0.0;
+        let (by_state, by_port) = &mut self.lost_over_step;
+        *by_port = heat.ambient_flow.direct;
+        for k in (0..heat.count).filter(|&k| heat.rate[k] > 0.0) {
+            by_state[k] = heat.ambient_flow.states[k] / heat.rate[k];
+            by_port.iter_mut().zip(&heat.input).for_each(|(lost, input)| *lost += by_state[k] * input[k]);
+        }
         let products = heat.mean_temperature.states.iter().zip(&heat.stored.states);
         self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
     }
@@ -347,6 +355,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         heat_capacity: body.capacity() * body.height,
         uniform_mean: 1.0,
         loses_to_air: false,
+        lost_over_step: ([0.0; MAX_STATES], [0.0; PORTS]),
         passes_heat: false,
         coverage,
         area,

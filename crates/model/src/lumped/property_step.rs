@@ -5,15 +5,16 @@
 //! the middle of both differs too much, it is repeated with that.
 //!
 //! The step in the body's own time ([`conduction::properties`]) is another one every time. Its propagator is interpolated
-//! between four cached ones, at step sizes in the ratio 2^(1/8): to 1.4e-6 of the states' weights, without a jump. What is
+//! between those of four cached step sizes in the ratio 2^(1/8): to 1.4e-6 of the states' weights, without a jump. What is
 //! in proportion to the step size is exact, so that no heat is lost.
 //!
 //! After the step the mean temperature is set to that by its enthalpy, with a uniform change of temperature that is of third order in the
 //! step: the body has taken up exactly the heat of its fluxes. Where the states pass heat on (constant heat transfer, prescribed
 //! temperature), that of the air is the integral of the flow, and that of the far face closes the account.
 //!
-//! Theory: docs/theory.md, section 4.14.
+//! Theory: docs/theory.md, section 4.15.
 
+use super::CACHED_STEPS;
 use super::flash_step::decays_at_rest;
 use super::operators::{BodyOperators, LumpedOperators};
 use super::stage::{Between, Propagator};
@@ -29,8 +30,8 @@ use scene::ThermalBoundary;
 /// Cached step sizes per factor of two.
 const PER_OCTAVE: f64 = 8.0;
 
-/// Cached propagators of each body: a factor of four in kd at two step sizes.
-const CACHED: usize = 38;
+/// Cached propagators of each body: eight factors of two, for a factor of four in kd and the parts of a step.
+const CACHED: usize = 64;
 
 /// Attempts of a step with other temperatures in its middle.
 pub const ATTEMPTS: usize = 3;
@@ -48,9 +49,10 @@ struct Node {
 /// Cached propagators of one body.
 #[derive(Clone, Debug)]
 struct Nodes {
-    cache: KeyedCache<(u64, i32), Node>,
-    /// Step size and first node of the four that were used last, and their slots.
-    latest: (u64, i32, [usize; 4]),
+    /// By the number of the step size, 2^(number/8) s.
+    cache: KeyedCache<i32, Node>,
+    /// First of the four that were used last, and their slots.
+    latest: (i32, [usize; 4]),
     between: Between,
 }
 
@@ -73,6 +75,8 @@ pub struct PropertyStep {
 #[derive(Clone, Debug)]
 pub struct PropertyPropagators {
     nodes: [Nodes; 2],
+    /// Of a body of constants beside one with a table, by the bits of the step size.
+    constant: KeyedCache<u64, Option<Propagator>>,
     /// Those of the prepared step.
     pub step: Propagators,
     /// They are complete: not for the fast path alone.
@@ -83,33 +87,38 @@ fn bodies(operators: &LumpedOperators) -> [&BodyOperators; 2] {
     [&operators.punch, &operators.strip]
 }
 
+/// Step size of this number, s.
+fn step_of(number: i32) -> f64 {
+    (f64::from(number) / PER_OCTAVE).exp2()
+}
+
 impl Nodes {
     fn new() -> Nodes {
         let empty = Node { propagator: None, at_rest: [1.0; MAX_FLASH_STATES] };
-        let scales = Scales::ONE;
         Nodes {
             cache: KeyedCache::new(std::iter::repeat_n(empty, CACHED)),
-            latest: (0, 0, [usize::MAX; 4]),
-            between: Between { plain: [0.0; 4], by_step: [0.0; 4], scales, is_flux: [false; PORTS] },
+            latest: (0, [usize::MAX; 4]),
+            between: Between { plain: [0.0; 4], by_step: [0.0; 4], scales: Scales::ONE, is_flux: [false; PORTS] },
         }
     }
 
-    /// Finds the four nodes around the step `step` (s) at the properties `scales`, and the weights between them.
+    /// Finds the four step sizes around `step` (s) in the time of the constants at the properties `scales`, and the weights between them.
     fn find(&mut self, operators: &LumpedOperators, body: &BodyOperators, step: f64, scales: Scales) {
-        let place = PER_OCTAVE * scales.pace.log2();
+        let own = step * scales.pace;
+        let place = PER_OCTAVE * own.log2();
         let base = place.floor();
-        let (bits, first) = (step.to_bits(), base as i32 - 1);
-        if (self.latest.0, self.latest.1) != (bits, first) || self.latest.2[0] == usize::MAX {
+        let first = base as i32 - 1;
+        if self.latest.0 != first || self.latest.1[0] == usize::MAX {
             let slots = [0, 1, 2, 3].map(|node| {
-                self.cache.get_or_compute((bits, first + node), |made| {
-                    let own = step * (f64::from(first + node) / PER_OCTAVE).exp2();
-                    made.propagator = body.heat.as_ref().map(|heat| Propagator::new(heat, own, &body.air));
+                self.cache.get_or_compute(first + node, |made| {
+                    let step = step_of(first + node);
+                    made.propagator = body.heat.as_ref().map(|heat| Propagator::new(heat, step, &body.air));
                     if let Some(flash) = &operators.flash {
-                        made.at_rest = decays_at_rest(flash, own);
+                        made.at_rest = decays_at_rest(flash, step);
                     }
                 })
             });
-            self.latest = (bits, first, slots);
+            self.latest = (first, slots);
         }
         let x = place - base;
         let plain = [
@@ -118,17 +127,15 @@ impl Nodes {
             -(x + 1.0) * x * (x - 2.0) / 2.0,
             (x + 1.0) * x * (x - 1.0) / 6.0,
         ];
-        let ratio = [0, 1, 2, 3].map(|node| scales.pace / (f64::from(first + node) / PER_OCTAVE).exp2());
-        let held = matches!(body.far, ThermalBoundary::Held | ThermalBoundary::External);
         let mut is_flux = [true; PORTS];
         is_flux[Port::Ambient as usize] = false;
-        is_flux[Port::Base as usize] = !held;
-        let by_step = [0, 1, 2, 3].map(|node| plain[node] * ratio[node]);
+        is_flux[Port::Base as usize] = !matches!(body.far, ThermalBoundary::Held | ThermalBoundary::External);
+        let by_step = [0, 1, 2, 3].map(|node| plain[node] * (own / step_of(first + node as i32)));
         self.between = Between { plain, by_step, scales, is_flux };
     }
 
     fn found(&self) -> [&Node; 4] {
-        self.latest.2.map(|slot| &self.cache[slot])
+        self.latest.1.map(|slot| &self.cache[slot])
     }
 }
 
@@ -138,30 +145,44 @@ impl PropertyPropagators {
         let follows = bodies(operators).iter().any(|body| body.properties.is_some());
         follows.then(|| {
             let nodes = [Nodes::new(), Nodes::new()];
-            Box::new(PropertyPropagators { nodes, step: Propagators::empty(), is_complete: false })
+            let constant = KeyedCache::new(std::iter::repeat_n(None, CACHED_STEPS));
+            Box::new(PropertyPropagators { nodes, constant, step: Propagators::empty(), is_complete: false })
         })
     }
 
     /// Prepares those of a step of `step` (s) at the properties `scales`, for the fast path alone unless `complete`.
+    #[inline(always)]
     pub fn prepare(&mut self, operators: &LumpedOperators, step: f64, scales: [Scales; 2], complete: bool) {
-        for (side, body) in bodies(operators).into_iter().enumerate() {
-            self.nodes[side].find(operators, body, step, scales[side]);
-        }
+        let is_same = self.step.step == step;
         self.step.step = step;
         self.step.scales = scales[1];
-        let [of_punch, of_strip] = &self.nodes;
-        for (nodes, body, own) in
-            [(of_punch, &operators.punch, &mut self.step.punch), (of_strip, &operators.strip, &mut self.step.strip)]
-        {
-            if let ([Some(a), Some(b), Some(c), Some(d)], Some(heat)) =
-                (nodes.found().map(|node| node.propagator.as_ref()), &body.heat)
-            {
-                let own = own.get_or_insert_with(|| b.clone());
-                own.mix_surface([a, b, c, d], &nodes.between, heat.count);
+        let PropertyPropagators { nodes, constant, step: prepared, .. } = self;
+        let owns = [&mut prepared.punch, &mut prepared.strip];
+        for (side, ((nodes, own), body)) in nodes.iter_mut().zip(owns).zip(bodies(operators)).enumerate() {
+            let Some(heat) = &body.heat else { continue };
+            if body.properties.is_none() {
+                // The same in every step of this length.
+                if !is_same {
+                    let slot = constant.get_or_compute(step.to_bits(), |made| {
+                        *made = Some(Propagator::new(heat, step, &body.air));
+                    });
+                    own.clone_from(&constant[slot]);
+                }
+                continue;
             }
+            nodes.find(operators, body, step, scales[side]);
+            let [Some(a), Some(b), Some(c), Some(d)] = nodes.found().map(|node| node.propagator.as_ref()) else {
+                continue;
+            };
+            own.get_or_insert_with(|| b.clone()).mix_surface([a, b, c, d], &nodes.between, heat.count);
         }
-        let at_rest = of_strip.found().map(|node| &node.at_rest);
-        self.step.at_rest = std::array::from_fn(|k| of_strip.between.of(at_rest.map(|row| row[k])));
+        let [_, of_strip] = &self.nodes;
+        if operators.strip.properties.is_some() {
+            let at_rest = of_strip.found().map(|node| &node.at_rest);
+            self.step.at_rest = std::array::from_fn(|k| of_strip.between.of(at_rest.map(|row| row[k])));
+        } else if let (Some(flash), false) = (&operators.flash, is_same) {
+            self.step.at_rest = decays_at_rest(flash, step);
+        }
         self.is_complete = false;
         if complete {
             self.complete(operators);
@@ -174,12 +195,12 @@ impl PropertyPropagators {
             return;
         }
         self.is_complete = true;
-        let [of_punch, of_strip] = &self.nodes;
-        for (nodes, body, own) in
-            [(of_punch, &operators.punch, &mut self.step.punch), (of_strip, &operators.strip, &mut self.step.strip)]
-        {
-            if let ([Some(a), Some(b), Some(c), Some(d)], Some(heat), Some(own)) =
-                (nodes.found().map(|node| node.propagator.as_ref()), &body.heat, own)
+        let PropertyPropagators { nodes, step: prepared, .. } = self;
+        let owns = [&mut prepared.punch, &mut prepared.strip];
+        for ((nodes, own), body) in nodes.iter().zip(owns).zip(bodies(operators)) {
+            if body.properties.is_some()
+                && let ([Some(a), Some(b), Some(c), Some(d)], Some(heat), Some(own)) =
+                    (nodes.found().map(|node| node.propagator.as_ref()), &body.heat, own)
             {
                 own.mix_rest([a, b, c, d], &nodes.between, heat.count);
             }
@@ -281,17 +302,11 @@ impl PropertyStep {
             let is_flux = [true, true, false, !held];
             let weighted: [f64; PORTS] =
                 std::array::from_fn(|port| if is_flux[port] { passed[port] } else { passed[port] / scales.flux });
-            let capacity = scales.capacity();
-            let mut lost: f64 = (0..PORTS).map(|port| heat.ambient_flow.direct[port] * weighted[port]).sum();
-            // Integral of a state: (input - gain of the state)/rate, as the propagation is exact.
-            for k in 0..heat.count {
-                if heat.rate[k] > 0.0 {
-                    let entered: f64 = (0..PORTS).map(|port| heat.input[port][k] * weighted[port]).sum();
-                    let gained = capacity * (state.heat[k] - states[k]);
-                    lost += heat.ambient_flow.states[k] * (entered - gained) / heat.rate[k];
-                }
-            }
-            state.lost += lost;
+            // Integral of the flow: that of a state is (input - gain of the state)/rate, as the propagation is exact.
+            let (by_state, by_port) = &body.lost_over_step;
+            let entered: f64 = by_port.iter().zip(weighted).map(|(lost, input)| lost * input).sum();
+            let kept: f64 = (0..heat.count).map(|k| by_state[k] * (state.heat[k] - states[k])).sum();
+            state.lost += entered - scales.capacity() * kept;
         }
         let mean = reference + body.mean_rise(heat, &state.heat, far);
         let taken = if body.passes_heat {

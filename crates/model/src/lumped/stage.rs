@@ -77,12 +77,12 @@ impl Observed {
         Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] }
     }
 
-    fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, step: f64) -> Observed {
+    fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, driven: &Driven) -> Observed {
         let mut observed = Observed::none();
         for point in 0..3 {
             for k in 0..body.count {
                 observed.homogeneous[point][k] = observation.states[k] * decay[point][k];
-                let weight = weights(body.rate[k], decay[point][k], POINTS[point], POINTS[point] * step);
+                let weight = driven[point][k];
                 for port in 0..PORTS {
                     for stage in 0..2 {
                         observed.gain[port][point][stage] +=
@@ -136,6 +136,9 @@ impl Observed {
 }
 
 type Decay = [[f64; MAX_STATES]; 3];
+
+/// Weights of the stage fluxes in every state at the three points.
+type Driven = [[[f64; 2]; MAX_STATES]; 3];
 
 /// Cubic interpolation between four step sizes in a row.
 #[derive(Clone, Copy, Debug)]
@@ -222,16 +225,22 @@ impl Propagator {
                 *value = (-rate * POINTS[point] * step).exp();
             }
         }
+        let mut driven = [[[0.0; 2]; MAX_STATES]; 3];
+        for (point, row) in driven.iter_mut().enumerate() {
+            for (k, weight) in row[..body.count].iter_mut().enumerate() {
+                *weight = weights(body.rate[k], decay[point][k], POINTS[point], POINTS[point] * step);
+            }
+        }
         let mut update = [[[0.0; MAX_STATES]; 2]; PORTS];
         for k in 0..body.count {
-            let weight = weights(body.rate[k], decay[2][k], 1.0, step);
+            let weight = driven[2][k];
             for port in 0..PORTS {
                 for stage in 0..2 {
                     update[port][stage][k] = body.input[port][k] * weight[stage];
                 }
             }
         }
-        let contact = Observed::new(body, &body.contact_temperature, &decay, step);
+        let contact = Observed::new(body, &body.contact_temperature, &decay, &driven);
         let surface = std::array::from_fn(|group| {
             let of = |row: &[f64; MAX_STATES]| std::array::from_fn(|lane| row[LANES * group + lane]);
             Group {
@@ -245,11 +254,11 @@ impl Propagator {
             contact,
             cooled: [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])].map(
                 |(observation, asked)| match asked {
-                    true => Observed::new(body, observation, &decay, step),
+                    true => Observed::new(body, observation, &decay, &driven),
                     false => Observed::none(),
                 },
             ),
-            mean: Observed::new(body, &body.mean_temperature, &decay, step),
+            mean: Observed::new(body, &body.mean_temperature, &decay, &driven),
             air: *air,
             decay: decay[2],
             update,

@@ -166,6 +166,7 @@ impl ThermalCoupling {
                     None => own.advance_from_end(body, around, first, end),
                 }
             }
+            state.trend[side] = heat.frozen.trend(side, heat.bodies[side].as_deref(), &state.bodies[side], step);
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
             for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
                 *slope = slope_over_step(*slope, [*before, *first, *end], [per_rise, per_change]);

@@ -4,6 +4,7 @@
 
 use super::stage::{Prepared, state_of};
 use super::{FrozenCoefficients, ThermalCoupling};
+use crate::line::heat::partition::PartitionKey;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
@@ -24,8 +25,9 @@ impl ThermalCoupling {
         let (heat, state) = (self, state_of(given));
         let velocity = [path.velocity(start), path.velocity(start + step)];
         let operators = given.operators;
+        heat.freeze_properties(given, step);
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
-        let key = (step, reference_velocity);
+        let key = (step, reference_velocity, heat.frozen.scales);
         heat.set_contact_parts(given, step);
         heat.take_partitions(key);
         heat.iterations = 0;
@@ -50,7 +52,7 @@ impl ThermalCoupling {
             Conditions::new(&operators.mean, given.tunables, given.reference, &inputs)
         };
         let [from, first, end] = [start, start + GAMMA * step, start + step].map(conditions);
-        heat.faces.set_conditions([first, end], given.reference);
+        heat.faces.set_conditions([first, end], given.reference, heat.frozen.scales);
         for side in 0..2 {
             let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             let around = |at: &Conditions| {
@@ -65,14 +67,14 @@ impl ThermalCoupling {
         Prepared(heat)
     }
 
-    /// Takes the heat partitions of a step (s) and reference velocity (m/s) with the current parts in contact, from the cache or built.
-    fn take_partitions(&mut self, key: (f64, f64)) {
+    /// Takes the heat partitions of this key with the current parts in contact, from the cache or built.
+    fn take_partitions(&mut self, key: PartitionKey) {
         let ThermalCoupling { partitions, bodies, contact_parts, edges, .. } = self;
         let known = partitions.take(key);
         if known && (0..2).all(|stage| partitions[stage].is_for(key, &contact_parts[stage])) {
             return;
         }
-        let (step, velocity) = key;
+        let (step, velocity, _) = key;
         let updates = (0..2).all(|stage| partitions[stage].updates_for(&contact_parts[stage]));
         if !(known && updates) {
             bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [velocity; 2]));

@@ -7,8 +7,10 @@ use crate::lumped::operators::moving_source;
 use conduction::lateral::Lateral;
 use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
+use conduction::line::property_body::PropertyBody;
 use conduction::line::punch;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+use conduction::properties::Properties;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
@@ -86,6 +88,17 @@ impl Bodies {
         waves: usize,
     ) -> Bodies {
         let cooled = scene.punch_cooled_area() / (scene.depth * scene.count);
+        let endless = scene.path == scene::Path::Straight && scene.nominal_stroke == 0.0;
+        let [punch, strip] = bodies;
+        let bodies = [(punch, &scene.punch, false), (strip, &scene.strip, endless)].map(|(own, body, endless)| {
+            match (own, Properties::of(body)) {
+                // Fresh material arrives at the temperature for which the constants are.
+                (Some(own), Some(properties)) if !endless => {
+                    Some(Box::new(PropertyBody::new(own, properties, body.far_is_prescribed())) as _)
+                }
+                (own, _) => own,
+            }
+        });
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
