@@ -354,7 +354,13 @@ fn messages_quote_no_more_than_the_beginning_of_a_text() {
     ] {
         messages.push(format!(
             "{:#}",
-            columns::parse(text.as_bytes(), Path::new("a.csv"), &columns::Column::inputs()).unwrap_err()
+            columns::parse(
+                text.as_bytes(),
+                Path::new("a.csv"),
+                &columns::Column::inputs(),
+                &columns::Reading::strict()
+            )
+            .unwrap_err()
         ));
     }
     messages.push(format!("{:#}", shipped::load(Some(&long), Path::new("nowhere")).unwrap_err()));
