@@ -48,6 +48,7 @@ SECTIONS = {
     ],
     "Examples": [
         "examples/disc_brake/README",
+        "examples/ventilated_disc/README",
         "examples/vehicle_brake/README",
         "examples/clutch/README",
         "examples/pin_on_disk/README",

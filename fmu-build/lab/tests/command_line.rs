@@ -52,13 +52,13 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
         ("tables --tolerance 7", &["from 1e-10 to 0.5"]),
         ("golden compare --tolerance 7", &["7 must be above 0 and at most 0.5"]),
         ("golden compare lumped_hold", &["\"lumped_hold\" is no golden scene; they are ", "lumped_held"]),
-        ("steady disc_brake -o st.png", &[".svg is written, not .png"]),
-        ("cycles reciprocating_punch -o st.png", &[".svg is written, not .png"]),
+        ("steady disc_brake -o st.jpg", &["--output st.jpg: .svg, .pdf, .png are drawn, not .jpg"]),
+        ("cycles reciprocating_punch -o st.jpg", &[".svg, .pdf, .png are drawn, not .jpg"]),
         ("stability -o maps.svg", &["a folder must be named"]),
         ("stability --list --json", &["--json"]),
         ("chart --list --json", &["--json"]),
         ("steady disc_brake --return-speed 3", &["nominal.stroke = 0 m"]),
-        ("steady reciprocating_punch --return-speed 0", &["--return-speed 0 m/s", "above 0"]),
+        ("steady reciprocating_punch --return-speed 0", &["return_speed = 0 m/s", "above 0"]),
     ] {
         let (success, _, told) = run(line);
         assert!(!success, "{line} was accepted");

@@ -439,7 +439,7 @@ fn a_wrong_argument_is_refused_with_what_is_accepted() {
         (&["disc_brake", "--set", "nominal.duration=0"], &["nominal.duration", "0"]),
         (&["disc_brake", "--step", "0"], &["--step", "above 0 s"]),
         (&["disc_brake", "--step", "-1"], &["--step", "-1 s must be above 0 s"]),
-        (&["disc_brake", "-i", "in.csv", "--at", "-1"], &["--at -1 s", "0 s to 2.5 s"]),
+        (&["disc_brake", "-i", "in.csv", "--at", "-1"], &["at = -1 s", "0 s to 2.5 s"]),
         (&["disc_brake", "--step", "nan"], &["--step", "finite"]),
         (&["disc_brake", "--step", "1 km"], &["--step", "accepted are s, min, h, ms"]),
         (&["disc_brake", "--step", "1 ns"], &["--step"]),

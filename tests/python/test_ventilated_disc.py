@@ -1,0 +1,74 @@
+"""The descent of examples/ventilated_disc: its page, and two lumped masses that share no code with the package."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from sliding_contact import Scene
+
+FOLDER = ROOT / "examples" / "ventilated_disc"
+pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
+
+
+@pytest.fixture(scope="module")
+def descents():
+    sys.path.insert(0, str(FOLDER))
+    try:
+        import descent
+
+        return {name: descent.descend(Scene.load(scene)) for name, scene in descent.SCENES.items()}
+    finally:
+        sys.path.remove(str(FOLDER))
+
+
+def two_masses(height, convection, forced, emissivity, channel, conductance, share):
+    """Highest temperatures of disc and hub, degC: m c dT/dt = P - A h (T - T_a) - A eps sigma (T^4 - T_a^4) - G (T - T_h), and the hub's."""
+    integrate = pytest.importorskip("scipy.integrate")
+    speed, ambient, ring, pad = 40.0 / 3.6, 293.15, 2.0 * np.pi * 0.1175 * 0.055, 0.095 * 0.055
+    power = 0.35 * speed * (1500.0 * 9.80665 * (0.10 - 0.012) - 0.5 * 1.2 * 0.66 * speed**2)
+    capacity = 2.0 * ring * height * 7200.0 * 460.0  # grey cast iron
+    area = 2.0 * (ring - pad) + (2.0 * ring if channel else 0.0)
+    film = convection + forced * (speed * 0.1175 / 0.31) ** 0.8
+
+    def rates(_, state):
+        disc, hub = state
+        lost = area * (film * (disc - ambient) + emissivity * 5.670374e-8 * (disc**4 - ambient**4))
+        path = conductance * (disc - hub)
+        return [(power * share - lost - path) / capacity, (path - 2.0 * (hub - ambient)) / 2000.0]
+
+    end = integrate.solve_ivp(rates, (0.0, 10e3 / speed), [ambient, ambient], rtol=1e-8, max_step=5.0)
+    return end.y[:, -1] - 273.15
+
+
+def test_both_discs_reach_the_temperatures_of_two_lumped_masses(descents):
+    for name, given in (("solid", (0.011, 10.0, 8.0, 0.55, False, 0.0)), ("ventilated", (0.0097, 13.2, 10.6, 0.36, True, 3.5))):
+        own = descents[name]
+        share = float(own.result["heat_received_strip"].max() / own.result["dissipated_energy"][-1])
+        disc, hub = two_masses(*given, share)
+        assert own.result["strip.mean_temperature [degC]"].max() == pytest.approx(disc, rel=0.02), name
+        foot = int(np.searchsorted(own.time, 900.0))
+        assert own.hub[foot] - 273.15 == pytest.approx(hub, rel=0.03), name
+
+
+def test_what_flows_to_the_hub_is_stored_in_it_or_lost(descents):
+    own = descents["ventilated"]
+    lost = np.interp(own.time, own.result.time, own.result["heat_lost_strip_external"])
+    rise = own.hub - own.hub[0]
+    away = 2.0 * np.concatenate([[0.0], np.cumsum(np.diff(own.time) * 0.5 * (rise[1:] + rise[:-1]))])
+    assert np.allclose(2000.0 * rise + away, lost, atol=2e-3 * lost[-1])
+
+
+def test_the_page_has_the_numbers_of_the_command(descents):
+    page = (FOLDER / "README.md").read_text(encoding="utf-8")
+    for name, own in descents.items():
+        row = next(line for line in page.splitlines() if line.startswith(f"| {name}"))
+        told = [float(number) for number in re.findall(r"\| ([0-9.]+)", row)]
+        result = own.result
+        disc = result["strip.mean_temperature [degC]"]
+        hub = [own.hub.max() - 273.15] if name == "ventilated" else []
+        computed = [disc.max(), result["contact_temperature_max [degC]"].max(), *hub, result["friction_coefficient"].min(),
+                    1e-6 * result["pressure_mean"].max(), 1e6 * result["wear_depth_punch"][-1], disc[-1]]  # fmt: skip
+        assert told == pytest.approx(computed, rel=0.02), name
