@@ -203,12 +203,6 @@ impl ThermalBody for PropertyBody {
         self.take_influence();
     }
 
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
-        let pace = self.scales.pace;
-        self.constant.prepare_euler(step * pace, velocity.map(|velocity| velocity / pace));
-        self.take_influence();
-    }
-
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.influence[stage as usize]
     }
