@@ -1,13 +1,13 @@
 //! `cargo fmu fit`: parameters of a scene from records of tests, by examples/batch/fit.py.
 
 use crate::batch::example;
-use crate::columns::{self, Column, Reading};
+use crate::columns::Reading;
 use crate::{arguments, output, scenes};
 use anyhow::{Result, anyhow, bail};
 use scene::variables::{Causality, TABLE, find, lookup};
 use scene_file::nearest;
-use scene_file::records::Records;
-use std::path::{Path, PathBuf};
+use scene_file::records::Tests;
+use std::path::PathBuf;
 
 /// Fit parameters of a scene to records: values with confidence intervals, and those that the records do not determine.
 ///
@@ -66,7 +66,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::locate(&arguments.scene)?.display().to_string()
     };
     // Before anything is built.
-    arguments.records.iter().try_for_each(|path| check_file(path))?;
+    for path in &arguments.records {
+        Tests::read(path, &Reading::default())?;
+    }
     let mut passed = vec!["--scene".to_owned(), scene, "--confidence".to_owned(), confidence.to_string()];
     let records = arguments.records.iter().map(|path| path.display().to_string());
     let folder = arguments.output.iter().map(|path| path.display().to_string());
@@ -95,13 +97,5 @@ fn check(name: &str) -> Result<(), String> {
             let parameters = TABLE.iter().filter(|row| row.causality == Causality::Parameter);
             Err(format!("there is no parameter {name:?}{}", nearest(name, parameters.map(|row| row.name))))
         }
-    }
-}
-
-/// Whether a file holds a history or end values.
-fn check_file(path: &Path) -> Result<()> {
-    match columns::read(path, &Column::record(), &Reading::default()) {
-        Err(wrong) if columns::lacks_column(&wrong) => Records::read(path, &Reading::default()).map(|_| ()),
-        read => read.map(|_| ()),
     }
 }

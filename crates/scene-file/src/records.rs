@@ -1,7 +1,7 @@
 //! End values of wear tests at constant load and speed: one row for every test, for fits.
 
-use crate::columns::{self, Column, Reading};
-use anyhow::{Result, bail};
+use crate::columns::{self, Column, Reading, Table};
+use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::TABLE;
 use scene::variables::units::{CUBIC_METRE, METRE, METRE_PER_SECOND, NEWTON, Unit};
 use std::io::Read;
@@ -87,9 +87,60 @@ impl Records {
     }
 }
 
+/// What a file of tests holds.
+pub enum Tests {
+    /// A row for every test.
+    EndValues(Records),
+    /// One test over time, its inputs and outputs.
+    History(Table),
+}
+
+impl Tests {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// As [`Tests::parse`].
+    pub fn read(path: &Path, reading: &Reading) -> Result<Self> {
+        let mut content = Vec::new();
+        columns::open(path)?.read_to_end(&mut content).with_context(|| format!("reading {}", path.display()))?;
+        Self::parse(&content, path, reading)
+    }
+
+    /// Reads the content of a file: a history where it has a column for the time.
+    ///
+    /// # Errors
+    /// As [`columns::read`] and [`Records::read`]; a file with neither the time nor load, speed and distance.
+    pub fn parse(content: &[u8], path: &Path, reading: &Reading) -> Result<Self> {
+        match columns::parse(content, path, &Column::record(), reading) {
+            Ok(history) => return Ok(Self::History(history)),
+            Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
+            Err(_) => {}
+        }
+        Records::parse(content, path, reading).map(Self::EndValues).map_err(|wrong| {
+            let hint =
+                "the history of a test has time [s], end values of tests have load [N], speed [m/s] and distance [m]";
+            if columns::lacks_column(&wrong) { anyhow!("{wrong}; {hint}") } else { wrong }
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_with_a_time_is_a_history_and_else_holds_end_values() {
+        let read = |text: &str| Tests::parse(text.as_bytes(), Path::new("tests.csv"), &Reading::default());
+        let history = read("Time [s],Load [N],Distance [m],Temp. [°C]\n0,5,0,20\n1,5,1,21\n");
+        assert!(matches!(history, Ok(Tests::History(table)) if table.times == [0.0, 1.0]));
+        let ends = read("Load [N],Speed [m/s],Distance [m],Temp. [°C]\n5,1,1,21\n");
+        assert!(matches!(ends, Ok(Tests::EndValues(records)) if records.load == [5.0]));
+        let neither = read("a,b\n1,2\n").err().unwrap().to_string();
+        assert!(
+            neither.contains("no column load") && neither.contains("the history of a test has time [s]"),
+            "{neither}"
+        );
+    }
 
     fn records(text: &str) -> Result<Records> {
         Records::parse(text.as_bytes(), Path::new("tests.csv"), &Reading::default())

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
 use scene_file::columns::{self, Column, Reading, Table};
-use scene_file::records::Records;
+use scene_file::records::{Records, Tests};
 use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -245,14 +245,13 @@ fn tests(source: &Source) -> Result<Answer> {
     let success = |record: &Value, arrays| {
         Ok(Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None })
     };
-    let history = match source.measured() {
-        Ok(table) => table,
-        Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
-        Err(_) => {
-            let Records { load, speed, distance, values, notes } = match source {
-                Source::File { path } => Records::read(path, &reading)?,
-                Source::Text { text, name } => Records::parse(text.as_bytes(), Path::new(name), &reading)?,
-            };
+    let tests = match source {
+        Source::File { path } => Tests::read(path, &reading)?,
+        Source::Text { text, name } => Tests::parse(text.as_bytes(), Path::new(name), &reading)?,
+    };
+    let history = match tests {
+        Tests::History(table) => table,
+        Tests::EndValues(Records { load, speed, distance, values, notes }) => {
             // JSON has no NaN.
             let gaps = |values: Vec<f64>| -> Vec<Option<f64>> {
                 values.into_iter().map(|value| value.is_finite().then_some(value)).collect()
@@ -264,16 +263,12 @@ fn tests(source: &Source) -> Result<Answer> {
             return success(&record, Vec::new());
         }
     };
-    let is_output = |name: &&String| lookup_causality(name).is_some_and(|causality| causality != Causality::Input);
+    let is_output = |name: &&String| row_of(name).is_ok_and(|row| row.causality != Causality::Input);
     let outputs: Vec<&String> = history.names.iter().filter(is_output).collect();
     let mut arrays = vec![history.times.clone()];
     arrays.extend(outputs.iter().filter_map(|name| history.column(name)).map(Iterator::collect));
     let name = history.path.file_stem().unwrap_or(history.path.as_os_str()).to_string_lossy();
     success(&json!({ "outputs": outputs, "notes": history.notes, "name": name }), arrays)
-}
-
-fn lookup_causality(name: &str) -> Option<Causality> {
-    TABLE.iter().find(|row| row.name == name).map(|row| row.causality)
 }
 
 /// A simulation: summary, and as arrays the times, every variable, and the profiles: times, positions, then pressure, temperature and
