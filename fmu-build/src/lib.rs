@@ -16,6 +16,7 @@ pub mod output;
 pub mod package;
 pub mod parquet;
 pub mod plot;
+pub mod progress;
 pub mod project;
 pub mod python;
 pub mod realtime;

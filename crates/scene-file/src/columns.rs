@@ -343,7 +343,7 @@ impl std::fmt::Display for MissingColumn {
 impl std::error::Error for MissingColumn {}
 
 /// Whether a file was refused because it lacks a required column, as a table without times is by [`Column::record`].
-pub fn lacks_column(error: &anyhow::Error) -> bool {
+pub(crate) fn lacks_column(error: &anyhow::Error) -> bool {
     error.is::<MissingColumn>()
 }
 

@@ -5,7 +5,7 @@ use crate::output::{self, print_line, print_text};
 use crate::{arguments, scenes};
 use analyses::cycles::{Course, Options, advance};
 use anyhow::Result;
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::Progress;
 use std::path::PathBuf;
 
 /// Advance a reciprocating scene over many cycles at nominal load and speed.
@@ -75,13 +75,11 @@ fn course(arguments: &Arguments) -> Result<Course> {
     }
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
-    let bar = ProgressBar::new(1000).with_style(ProgressStyle::with_template("{bar:30} {msg}")?);
-    let course = advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
-        bar.set_position((1000.0 * (1.0 + passed).ln() / (1.0 + cycles).ln()) as u64);
-        bar.set_message(format!("{passed} cycles, {computed} computed"));
-    });
-    bar.finish_and_clear();
-    course
+    let mut progress = Progress::default();
+    advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
+        let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
+        progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+    })
 }
 
 #[cfg(test)]

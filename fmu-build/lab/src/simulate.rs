@@ -1,6 +1,5 @@
 //! `cargo fmu simulate`: a scene driven by given inputs, to a table, files and a figure, beside measurements.
 
-mod progress;
 mod write;
 
 use crate::arguments;
@@ -8,9 +7,10 @@ use crate::columns::{self, Column, Named, Reading, Table};
 use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
+use analyses::simulation::quantity::rounded;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
 use anyhow::{Result, bail};
-use progress::Progress;
+use fmu_build::progress::Progress;
 use std::path::{Path, PathBuf};
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
@@ -102,9 +102,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         trajectory.observe(record);
     }
     let (first, last) = trajectory.span();
-    let mut progress = Progress::new(first, last);
-    let recording = run(&file, &trajectory, &arguments.at, &mut |time| progress.reached(time))?;
-    progress.finish();
+    let mut progress = Progress::default();
+    let recording = run(&file, &trajectory, &arguments.at, &mut |time| {
+        progress.reached((time - first) / (last - first), || format!("{} s of {last} s", rounded(time)));
+    })?;
+    drop(progress);
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         output::make_above(path)?;

@@ -12,11 +12,11 @@ pub use course::points;
 pub use tables::{Inputs, Table};
 
 use crate::output::{self, print_line};
+use crate::progress::Progress;
 use crate::{arguments, package, parquet, project, scenes};
 use anyhow::{Context, Result, anyhow, bail};
 use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Identity, Results, Row};
 use scene::message::Clipped;
 use std::fs;
@@ -234,18 +234,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         eprintln!("{} of {} scenes are there already.", table.rows.len() - ran_now, table.rows.len());
     }
     let begin = Instant::now();
-    let bar = ProgressBar::with_draw_target(Some(table.rows.len() as u64), ProgressDrawTarget::stderr());
-    bar.set_style(ProgressStyle::with_template("  Scenes [{bar:30}] {pos}/{len} {msg} {eta} left")?);
-    bar.inc((table.rows.len() - ran_now) as u64);
-    let mut failed_now = 0;
+    let mut progress = Progress::default();
+    let (mut failed_now, mut done, count) = (0, table.rows.len() - ran_now, table.rows.len());
     pool::run(&job, &converted.rows, pending, jobs, |scene, answer| {
         failed_now += usize::from(answer.status != worker::OK);
         results.add(&Row::of(scene, &table.rows[scene], answer, job.record.len() + job.peak.len()))?;
-        bar.set_message(format!("{failed_now} failed"));
-        bar.inc(1);
+        done += 1;
+        progress.reached(done as f64 / count as f64, || format!("{done} of {count} scenes, {failed_now} failed"));
         Ok(())
     })?;
-    bar.finish_and_clear();
+    drop(progress);
     let seconds = begin.elapsed().as_secs_f64();
     let failures = results.finish()?;
     if as_parquet {

@@ -7,7 +7,7 @@ use crate::output::{print_line, print_text};
 use analyses::plan::inputs::{self, LEVELS};
 use analyses::simulation::Trajectory;
 use anyhow::{Result, anyhow};
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::Progress;
 use model::plan::ModelLevel;
 use scene_file::SceneFile;
 use std::path::{Path, PathBuf};
@@ -36,14 +36,12 @@ pub fn execute(request: &Request) -> Result<()> {
     let table = columns::read(request.inputs, &Column::inputs(), &Reading::default())?;
     table.notes.iter().for_each(|note| eprintln!("{note}"));
     let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
-    let parts = 100;
-    let bar = ProgressBar::new(parts * (LEVELS.len() as u64 + 1))
-        .with_style(ProgressStyle::with_template("{bar:30} {percent}% {elapsed} {msg}")?);
+    let mut progress = Progress::default();
     let levels = inputs::compare(&request.scene, &trajectory, tolerance, &mut |number, part| {
-        bar.set_position(parts * number as u64 + (parts as f64 * part) as u64);
-        bar.set_message(LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string));
+        let what = || LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string);
+        progress.reached((number as f64 + part) / (LEVELS.len() + 1) as f64, what);
     });
-    bar.finish_and_clear();
+    drop(progress);
     let levels = levels?;
     if request.json {
         print_line!("{:#}", inputs::record(&levels));
