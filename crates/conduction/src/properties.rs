@@ -85,15 +85,16 @@ impl Properties {
     }
 
     /// Temperature (K) that stands for the part of the temperature around `temperature` in which the properties count as constant: the middle of
-    /// the part, by the change of the properties; beyond the table its end.
+    /// the part, by the change of the properties.
     pub fn part(&self, temperature: f64) -> f64 {
         let (points, changes) = (&self.table.temperature[..self.table.points], &self.changes);
         let next = points.partition_point(|point| *point <= temperature);
-        if next == 0 || next == points.len() {
-            return points[next.min(points.len() - 1)];
-        }
-        let (from, to) = (points[next - 1], points[next]);
-        let change = changes[next - 1] + (changes[next] - changes[next - 1]) * (temperature - from) / (to - from);
+        let change = if next == 0 || next == points.len() {
+            changes[next.min(points.len() - 1)]
+        } else {
+            let part = (temperature - points[next - 1]) / (points[next] - points[next - 1]);
+            changes[next - 1] + (changes[next] - changes[next - 1]) * part
+        };
         let last = changes[points.len() - 1];
         let middle = (((change / PART).floor() + 0.5) * PART).min(last);
         let at = changes[..points.len()].partition_point(|known| *known < middle).clamp(1, points.len() - 1);
@@ -111,6 +112,22 @@ impl Properties {
         }
         let (from, to) = (self.table.at(from), self.table.at(to));
         (0..2).map(|i| (to[i] - from[i]).abs() / from[i].min(to[i])).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+impl Properties {
+    /// Properties that are `conductivity` and `specific_heat` at every temperature, of a reduced model with these constants.
+    pub fn uniform(conductivity: f64, specific_heat: f64, constants: [f64; 2]) -> Properties {
+        let mut temperature = [0.0; PROPERTY_POINTS];
+        temperature.iter_mut().enumerate().for_each(|(i, t)| *t = 100.0 * (i + 1) as f64);
+        let table = PropertyTable {
+            points: 2,
+            temperature,
+            conductivity: [conductivity; PROPERTY_POINTS],
+            specific_heat: [specific_heat; PROPERTY_POINTS],
+        };
+        Properties { table, constants, steepest: 0.0, changes: [0.0; PROPERTY_POINTS] }
     }
 }
 
@@ -145,7 +162,7 @@ mod tests {
             assert_eq!(properties.part(part), part, "{t}: {part}");
             let [one, other] = [properties.table.at(t), properties.table.at(part)];
             for k in 0..2 {
-                assert!((one[k] / other[k] - 1.0).abs() < 0.52 * PART, "{t} {part}: {one:?} {other:?}");
+                assert!((one[k] / other[k] - 1.0).abs() < 0.7 * PART, "{t} {part}: {one:?} {other:?}");
             }
             if parts.last() != Some(&part) {
                 parts.push(part);

@@ -360,3 +360,95 @@ impl ThermalBody for PropertyBody {
         Box::new(self.clone())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::GAMMA;
+    use super::super::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+    use super::super::tests::at_stage;
+    use super::*;
+    use elasticity::{Base, Cells, Material};
+    use scene::FarBoundary;
+
+    const DENSITY: f64 = 7850.0;
+    const HOT: [f64; 2] = [34.0, 690.0];
+    const COLD: [f64; 2] = [53.0, 440.0];
+
+    fn strip([conductivity, specific_heat]: [f64; 2], base: FarBoundary, cells: &Cells) -> Box<dyn ThermalBody> {
+        let material = Material::new(2e11, 0.3).unwrap();
+        let properties = StripProperties {
+            height: 0.01,
+            conductivity,
+            capacity: DENSITY * specific_heat,
+            convection: 0.0,
+            base,
+            path: SlidingPath::Closed(0.3),
+            expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
+            lateral: None,
+        };
+        let resolution = Resolution { duration: 50.0, shortest: 0.05, tolerance: 1e-4 };
+        Box::new(StripHeat::new(&properties, cells, &resolution).unwrap())
+    }
+
+    /// Under a moving contact: a strip with the properties of hot steel, and one of cold steel in its own time.
+    #[test]
+    fn in_its_own_time_a_body_is_the_one_with_these_properties() {
+        let cells = Cells::uniform(0.02, 9).unwrap();
+        for base in [FarBoundary::Insulated, FarBoundary::Held] {
+            let held = base == FarBoundary::Held;
+            let mut hot = strip(HOT, base, &cells);
+            let uniform = Properties::uniform(HOT[0], HOT[1], COLD);
+            let mut cold = PropertyBody::new(strip(COLD, base, &cells), uniform, held);
+            cold.set_temperature(500.0, 300.0);
+            let mut states = [vec![0.0; hot.states()], vec![0.0; cold.states()]];
+            let around = Surroundings::default();
+            for step in 0..40 {
+                let length = [0.05, 0.2, 1.0][step % 3];
+                let velocity = [0.3 + 0.01 * step as f64, 0.31 + 0.01 * step as f64];
+                let flux = |part: f64| -> Vec<f64> {
+                    let shape = |x: &f64| 1e6 * (1.0 + 30.0 * x + 0.02 * (step as f64 + part));
+                    cells.centres().iter().map(shape).collect()
+                };
+                let [first, end] = [flux(GAMMA), flux(1.0)];
+                let found = [hot.as_mut(), &mut cold as &mut dyn ThermalBody].into_iter().zip(&mut states).map(
+                    |(body, state)| {
+                        body.prepare(length, velocity);
+                        let found = at_stage(body, state, &around, (Stage::End, held), [&first, &end]);
+                        body.advance(state, &around, &first, &end);
+                        found
+                    },
+                );
+                let found: Vec<_> = found.collect();
+                let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                for (one, other) in [(&found[0].0, &found[1].0), (&found[0].1, &found[1].1)] {
+                    let error = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / most(one);
+                    // Both are reduced to 1e-4 of the rise over the whole duration.
+                    assert!(error < if step < 10 { 1e-2 } else { 1e-3 }, "{base:?} step {step}: {error:e}");
+                }
+                let [hot, cold] = [hot.mean_temperature(&states[0]), cold.mean_temperature(&states[1])];
+                assert!((hot / cold - 1.0).abs() < 1e-6, "{base:?} step {step}: {hot} {cold}");
+            }
+            let [one, other] = [hot.account(&states[0]), cold.account(&states[1])];
+            for (one, other) in [(one.received, other.received), (one.stored, other.stored), (one.far, other.far)] {
+                assert!(
+                    (one - other).abs() < 1e-6 * one.abs().max(1e-9 * other.abs()) + 1e-3,
+                    "{base:?}: {one} {other}"
+                );
+            }
+            let balance = other.received - other.stored - other.ambient - other.far;
+            assert!(balance.abs() < 1e-12 * other.received, "{base:?}: {balance:e}");
+            // What is seen between steps, under the flux and at the velocity of the last one.
+            let flux: Vec<f64> = cells.centres().iter().map(|x| 1e6 * (1.0 + 30.0 * x + 0.02 * 40.0)).collect();
+            let seen = |body: &dyn ThermalBody, state: &[f64]| {
+                let mut seen = vec![0.0; cells.count()];
+                body.temperature_at_frozen_state(state, &around, &flux, 0.7, &mut seen);
+                seen
+            };
+            let [one, other] = [seen(hot.as_ref(), &states[0]), seen(&cold, &states[1])];
+            let error = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / one[0];
+            assert!(error < 1e-3, "{base:?}: {error:e}");
+            let [one, other] = [hot.flows(&states[0], &around, &flux), cold.flows(&states[1], &around, &flux)];
+            assert!((one[1] - other[1]).abs() < 1e-3 * one[1].abs() + 1e-3, "{base:?}: {one:?} {other:?}");
+        }
+    }
+}
