@@ -3,10 +3,12 @@
 use ::steady::thermal::{instability, nominal_half_strokes};
 use anyhow::{Context, Result, anyhow, bail};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
+use model::line::cycle::tracked::tracked_scene;
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
-use model::line::operators::LineOperators;
-use scene::Scene;
+
+use model::line::operators::{LineOperators, StripWear};
+use scene::{Path, Scene};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 
@@ -41,7 +43,7 @@ pub struct Station {
     pub accumulated: f64,
     /// Cycles computed so far.
     pub computed: usize,
-    /// Largest pressure of the forward half-stroke's mean, Pa.
+    /// Largest pressure of the forward half-stroke's mean, Pa; on a worn track in the middle of that stroke.
     pub highest_pressure: f64,
     /// Mean worn depths of punch and strip, m.
     pub worn: [f64; 2],
@@ -63,6 +65,8 @@ pub struct Course {
     pub stations: Vec<Station>,
     /// Worn depth of the punch in the end, by cell, m.
     pub depth: Vec<f64>,
+    /// Worn depth of a strip that keeps its track, under the cells of the punch in the middle of its stroke, m.
+    pub strip_depth: Option<Vec<f64>>,
     /// Positions of the cells, m.
     pub x: Vec<f64>,
 }
@@ -99,9 +103,14 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     scene.nominal_duration = scene.nominal_duration.max(period * options.cycles);
     let warm = !options.cold && is_resolved(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm, steady::run_in)
+    let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
+    let cycled = if tracked { tracked_scene(&scene) } else { sliding_scene(&scene) };
+    let operators = LineOperators::with_heat(&cycled, warm, steady::run_in)
         .map_err(|error| anyhow!(error))
         .with_context(|| format!("the scene {name}"))?;
+    if operators.strip_wear == StripWear::Track {
+        return on_track(name, &scene, operators, half_strokes, options, progress);
+    }
     let mut map = CycleMap::new(operators, half_strokes, resolution)?;
     let (x, reference) = (map.operators().cells.centres().to_vec(), map.reference());
     let width: f64 = map.operators().weights.iter().sum();
@@ -134,7 +143,40 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
         });
     })?;
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm, warning, mean_pressure, stations, depth, x })
+    Ok(Course { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x })
+}
+
+/// Advances a scene whose strip keeps its worn track.
+fn on_track(
+    name: String,
+    scene: &Scene,
+    operators: LineOperators,
+    half_strokes: [(f64, f64); 2],
+    options: &Options,
+    progress: &mut dyn FnMut(f64, usize),
+) -> Result<Course> {
+    let (x, width) = (operators.cells.centres().to_vec(), operators.weights.iter().sum::<f64>());
+    let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
+    let mut cycles = TrackedCycles::new(operators, half_strokes, jump_options)?;
+    let mut stations = Vec::new();
+    cycles.carry_to(options.cycles, |jump, line| {
+        progress(jump.cycles, jump.computed);
+        let state = line.state();
+        stations.push(Station {
+            cycles: jump.cycles,
+            length: jump.length,
+            estimate: jump.estimate,
+            accumulated: jump.accumulated,
+            computed: jump.computed,
+            highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
+            worn: state.volume.map(|volume| volume / width),
+            temperature: scene.ambient_temperature,
+        });
+    })?;
+    let state = cycles.line().state();
+    let (depth, strip_depth) = (state.punch.clone(), Some(state.strip.clone()));
+    let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
+    Ok(Course { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x })
 }
 
 impl Course {
@@ -195,12 +237,16 @@ impl Course {
                 "contact_temperature": if self.warm { json!(s.temperature) } else { Value::Null },
             })
         };
-        json!({
+        let mut record = json!({
             "scene": self.name,
             "x": self.x,
             "wear_profile_punch": self.depth,
             "warning": self.warning,
             "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
-        })
+        });
+        if let Some(depth) = &self.strip_depth {
+            record["wear_profile_strip"] = json!(depth);
+        }
+        record
     }
 }

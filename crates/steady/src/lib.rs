@@ -77,7 +77,12 @@ pub enum SteadyError {
     /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
     OnlyStripWears,
     /// A strip that wears on a straight reciprocating track: its ends are rarely in contact and never run in.
-    WearingStripReciprocating,
+    WearingStripReciprocating {
+        /// m.
+        stroke: f64,
+        /// Of the contact, m.
+        width: f64,
+    },
     /// With heat: the bodies lose no heat.
     NoHeatLeaves {
         /// Path by which heat could leave, which is closed.
@@ -152,10 +157,26 @@ impl fmt::Display for SteadyError {
                 "no run-in shape: only the strip wears, evenly on a closed path or as a groove that stays behind on a \
                  straight one, and the punch keeps its shape"
             ),
-            Self::WearingStripReciprocating => write!(
-                f,
-                "no steady state: the strip wears on a straight reciprocating track, whose ends are rarely in contact"
-            ),
+            Self::WearingStripReciprocating { stroke, width } => {
+                write!(
+                    f,
+                    "no steady state: the strip wears on a straight reciprocating track, whose ends are rarely in contact, "
+                )?;
+                if stroke > width {
+                    write!(
+                        f,
+                        "up to {width} m from each of them; the middle {middle} m, which all of the punch passes, have one, that of \
+                         strip.path = closed",
+                        middle = stroke - width
+                    )?;
+                } else {
+                    write!(
+                        f,
+                        "and no part of the track has one, since none is passed by all of the punch: stroke {stroke} m, width {width} m"
+                    )?;
+                }
+                f.write_str("; cargo fmu cycles follows the wear of both bodies")
+            }
             Self::NoHeatLeaves { closed } => {
                 write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
             }
@@ -187,11 +208,17 @@ impl std::error::Error for SteadyError {}
 
 /// Whether reciprocating sliding can run in at all, by which bodies wear.
 ///
-/// A strip that wears on a straight track never runs in: the ends of the track are rarely in contact. On a closed path its wear is
+/// A strip that wears on a straight track of this `stroke` (m) never runs in under a contact of this `width` (m): the ends of the track are
+/// rarely in contact. On a closed path its wear is
 /// uniform along the path and does not reshape the contact, so the punch has to wear.
-pub fn can_run_in_reciprocating(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
+pub fn can_run_in_reciprocating(
+    punch_wears: bool,
+    strip_wears: bool,
+    closed_path: bool,
+    [stroke, width]: [f64; 2],
+) -> Result<(), SteadyError> {
     if strip_wears && !closed_path {
-        return Err(SteadyError::WearingStripReciprocating);
+        return Err(SteadyError::WearingStripReciprocating { stroke, width });
     }
     if punch_wears { Ok(()) } else { Err(SteadyError::NothingWears) }
 }

@@ -247,7 +247,7 @@ impl<'a> Contact<'a> {
         if self.strokes.len() == 1 {
             return if punch { self.unidirectional() } else { self.groove() };
         }
-        can_run_in_reciprocating(punch, strip, closed)?;
+        can_run_in_reciprocating(punch, strip, closed, [self.scene.nominal_stroke, self.scene.width])?;
         self.reciprocating()
     }
 

@@ -330,6 +330,10 @@ fn states_that_do_not_exist_are_refused_with_the_numbers() {
     assert!(text.contains("mu H = 0.017 m is not below 0.0165"), "{text}");
     let text = refuse(&[("strip.wear_coefficient", 1e-14)]);
     assert!(text.contains("strip wears on a straight reciprocating track"), "{text}");
+    // A stroke of the width of the punch, and one of twice of it.
+    assert!(text.contains("no part of the track has one"), "{text}");
+    let text = refuse(&[("strip.wear_coefficient", 1e-14), ("nominal.stroke", 0.15)]);
+    assert!(text.contains("the middle 0.09 m"), "{text}");
     assert!(refuse(&[("punch.wear_coefficient", 0.0)]).contains("no wear reshapes the contact"));
     let threshold = [("punch.wear_threshold", 1e6), ("strip.wear_threshold", 2e6)];
     let text = refuse(&threshold);

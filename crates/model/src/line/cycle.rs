@@ -15,9 +15,11 @@ mod newton;
 mod records;
 pub mod solve;
 mod tangent;
+pub mod tracked;
 
 pub use error::CycleError;
 pub use jump::{Jump, JumpOptions, Jumps};
 pub use map::{CycleMap, Passage, Resolution, StrokePassage};
 pub use records::Totals;
 pub use solve::{Solution, SolveOptions};
+pub use tracked::{TrackedCycles, TrackedJump};

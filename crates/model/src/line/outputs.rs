@@ -314,13 +314,18 @@ impl LineOperators {
         self.scene.holder_stiffness > 0.0 || self.scene.geometry == Geometry::Annular
     }
 
-    /// Whether the contact line depends on the lumped temperature during a step.
+    /// Whether the contact line depends on the lumped temperature, or on the bristle, during a step.
     pub fn follows_heat(&self) -> bool {
+        self.follows_temperature() || self.mean.has_bristle()
+    }
+
+    /// Whether tables or the load depend on the lumped temperature.
+    pub fn follows_temperature(&self) -> bool {
         let scene = &self.scene;
         let expands = scene.holder_stiffness > 0.0
             && [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
         let fades = !scene.friction_fade.flat || self.wear.iter().any(|(law, _)| law.active() && !law.fade.flat);
-        fades || expands || self.mean.has_bristle()
+        fades || expands
     }
 
     /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.

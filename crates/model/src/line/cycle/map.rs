@@ -128,8 +128,7 @@ impl CycleMap {
     ) -> Result<CycleMap, CycleError> {
         if operators.strip_wear == StripWear::Track {
             return Err(CycleError::Unsuitable(
-                "cycles: no steady cycle of a strip that wears on a straight reciprocating track, whose ends are rarely in \
-                 contact"
+                "cycle map: a strip that wears on a straight track has no shape of one depth per cell; see TrackedCycles"
                     .into(),
             ));
         }
