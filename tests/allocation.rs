@@ -1,5 +1,4 @@
 //! A step allocates nothing once the component is initialised, at any level, also when it logs a message.
-//! (The explicit scheme, which exists for comparison, is excluded: it computes eigenvalues at every step.)
 
 use scene::slot;
 use scene::variables::{Kind, STARTS, find, lookup};
@@ -84,7 +83,7 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     // By default heat is resolved, because the bodies expand; without expansion it is lumped, as it is with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let annulus = [("contact.geometry", 2.0), ("strip.path", 2.0), ("strip.length", 0.0), ("contact.mean_radius", 0.1)];
-    let scenes: [&[(&str, f64)]; 12] = [
+    let scenes: [&[(&str, f64)]; 11] = [
         &[],
         // Sliding faster than planned: the strip computes its responses within the steps.
         &[("contact.geometry", 1.0), ("nominal.velocity", 1e-4)],
@@ -95,7 +94,6 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
         &[("strip.path", 1.0), ("contact.geometry", 1.0), ("nominal.stroke", 0.05)],
         &[("holder.stiffness", 1e8), ("contact.friction_fade.factor[2]", 0.5)],
         &[("contact.geometry", 1.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.02)],
-        &[("solver.scheme", 2.0), ("contact.geometry", 1.0)],
         &annulus,
         &[annulus[0], annulus[1], annulus[2], annulus[3], ("contact.friction_fade.factor[2]", 0.5)],
     ];
@@ -132,21 +130,6 @@ fn steps_that_follow_growing_hot_spots_allocate_nothing() {
     let (allocated, messages) = allocations(&scene, 0.2, 30);
     assert_eq!(allocated, 0, "{messages:?}");
     assert!(messages.iter().any(|message| message.text.starts_with("thermoelastically unstable")), "{messages:?}");
-}
-
-/// The reference level factors for every new step size.
-#[test]
-fn steps_of_the_unreduced_punch_allocate_nothing() {
-    let field = [("solver.fidelity", 4.0), ("solver.cells", 9.0), ("contact.geometry", 1.0)];
-    let scenes: [&[(&str, f64)]; 3] = [
-        &[("strip.path", 1.0), ("nominal.stroke", 0.05)],
-        &[("punch.top_thermal", 1.0), ("punch.convection", 50.0)],
-        &[("solver.scheme", 2.0)],
-    ];
-    for scene in scenes {
-        let (allocated, messages) = allocations(&[&field[..], scene].concat(), 0.01, 6);
-        assert_eq!(allocated, 0, "{scene:?}: {messages:?}");
-    }
 }
 
 /// Counts, and measures the text.

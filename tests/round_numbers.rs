@@ -152,7 +152,7 @@ fn scene(name: &str, fidelity: f64, cells: f64, tolerance: f64) -> Scene {
     );
     let index = |name: &str| find(name).unwrap() as usize;
     let (load, velocity) = (starts[index("nominal.load")], starts[index("nominal.velocity")]);
-    let level = ["auto", "lumped", "line", "field"][fidelity as usize - 1];
+    let level = ["auto", "lumped", "line"][fidelity as usize - 1];
     let name = format!("{name} {level} {cells} {tolerance:e}");
     Scene { name, component: Component::new(Arc::new(starts)), load, velocity }
 }

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 const LUMPED: f64 = 2.0;
 const LINE: f64 = 3.0;
-const EXPLICIT: f64 = 3.0;
 const HELD: f64 = 1.0;
 const EXTERNAL: f64 = 4.0;
 
@@ -72,25 +71,6 @@ fn assert_one(warnings: &[String], wanted: &[&str]) {
 
 const SILENT: [&str; 0] = [];
 const SLIDING: Values = &[("sliding_velocity", 8.0), ("normal_load", 2000.0)];
-
-#[test]
-fn distortion_is_missed_under_the_explicit_scheme_only() {
-    let line = |scheme: f64, expansion: f64| {
-        let starts = [
-            ("solver.fidelity", LINE),
-            FEW,
-            ("solver.scheme", scheme),
-            ("punch.thermal_expansion", expansion),
-            ("strip.thermal_expansion", expansion),
-        ];
-        at_start(&starts)
-    };
-    assert_one(&line(EXPLICIT, 1e-5), &["thermal distortion", "solver.scheme = explicit"]);
-    assert_eq!(line(EXPLICIT, 0.0), SILENT);
-    assert_eq!(line(1.0, 1e-5), SILENT);
-    assert_eq!(line(2.0, 1e-5), SILENT);
-    assert_eq!(at_start(&[("solver.fidelity", 1.0)]), SILENT);
-}
 
 #[test]
 fn temperatures_that_look_like_degrees_celsius_are_told() {

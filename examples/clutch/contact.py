@@ -19,7 +19,7 @@ class Unpacked:
         return float(self.variables[name].start)
 
     def level(self):
-        """Level of the scene: auto, lumped, line or field."""
+        """Level of the scene: auto, lumped or line."""
         variable = self.variables["solver.fidelity"]
         return {item.value: item.name for item in variable.declaredType.items}[str(variable.start)]
 

@@ -102,7 +102,7 @@ def line(cells):
 
 
 def level(description):
-    """Level of the scene: auto, lumped, line or field."""
+    """Level of the scene: auto, lumped or line."""
     variable = next(variable for variable in description.modelVariables if variable.name == "solver.fidelity")
     items = {item.value: item.name for item in variable.declaredType.items}
     return items[str(variable.start)]

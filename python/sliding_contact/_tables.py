@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import io
 import os
@@ -16,35 +15,17 @@ from ._numbers import plain
 if TYPE_CHECKING:
     import pandas
 
-#: Quantities over time: columns by name with a unit, a table of pandas, or a CSV file.
+#: Quantities over time: columns by name with a unit, a table of pandas, or a CSV or Parquet file.
 Table = Union[Mapping[str, Any], "pandas.DataFrame", str, "os.PathLike[str]"]
-
-
-def _is_text(path: str) -> bool:
-    """Whether a file begins as text in UTF-8; one that cannot be read is left to the native library, which says why."""
-    try:
-        with open(path, "rb") as file:
-            beginning = file.read(4096)
-    except OSError:
-        return True
-    try:
-        # A character may be cut at the end.
-        codecs.getincrementaldecoder("utf-8")().decode(beginning)
-    except UnicodeDecodeError:
-        return False
-    return b"\0" not in beginning
 
 
 def source(table: Optional[Table], name: str) -> Optional[dict[str, Any]]:
     """A table as the native library takes it: the path of a file, or the same text as in one."""
     if table is None:
         return None
-    accepted = "accepted are CSV files, dictionaries and tables of pandas, with columns as in `time [s],contact_temperature [degC]`"
+    accepted = "accepted are CSV and Parquet files, dictionaries and tables of pandas, with columns as in `time [s],contact_temperature [degC]`"
     if isinstance(table, (str, os.PathLike)):
-        path = os.fspath(table)
-        if not _is_text(path):
-            raise Error(f"{path} is no text in UTF-8; {accepted}")
-        return {"path": path}
+        return {"path": os.fspath(table)}
     if not hasattr(table, "keys"):
         raise Error(f"{name}: {type(table).__name__} is no table; {accepted}")
     columns = {str(header): table[header] for header in table.keys()}

@@ -46,7 +46,7 @@ fn the_account_closes_with_every_cooling() {
         &[("punch.conductivity", 0.0)],
         &[("strip.conductivity", 0.0), ("punch.convection", 300.0)],
         &[("contact.conductance", 0.0), ("holder.stiffness", 1e8)],
-        &[("solver.scheme", 2.0), ("contact.stick_stiffness", 0.0), ("depth", 0.2)],
+        &[("contact.stick_stiffness", 0.0), ("depth", 0.2)],
     ] {
         let mut drive = clutch(changes);
         engage(&mut drive, 0..30);

@@ -74,11 +74,6 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
             ("contact.friction_table.coefficient[3]", 0.3),
             ("contact.friction_table.coefficient[4]", 0.35),
         ]),
-        // The unreduced punch.
-        8 => {
-            changes.extend([("solver.fidelity", 4.0), ("strip.body", 2.0)]);
-            changes[0].1 = 3.0 + (4.0 * random.next()).floor();
-        }
         _ => changes.extend([("contact.initial_shape", 2.0), ("contact.initial_radius", 300.0)]),
     }
     // Resolved heat that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,

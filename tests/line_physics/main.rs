@@ -6,6 +6,7 @@
 
 mod contact;
 mod derivatives;
+mod elastic_slip;
 mod hard;
 mod states;
 mod wear;

@@ -1,8 +1,7 @@
-//! Worn shapes: volumes, time steps, the run-in state, strokes, the stability bound of the explicit scheme.
+//! Worn shapes: volumes, time steps, the run-in state, strokes.
 
-use super::contact::{BASE, line, stations, trapezoid};
+use super::contact::{line, stations, trapezoid};
 use exact::{CyclicHalfPlane, HolderKind};
-use scene::variables::STARTS;
 use test_support::{Drive, scene};
 
 /// Mean pressure under 10 kN, Pa.
@@ -162,24 +161,6 @@ fn strokes_end_in_the_two_pressures_of_the_paper() {
     }
     // Trailing edge loaded.
     assert!(forward[0] > 1.5 * mean && forward[32] < 0.5 * mean);
-}
-
-#[test]
-fn explicit_wear_says_where_it_ends() {
-    let mut drive = line(&[("solver.scheme", 3.0), ("solver.cells", 33.0), ("punch.wear_coefficient", 1e-11)]);
-    drive.set("normal_load", 1e4).set("sliding_velocity", 0.1);
-    let text = drive.0.step(10.0).unwrap_err();
-    assert!(text.contains("solver.scheme = explicit") && text.contains("stable only"), "{text}");
-    let limit: f64 = text.split("below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-    assert!(drive.0.step(1.02 * limit).is_err());
-    let before = drive.get("pressure_max");
-    // The edges relax within the bound.
-    for _ in 0..200 {
-        drive.step(0.9 * limit);
-    }
-    assert!(drive.get("pressure_max") < 0.9 * before);
-    let coarse = Drive::attempt(&STARTS, &[BASE, &[("solver.scheme", 3.0), ("solver.fidelity", 2.0)]].concat());
-    assert!(coarse.err().unwrap().contains("solver.fidelity = line"));
 }
 
 #[test]

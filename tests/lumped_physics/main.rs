@@ -10,6 +10,7 @@ mod geometry;
 mod hostile;
 mod limits;
 mod neighbours;
+mod properties;
 mod rates;
 mod replay;
 mod slab;

@@ -137,7 +137,7 @@ def test_what_only_python_can_get_wrong_is_refused():
     result = scene.simulate(STOP)
     for wrong, text in (
         (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocity [m/s]": [1, 2, 3]}), "has 2 rows, others have 3"),
-        (lambda: scene.simulate({"time [s]": [0, 1], "speed [m/s]": 1}), 'inputs, line 1, column 2: "speed [m/s]"'),
+        (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocty [m/s]": 1}), 'inputs, line 1, column 2: "sliding_velocty [m/s]"'),
         (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocity [m/s]": [1, "fast"]}), '"fast" is no number'),
         (lambda: scene.simulate(STOP, step=0.0), "step = 0 s must be above 0 s"),
         (lambda: scene.simulate(STOP, step="5 kN"), "step = '5 kN': \"5 kN\" has the wrong unit \"kN\"; accepted are s, min, h, ms"),
@@ -529,15 +529,40 @@ def test_a_record_that_is_no_table_is_refused_with_what_is_accepted(tmp_path):
     result.plot(picture)
     sheet.write_bytes(b"PK\x03\x04\x14\x00\x06\x00")
     latin.write_bytes("time [s],contact_temperature [°C]\n0,20\n".encode("latin-1"))
-    for record, told in ((picture, f"{picture} is no text"), (sheet, f"{sheet} is no text"), (latin, f"{latin} is no text"), ([1, 2], "list is no table")):
+    for record, told in ((picture, f"{picture} is no text; a CSV or Parquet"), (sheet, f"{sheet} is no text; a CSV or Parquet"), ([1, 2], "list is no table; accepted are CSV and Parquet")):
         for refused in (lambda: result.compare(record), lambda: result.plot(measured=record)):
             with pytest.raises(Error) as raised:
                 refused()
-            assert told in str(raised.value) and "accepted are CSV files" in str(raised.value)
+            assert told in str(raised.value)
+    assert result.compare(latin)["contact_temperature"].measured == pytest.approx([293.15])
     # A character of two bytes that the first block of a file cuts is text.
     long = tmp_path / "long.csv"
     long.write_bytes(b"#" * 4095 + "é\ntime [s],contact_temperature [degC]\n0,20\n".encode())
     assert result.compare(long)["contact_temperature"].measured == pytest.approx([293.15])
+
+
+def test_what_a_frame_writes_is_read_again_and_gaps_are_no_points(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    scene = Scene.load("disc_brake")
+    result = scene.simulate(STOP)
+    frame = result.frame("sliding_velocity [km/h]", "normal_load [kN]", "contact_temperature [degC]")
+    frame.loc[1:3, "contact_temperature [degC]"] = np.nan
+    frame.to_csv(tmp_path / "plain.csv")
+    frame.to_csv(tmp_path / "comma.csv", sep=";", decimal=",", index=False)
+    frame.rename(columns={"contact_temperature [degC]": "Temp. [°C]"}).to_csv(tmp_path / "latin.csv", encoding="latin-1")
+    sources = [frame, tmp_path / "plain.csv", tmp_path / "comma.csv", tmp_path / "latin.csv"]
+    if pytest.importorskip("pyarrow"):
+        frame.to_parquet(tmp_path / "frame.parquet")
+        sources.append(tmp_path / "frame.parquet")
+    for table in sources:
+        found = result.compare(table)["contact_temperature"]
+        assert found.measured.size == len(frame) - 3 and found.root_mean_square < 1e-9, table
+        again = scene.simulate(table, step=10.0)
+        assert again["contact_temperature"][-1] == pytest.approx(result["contact_temperature"][-1], rel=1e-9)
+    frame["Humidity [%]"] = 40.0
+    with pytest.warns(SceneWarning, match='left out are "Humidity'):
+        scene.simulate(frame)
+    assert pandas is not None
 
 
 def test_a_simulation_stays_in_its_process():

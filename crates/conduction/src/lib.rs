@@ -14,6 +14,7 @@ pub mod flash;
 pub mod lateral;
 pub mod line;
 pub mod moving_source;
+pub mod properties;
 pub mod reduced;
 pub mod slab;
 

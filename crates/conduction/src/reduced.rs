@@ -12,6 +12,14 @@
 //!
 //! Theory: docs/theory.md, section 4.2.
 
+/// Part of its share in the stationary field that a state of decay rate `rate` takes over at once where a prescribed temperature
+/// jumps. Every state decays to 0 at that face, so the projection of the field oscillates there and reaches the contact at once.
+/// The response at a real frequency s, which is in the space and lags behind the jump, has the part `s/(s + rate)`; this is the
+/// combination of two of them whose error in the slow states is of second order.
+pub fn lagging(rate: f64, [first, second]: [f64; 2]) -> f64 {
+    1.0 - rate / (rate + first) * (rate / (rate + second))
+}
+
 /// Largest number of states of a reduced slab.
 pub const MAX_SLAB_STATES: usize = 24;
 
@@ -82,6 +90,8 @@ pub struct ReducedBody {
     pub mean_temperature: Observation,
     /// Heat stored, J/m2 of reference area.
     pub stored: Observation,
+    /// States of the body at the uniform temperature 1 K.
+    pub uniform: [f64; MAX_STATES],
     /// Heat flow to ambient by the constant heat transfer, W/m2 of reference area.
     pub ambient_flow: Observation,
     /// Total heat flow out of the face opposite to the contact, W/m2 of reference area.

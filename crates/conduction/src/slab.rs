@@ -76,6 +76,10 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
 const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
 const LARGEST_FALL: f64 = 4.0;
 
+/// Shifts of the responses to a flux into the base, and to its temperature where that is prescribed, over the slab's own rate `kd/h^2`.
+const BASE_SHIFTS: [f64; 2] = [1.0, 30.0];
+const HELD_BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
+
 impl Slab {
     /// Thermal diffusivity, m2/s.
     pub fn diffusivity(&self) -> f64 {
@@ -119,6 +123,17 @@ impl Slab {
         (admittance + self.surface_transfer).inv()
     }
 
+    /// Decay through the height (1/m) of a field at the real frequency `shift`, 1/s.
+    fn decay(&self, shift: f64) -> f64 {
+        (shift / self.diffusivity() + self.volume_transfer / self.conductivity).sqrt()
+    }
+
+    /// Largest shifts of the responses to a prescribed temperature of the base, 1/s.
+    fn steepest_base_responses(&self) -> [f64; 2] {
+        let [.., second, first] = HELD_BASE_SHIFTS;
+        [first, second].map(|shift| shift * self.diffusivity() / self.height.powi(2))
+    }
+
     /// Heat capacity per area, J/(m2 K).
     fn areal_capacity(&self) -> f64 {
         self.capacity * self.height
@@ -133,6 +148,9 @@ impl Slab {
         let own = self.diffusivity() / self.height.powi(2);
         // Above the last of these a heated layer is thinner than the grid resolves.
         let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
+        // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
+        let fastest =
+            if self.base == FarBoundary::Held { fastest.max(4.0 * self.steepest_base_responses()[0]) } else { fastest };
         let scan = ErrorSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
@@ -180,8 +198,10 @@ impl Slab {
         for &shift in &shifts {
             basis.add_contact_response(shift);
         }
-        basis.add_base_response(own);
-        basis.add_base_response(30.0 * own);
+        let base_shifts = if self.base == FarBoundary::Held { &HELD_BASE_SHIFTS[..] } else { &BASE_SHIFTS };
+        for factor in base_shifts {
+            basis.add_base_response(factor * own);
+        }
         if basis.count() > MAX_SLAB_STATES + 1 {
             return None;
         }
@@ -303,6 +323,36 @@ mod tests {
             assert!((level - 1.0).abs() < 1e-7, "{slab:?}: {level}");
             assert!(both(&body.ambient_flow).abs() < 1e-4, "{slab:?} {}", both(&body.ambient_flow));
             assert!(both(&body.base_flow).abs() < 1e-4, "{slab:?} {}", both(&body.base_flow));
+        }
+    }
+
+    #[test]
+    fn a_temperature_of_the_base_arrives_by_diffusion() {
+        // Slab that is insulated at the contact: Carslaw and Jaeger, section 3.4.
+        let slab = iron(FarBoundary::Held);
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let body = slab.reduce(1000.0, tolerance);
+            let time = slab.height.powi(2) / slab.diffusivity();
+            let exact = |t: f64| {
+                let term = |n: i32| {
+                    let root = (f64::from(n) + 0.5) * std::f64::consts::PI;
+                    2.0 * (-root * root * t).exp() / (root * if n % 2 == 0 { 1.0 } else { -1.0 })
+                };
+                1.0 - (0..400).map(term).sum::<f64>()
+            };
+            let base = Port::Base as usize;
+            for (part, bound) in [(0.0, 4e-3), (1e-4, 4e-3), (0.001, 4e-3), (0.01, 1e-3), (0.1, 1e-4), (1.0, 1e-5)] {
+                let states: f64 = (0..body.count)
+                    .map(|k| {
+                        let grown = -(-body.rate[k] * part * time).exp_m1() / body.rate[k];
+                        body.contact_temperature.states[k] * body.input[base][k] * grown
+                    })
+                    .sum();
+                let found = states + body.contact_temperature.direct[base];
+                let expected = if part < 1e-3 { 0.0 } else { exact(part) };
+                println!("{part} of h^2/kd: {found:.6} {expected:.6}, {} states", body.count);
+                assert!((found - expected).abs() < bound, "after {part} of h^2/kd: {found} for {expected}");
+            }
         }
     }
 

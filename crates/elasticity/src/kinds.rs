@@ -6,7 +6,7 @@
 
 use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use crate::body_error::BodyReason;
-use crate::half_plane::scale_columns;
+use crate::half_plane::{mean_across_to_depth, scale_columns, tangential_to_depth};
 use crate::strip::FLATTEST;
 use crate::strip_shear::layer_difference;
 use crate::{
@@ -117,13 +117,25 @@ pub(crate) fn tangential_by_shear(
     compliance: Compliance,
     punch: bool,
 ) -> Result<DMatrix<f64>, BodyReason> {
+    tangential_within(scene, cells, body, compliance, punch, scene.tolerance.min(PRESSURE_TOLERANCE))
+}
+
+/// [`tangential_by_shear`] with finite elements of this tolerance.
+fn tangential_within(
+    scene: &Scene,
+    cells: &Cells,
+    body: &Body,
+    compliance: Compliance,
+    punch: bool,
+    tolerance: f64,
+) -> Result<DMatrix<f64>, BodyReason> {
     let count = cells.count();
     let periodic = scene.geometry == Geometry::Periodic;
     Ok(match body.mechanical {
         MechanicalBody::Rigid | MechanicalBody::Winkler => DMatrix::zeros(count, count),
         MechanicalBody::HalfPlane => compliance.normal,
         MechanicalBody::Elastic if punch && !periodic => {
-            block(scene, cells, body, scene.tolerance.min(PRESSURE_TOLERANCE))?.tangential_by_shear(cells.edges())?
+            block(scene, cells, body, tolerance)?.tangential_by_shear(cells.edges())?
         }
         MechanicalBody::Elastic => {
             let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
@@ -134,6 +146,89 @@ pub(crate) fn tangential_by_shear(
             compliance.normal + layer_difference(cells, material, body.height, base, period)
         }
     })
+}
+
+/// The same relative to the top of the punch or the base of the strip, which hold the body; of a half-plane relative to the points its
+/// height below the contact. `by_shear` is that of [`tangential_by_shear`].
+pub(crate) fn tangential_to_far_face(
+    scene: &Scene,
+    cells: &Cells,
+    body: &Body,
+    by_shear: DMatrix<f64>,
+) -> Result<DMatrix<f64>, BodyReason> {
+    if body.mechanical != MechanicalBody::HalfPlane {
+        return Ok(by_shear);
+    }
+    let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
+    if scene.geometry != Geometry::Periodic {
+        return Ok(tangential_to_depth(cells, material, body.height, by_shear));
+    }
+    // Waves decay within the height of a path; its mean is simple shear.
+    let uniform =
+        body.height / (scene.length * material.shear_modulus()) - 3.0 / (PI * material.plane_strain_modulus());
+    let count = cells.count();
+    Ok(by_shear + scale_columns(DMatrix::repeat(count, count, uniform), 1.0, cells.widths()))
+}
+
+/// Mean displacement along the sliding direction per uniform shear traction over the contact, relative to the far face, m/Pa: that of
+/// [`crate::tangential::TangentialCompliance::to_far_face`] on a single cell; on an annulus, where sliding is normal to the contact
+/// line, that of out-of-plane shear. Blocks and layers flatter than their finite elements or waves allow shear by h/G but for their
+/// edges, blocks more slender than [`LARGEST_SLENDERNESS`] bend like beams.
+pub fn mean_tangential_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
+    let modulus = body.youngs_modulus / (2.0 * (1.0 + body.poissons_ratio));
+    let material = Material::new(body.youngs_modulus, body.poissons_ratio);
+    let (simple, periodic) = (body.height / modulus, scene.geometry == Geometry::Periodic);
+    let (MechanicalBody::HalfPlane | MechanicalBody::Elastic, Ok(material)) = (body.mechanical, material) else {
+        return 0.0;
+    };
+    if scene.geometry == Geometry::Annular {
+        return match (body.mechanical, punch) {
+            (MechanicalBody::HalfPlane, _) => mean_across_to_depth(scene.width, material, body.height),
+            (_, true) => simple,
+            (_, false) => across_layer(scene.width, body.height) / modulus,
+        };
+    }
+    let is_block = punch && !periodic && body.mechanical == MechanicalBody::Elastic;
+    let [least, largest] = match body.mechanical {
+        MechanicalBody::Elastic if is_block => [MEAN_PROPORTIONS[0], LARGEST_SLENDERNESS],
+        MechanicalBody::Elastic => [1.0 / FLATTEST, f64::INFINITY],
+        _ => [0.0, f64::INFINITY],
+    };
+    let height = body.height.clamp(least * scene.width, largest * scene.width);
+    let resolved = Body { height, ..body.clone() };
+    let cell = Cells::uniform(0.5 * scene.width, 1).expect("a scene has a width");
+    let on_cell = || -> Result<f64, BodyReason> {
+        let compliance = match is_block {
+            // Not asked for by a block.
+            true => Compliance { normal: DMatrix::zeros(1, 1), shear: DMatrix::zeros(1, 1) },
+            false => compliance_within(scene, &cell, &resolved, punch, MEAN_TOLERANCE)?,
+        };
+        let by_shear = tangential_within(scene, &cell, &resolved, compliance, punch, MEAN_TOLERANCE)?;
+        Ok(tangential_to_far_face(scene, &cell, &resolved, by_shear)?[(0, 0)])
+    };
+    let beside = on_cell().expect("within the proportions");
+    if body.height < height {
+        let (ratio, sheared) = (body.height / height, height / modulus);
+        return sheared * ratio + (beside - sheared) * ratio * ratio;
+    }
+    // Beam of plane strain, held at its top: bending and shear.
+    let beam = |h: f64| 4.0 * plane_strain_compliance(body) * h * (h / scene.width).powi(2) + 1.2 * h / modulus;
+    if body.height > height { beside + beam(body.height) - beam(height) } else { beside }
+}
+
+/// Parts of the integral of [`across_layer`]; its integrand is smooth.
+const ACROSS_PARTS: u32 = 200;
+
+/// Mean displacement out of the plane under a uniform traction over the `width` (m), times the modulus of shear, of a layer held at its
+/// base, m: the kernel is `-ln tanh(pi s/(4 h))/pi`.
+fn across_layer(width: f64, height: f64) -> f64 {
+    // s = width t^3, which leaves no singularity.
+    let part = |k: u32| {
+        let t = (f64::from(k) + 0.5) / f64::from(ACROSS_PARTS);
+        let s = t.powi(3);
+        -(1.0 - s) * (PI * width * s / (4.0 * height)).tanh().ln() * 3.0 * t * t
+    };
+    2.0 * width / PI * (0..ACROSS_PARTS).map(part).sum::<f64>() / f64::from(ACROSS_PARTS)
 }
 
 /// Mean normal displacement per uniform pressure over the contact width, m/Pa: the compliance on a single cell, so that the
@@ -271,6 +366,39 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Finite elements on many cells, the sum of waves, simple shear, and the beam.
+    #[test]
+    fn the_mean_tangential_compliance_is_that_of_the_contact_line_under_a_uniform_traction() {
+        for geometry in [Geometry::Line, Geometry::Periodic] {
+            for (punch, strip) in [(0.1, 0.08), (0.012, 0.0055), (0.003, 0.0005), (0.5, 1.0)] {
+                for kind in [MechanicalBody::Rigid, MechanicalBody::HalfPlane, MechanicalBody::Elastic] {
+                    let mut scene = scene(geometry, punch, strip);
+                    (scene.punch.mechanical, scene.strip.mechanical) = (kind, kind);
+                    let cells = crate::discretization::cells_for(&scene, 33).unwrap();
+                    let bodies = crate::tangential::tangential_compliances(&scene, &cells).unwrap();
+                    for (own, body, is_punch) in [(&bodies[0], &scene.punch, true), (&bodies[1], &scene.strip, false)] {
+                        let line = cells.integral(own.to_far_face.column_sum().as_slice()) / scene.width;
+                        let lumped = mean_tangential_compliance(&scene, body, is_punch);
+                        assert!(
+                            (lumped - line).abs() <= 1e-3 * line,
+                            "{geometry:?} {kind:?} {is_punch}: {lumped:e} {line:e}"
+                        );
+                    }
+                }
+            }
+        }
+        // A tall block beyond its finite elements continues as it ends.
+        let mean = |height: f64| {
+            let scene = scene(Geometry::Line, height, 0.1);
+            mean_tangential_compliance(&scene, &scene.punch, true)
+        };
+        let (inside, beyond) = (mean(0.06 * 19.9), mean(0.06 * 20.1));
+        assert!((beyond / inside / (20.1_f64 / 19.9).powi(3) - 1.0).abs() < 1e-3, "{inside:e} {beyond:e}");
+        // Out of the plane: a thin layer shears by h, a thick one spreads like ln(4 h/(pi s)).
+        assert!((across_layer(1.0, 1e-3) / 1e-3 - 1.0).abs() < 2e-3);
+        assert!((across_layer(1.0, 50.0) * PI / ((200.0 / PI).ln() + 1.5) - 1.0).abs() < 1e-3);
     }
 
     /// Closed form: a layer all round cannot expand sideways, whatever its base, since it has no ends.

@@ -3,7 +3,8 @@
 //! Theory: docs/theory.md, section 3.8.
 
 use super::discretization::{BodyError, BodyReason, compliances};
-use super::kinds::tangential_by_shear;
+use super::kinds::mean_tangential_compliance;
+use super::kinds::{tangential_by_shear, tangential_to_far_face};
 use super::{Cells, Compliance};
 use nalgebra::DMatrix;
 use scene::{Body, Scene};
@@ -16,6 +17,16 @@ pub struct TangentialCompliance {
     pub by_pressure: DMatrix<f64>,
     /// Per shear traction in +x.
     pub by_shear: DMatrix<f64>,
+    /// The same relative to the far face, which holds the body; of a half-plane relative to the points its height below the contact.
+    pub to_far_face: DMatrix<f64>,
+}
+
+/// Friction force of all faces over the displacement of the faces against each other along the sliding direction by elasticity, under
+/// a uniform traction, N/m; infinite for bodies without tangential compliance, which are rigid or Winkler foundations.
+pub fn tangential_stiffness(scene: &Scene) -> f64 {
+    let compliance =
+        mean_tangential_compliance(scene, &scene.punch, true) + mean_tangential_compliance(scene, &scene.strip, false);
+    scene.faces * scene.count * scene.contact_area() / compliance
 }
 
 /// Tangential compliance of punch and strip on the given cells of a line or periodic contact.
@@ -47,5 +58,6 @@ fn body(
     let (count, widths) = (cells.count(), cells.widths());
     let by_pressure = DMatrix::from_fn(count, count, |i, j| widths[j] * compliance.shear[(j, i)] / widths[i]);
     let by_shear = tangential_by_shear(scene, cells, body, compliance, punch)?;
-    Ok(TangentialCompliance { by_pressure, by_shear })
+    let to_far_face = tangential_to_far_face(scene, cells, body, by_shear.clone())?;
+    Ok(TangentialCompliance { by_pressure, by_shear, to_far_face })
 }

@@ -14,6 +14,7 @@ mod galin;
 mod hertz;
 pub mod instability;
 mod pressure_wave;
+pub mod property_slab;
 pub mod reference;
 mod ring;
 pub mod special;

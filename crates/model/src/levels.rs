@@ -31,6 +31,9 @@ pub enum ModelState {
     Line(lumped::state::LumpedState, Vec<f64>),
 }
 
+/// Part of the tolerance up to which neglected elastic slip is not stated.
+const LEAST_STATED: f64 = 0.1;
+
 impl ModelState {
     /// Name and value of a number larger than `most` in magnitude, if any.
     pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
@@ -61,9 +64,7 @@ impl ModelOperators {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
         Ok(match scene.fidelity {
-            Fidelity::Line | Fidelity::Field => {
-                ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene, run_in)?))
-            }
+            Fidelity::Line => ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene, run_in)?)),
             _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::new(scene))),
         })
     }
@@ -119,6 +120,18 @@ impl ModelOperators {
         }
     }
 
+    /// Part of a nominal stroke by which the slip is too long because elastic displacement along the sliding direction is neglected,
+    /// `2 mu F n_f/(k s)`, and that length (m). Nothing without strokes, with elastic slip, and up to a tenth of the tolerance.
+    pub fn neglected_slip(&self) -> Option<(f64, f64)> {
+        let scene = self.scene();
+        if scene.elastic_slip || scene.nominal_stroke == 0.0 {
+            return None;
+        }
+        let lost = self.mean().deformation_at_reversal();
+        let share = lost / scene.nominal_stroke;
+        (share > LEAST_STATED * scene.tolerance).then_some((share, lost))
+    }
+
     /// Warnings about the scene, before it runs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = match self {
@@ -126,11 +139,14 @@ impl ModelOperators {
             ModelOperators::Line(operators) => operators.warnings(),
         };
         let scene = self.scene();
-        if scene.stick_stiffness > 0.0 && scene.regularization_velocity > 0.0 {
+        if self.mean().has_bristle() && scene.regularization_velocity > 0.0 {
+            let cause = match scene.stick_stiffness {
+                0.0 => "contact.tangential_compliance = elastic".to_owned(),
+                stiffness => format!("contact.stick_stiffness = {stiffness} N/m"),
+            };
             warnings.push(format!(
-                "contact.stick_stiffness = {} N/m activates the bristle model, so contact.regularization_velocity = {} m/s \
-                 has no effect",
-                scene.stick_stiffness, scene.regularization_velocity
+                "{cause} activates the bristle model, so contact.regularization_velocity = {} m/s has no effect",
+                scene.regularization_velocity
             ));
         }
         warnings

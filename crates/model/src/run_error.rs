@@ -9,6 +9,9 @@
 //! e = 1                          otherwise: not known
 //! ```
 //!
+//! each with the part of a nominal stroke that elastic slip takes, where it is neglected
+//! ([`crate::levels::ModelOperators::neglected_slip`]), as a third term under the root.
+//!
 //! d is the error of the companion less that of the run. At first order in the cells it is the error of the run, at second order
 //! three times as much.
 //!
@@ -143,6 +146,12 @@ impl RunError {
     /// Relative error of wear depth, temperature rise and friction force so far, where it is known; `step_error` is that of
     /// reduction and time steps.
     fn known(&self, prepared: &Prepared, step_error: f64) -> Option<f64> {
+        let neglected = prepared.operators.neglected_slip().map_or(0.0, |(share, _)| share);
+        self.resolved(prepared, step_error).map(|error| error.hypot(neglected))
+    }
+
+    /// The same without elastic slip.
+    fn resolved(&self, prepared: &Prepared, step_error: f64) -> Option<f64> {
         if prepared.is_exact() {
             return Some(step_error);
         }
@@ -168,6 +177,9 @@ impl RunError {
         let Some(error) = self.known(prepared, step_error).filter(|error| *error > tolerance) else { return Ok(()) };
         let cells = prepared.operators.cells();
         write!(text, "estimated_error = {} is above the tolerance {}", Number(error), Number(tolerance))?;
+        if self.resolved(prepared, step_error).is_some_and(|resolved| resolved <= tolerance) {
+            return write!(text, " by the elastic slip: contact.tangential_compliance = elastic includes it");
+        }
         match prepared.operators {
             _ if prepared.is_exact() => write!(text, " by reduction and time steps alone"),
             ModelOperators::Lumped(_) => write!(text, ": solver.fidelity = line resolves more than lumped"),

@@ -3,7 +3,8 @@
 //! Inputs are linear between their rows. An interval over which an input changes by the fraction $c$ of its largest magnitude is
 //! divided into at least $20 c$ equal steps, so that a peak between its ends is seen: between two points at most
 //! $h^2 |T''|/8$ is missed, 1e-3 of the rise in a stop. After a change the solution relaxes, first fast, then slowly, so
-//! within an interval a step is at most 1.25 times the one before; and none is longer than about a thousandth of the whole time.
+//! within an interval a step is at most 1.25 times the one before; and none is longer than about a thousandth of the whole time. Two equal times are a
+//! jump: no step lies between them, and the solution relaxes anew.
 
 use crate::nominal::round;
 
@@ -30,7 +31,7 @@ pub fn longest(times: &[f64]) -> f64 {
     round((times[times.len() - 1] - times[0]) / LEAST_STEPS)
 }
 
-/// Communication points for inputs of these values at these times: all times, and those between them that follow the inputs.
+/// Communication points, each once, for inputs of these values at these times: all times, and those between them that follow the inputs.
 pub fn points(times: &[f64], inputs: &[&[f64]]) -> Vec<f64> {
     let graded = |steps: &[f64]| divided(times, steps, GROWTH, FIRST * longest(times));
     graded(&steps(times, inputs, |steps| graded(steps).len() as f64))
@@ -38,7 +39,11 @@ pub fn points(times: &[f64], inputs: &[&[f64]]) -> Vec<f64> {
 
 /// The step of the same resolution where all have to be equal: the shortest that an interval needs, s.
 pub fn equal(times: &[f64], inputs: &[&[f64]]) -> f64 {
-    let shortest = |steps: &[f64]| steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_jump: Vec<bool> = times.windows(2).map(|pair| pair[0] == pair[1]).collect();
+    let shortest = |steps: &[f64]| {
+        let lasting = steps.iter().zip(&is_jump).filter(|(_, is_jump)| !**is_jump);
+        lasting.fold(f64::INFINITY, |least, (step, _)| least.min(*step))
+    };
     let whole = times[times.len() - 1] - times[0];
     shortest(&steps(times, inputs, |steps| whole / shortest(steps)))
 }
@@ -50,7 +55,7 @@ pub fn regular(times: &[f64], step: f64) -> Vec<f64> {
 
 /// Number of steps of [`regular`].
 pub fn count(times: &[f64], step: f64) -> f64 {
-    times.windows(2).map(|pair| parts(pair[1] - pair[0], step)).sum()
+    times.windows(2).filter(|pair| pair[1] > pair[0]).map(|pair| parts(pair[1] - pair[0], step)).sum()
 }
 
 fn parts(length: f64, step: f64) -> f64 {
@@ -85,12 +90,16 @@ fn changes(rows: usize, inputs: &[&[f64]]) -> Vec<f64> {
     changes
 }
 
-/// Every interval in steps of at most its own of `steps`, each at most `growth` times the one before, which was `before` first; equal
-/// otherwise.
-fn divided(times: &[f64], steps: &[f64], growth: f64, mut before: f64) -> Vec<f64> {
-    let mut points = vec![times[0]];
+/// Every interval in steps of at most its own of `steps`, each at most `growth` times the one before, which is `first` at the beginning
+/// and after a jump; equal otherwise.
+fn divided(times: &[f64], steps: &[f64], growth: f64, first: f64) -> Vec<f64> {
+    let (mut points, mut before) = (vec![times[0]], first);
     for (pair, step) in times.windows(2).zip(steps) {
         let length = pair[1] - pair[0];
+        if length == 0.0 {
+            before = before.min(first);
+            continue;
+        }
         let parts = parts(length, *step);
         let equal = length / parts;
         if equal <= growth * before {
@@ -176,6 +185,19 @@ mod tests {
             points.len() < 100_020
                 && times.iter().all(|time| points.binary_search_by(|own| own.total_cmp(time)).is_ok())
         );
+    }
+
+    #[test]
+    fn a_jump_is_no_step_and_what_follows_begins_anew() {
+        let times = [0.0, 500.0, 500.0, 1000.0];
+        let speed = [10.0, 10.0, 0.0, 0.0];
+        let points = points(&times, &[&speed]);
+        assert!(points.windows(2).all(|pair| pair[1] > pair[0]) && points.contains(&500.0), "{points:?}");
+        let at = points.iter().position(|time| *time == 500.0).unwrap();
+        let [before, after] = [points[at] - points[at - 1], points[at + 1] - points[at]];
+        assert!(before > 0.9 && after < 0.1, "{before} {after}");
+        assert_eq!(equal(&times, &[&speed]), 1.0);
+        assert_eq!((count(&times, 500.0), regular(&times, 500.0)), (2.0, vec![0.0, 500.0, 1000.0]));
     }
 
     #[test]

@@ -12,6 +12,7 @@
 //! material = "brake_lining"
 //! width = "55 mm"         # a display unit of the variable, or its SI unit
 //! conductivity = 0.9      # a plain number is in the SI unit; explicit keys override the material
+//! property_table.material = "structural_steel"  # conductivity and specific heat over temperature, of a standard
 //! body = "elastic"        # an enumeration by the name of the item
 //!
 //! [contact]
@@ -32,6 +33,7 @@ pub mod columns;
 pub mod division;
 pub mod materials;
 pub mod nominal;
+pub mod property_tables;
 pub mod quantity;
 pub mod records;
 pub mod shipped;
@@ -49,10 +51,17 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::materials::MATERIALS;
+use crate::property_tables::TABLES;
 use scene::message::{Clipped, Quoted};
 use scene::slot::{self, Experiment, Packaged, STOCK_EXPERIMENT};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{COUNT, Causality, Row, STARTS, TABLE, ValueReference, find, reference};
+
+/// Keys of version 0.1 that are gone, and what replaces them.
+const FORMER: [(&str, &str); 1] = [(
+    "solver.scheme",
+    "every run is monolithic, and the schemes of version 0.1 for comparison are gone: leave it out",
+)];
 
 /// A scene as read from a file.
 #[derive(Clone, PartialEq, Debug)]
@@ -218,6 +227,17 @@ impl<'text> Reader<'text> {
                 }
             }
         }
+        for body in ["punch", "strip"] {
+            let key = format!("{body}.property_table.material");
+            if let Some(table) = self.take(&key, property_table_of) {
+                for (property, value) in table.values() {
+                    if let Some(reference) = find(&format!("{body}.{property}")) {
+                        starts[reference as usize] = value;
+                        given.push(reference);
+                    }
+                }
+            }
+        }
         let experiment = self.experiment(&mut starts, &mut given);
         for (key, leaf) in std::mem::take(&mut self.leaves) {
             self.variable(&key, &leaf, &mut starts, &mut given);
@@ -302,7 +322,9 @@ impl<'text> Reader<'text> {
 
     fn variable(&mut self, key: &str, leaf: &Leaf, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) {
         let Some((first, row)) = row_called(key) else {
-            let reason = format!("there is no such key{}", suggest::nearest(key, known_keys()));
+            let former = FORMER.iter().find(|(name, _)| *name == key);
+            let hint = former.map_or_else(|| suggest::nearest(key, known_keys()), |(_, hint)| format!("; {hint}"));
+            let reason = format!("there is no such key{hint}");
             return self.problem(leaf.at, key, reason);
         };
         if !matches!(row.causality, Causality::Parameter | Causality::Input) {
@@ -362,6 +384,8 @@ fn known_keys() -> impl Iterator<Item = &'static str> {
         "experiment.tolerance",
         "punch.material",
         "strip.material",
+        "punch.property_table.material",
+        "strip.property_table.material",
     ];
     let variables =
         TABLE.iter().filter(|row| matches!(row.causality, Causality::Parameter | Causality::Input)).map(|row| row.name);
@@ -393,6 +417,14 @@ fn material_of(value: &DeValue) -> Result<&'static materials::Material, String> 
     materials::find(&name).ok_or_else(|| {
         let known: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
         format!("there is no material {}; known are {}", Quoted(&name), known.join(", "))
+    })
+}
+
+fn property_table_of(value: &DeValue) -> Result<&'static property_tables::Tabulated, String> {
+    let name = text_of(value)?;
+    property_tables::find(&name).ok_or_else(|| {
+        let known: Vec<&str> = TABLES.iter().map(|table| table.name).collect();
+        format!("there is no property table of {}; known are {}", Quoted(&name), known.join(", "))
     })
 }
 

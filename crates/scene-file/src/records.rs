@@ -1,6 +1,6 @@
 //! Records of wear tests: load, speed, distance and worn volume of every test, for the fit of a wear law.
 
-use crate::columns::{self, Column};
+use crate::columns::{self, Column, Reading};
 use anyhow::{Result, bail};
 use scene::variables::units::{CUBIC_METRE, METRE, METRE_PER_SECOND, NEWTON, Unit};
 use std::io::Read;
@@ -43,9 +43,10 @@ impl Records {
             ..Column::optional(name, unit)
         });
         let mut records = Self::default();
-        columns::rows(content, path, &known.each_ref(), &mut |cells| {
+        columns::rows(content, path, &known.each_ref(), &Reading::default(), &mut |cells| {
             for cell in cells {
-                if cell.value <= 0.0 {
+                // A gap is none either.
+                if cell.value.is_nan() || cell.value <= 0.0 {
                     bail!("{}: a test has a {} above 0", cell.place(), cell.name);
                 }
                 match cell.name {
@@ -106,7 +107,7 @@ mod tests {
             (String::new(), &["tests.csv is empty", "load [N]"][..]),
             (head.to_owned(), &["no row"]),
             (head.replace("[N]", "[m/s]"), &["line 1, column 1", "\"m/s\"", "accepted are N, kN"]),
-            (head.replace("load", "force"), &["line 1, column 1", "\"force [N]\"", "load [N or kN or mN], speed"]),
+            (head.replace("load", "force"), &["line 1", "no column load [N or kN or mN]", "force [N]"]),
             (head.replace(",volume [mm3]", ""), &["no column volume [m3 or mm3"]),
             (format!("{head}5,.1,300,1\nheavy,.1,300,1\n"), &["line 3, column 1 (load [N]): \"heavy\" is no number"]),
             (format!("{head}5,.1,300,0\n"), &["line 2, column 4 (volume [mm3]): \"0\"", "above 0"]),

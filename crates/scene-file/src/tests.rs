@@ -127,6 +127,7 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         ("[punch]\nwidth = 1\n[punch]\nheight = 1", &["not TOML", "line 4"]),
         // Keys.
         ("punch.widht = 1", &["line 2, column 7", "punch.widht", "did you mean punch.width?"]),
+        ("solver.scheme = 2", &["line 2, column 8", "solver.scheme", "no such key", "monolithic", "leave it out"]),
         ("strip.width = 1", &["strip.width", "no such key", "punch.width"]),
         ("colour = \"red\"", &["colour", "no such key"]),
         ("experiment.steps = 1", &["experiment.steps", "experiment.step"]),
@@ -353,7 +354,13 @@ fn messages_quote_no_more_than_the_beginning_of_a_text() {
     ] {
         messages.push(format!(
             "{:#}",
-            columns::parse(text.as_bytes(), Path::new("a.csv"), &columns::Column::inputs()).unwrap_err()
+            columns::parse(
+                text.as_bytes(),
+                Path::new("a.csv"),
+                &columns::Column::inputs(),
+                &columns::Reading::strict()
+            )
+            .unwrap_err()
         ));
     }
     messages.push(format!("{:#}", shipped::load(Some(&long), Path::new("nowhere")).unwrap_err()));

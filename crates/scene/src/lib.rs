@@ -6,6 +6,7 @@ mod fade;
 pub mod fnv;
 mod friction_table;
 pub mod message;
+mod property_table;
 mod rules;
 pub mod slot;
 pub mod variables;
@@ -13,9 +14,10 @@ mod warnings;
 
 pub use fade::FadeTable;
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
+pub use property_table::{PROPERTY_POINTS, PropertyTable};
 pub use rules::BrokenRule;
 
-use crate::variables::{COUNT, TOLERANCES, reference};
+use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 
 /// Value of the row called `$name` in `$values`; an unknown name does not compile.
 #[macro_export]
@@ -133,8 +135,6 @@ pub enum Fidelity {
     Lumped,
     /// Contact line.
     Line,
-    /// Unreduced finite elements.
-    Field,
 }
 
 /// Heat of a contact line.
@@ -155,17 +155,6 @@ pub enum ErrorEstimate {
     Off,
     /// A coarser contact line on the same inputs.
     Companion,
-}
-
-/// Time stepping.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Scheme {
-    /// All fields in one implicit step.
-    Monolithic,
-    /// Operator split.
-    Staggered,
-    /// Explicit wear.
-    Explicit,
 }
 
 /// Freedom of the punch in its holder.
@@ -208,10 +197,12 @@ pub struct Body {
     pub foundation_stiffness: f64,
     /// rho, kg/m3.
     pub density: f64,
-    /// c, J/(kg K).
+    /// c, J/(kg K); of the property table at the initial temperature where there is one.
     pub specific_heat: f64,
-    /// K, W/(m K); 0: an insulator.
+    /// K, W/(m K), likewise; 0: an insulator.
     pub conductivity: f64,
+    /// Conductivity and specific heat over temperature, in place of constants.
+    pub properties: Option<PropertyTable>,
     /// alpha, 1/K.
     pub thermal_expansion: f64,
     /// k of the wear law, m2/N.
@@ -313,6 +304,8 @@ pub struct Scene {
     pub regularization_velocity: f64,
     /// Stiffness of the bristle, N/m; 0: off.
     pub stick_stiffness: f64,
+    /// The bodies deform along the sliding direction before they slide.
+    pub elastic_slip: bool,
     /// Damping of the bristle, N s/m.
     pub stick_damping: f64,
     /// Thermal contact conductance, W/(m2 K).
@@ -347,8 +340,6 @@ pub struct Scene {
     pub heat_resolution: HeatResolution,
     /// Measure of the error of the run.
     pub error_estimate: ErrorEstimate,
-    /// Time stepping.
-    pub scheme: Scheme,
     /// Relative tolerance: the scene's own, else the importer's.
     pub tolerance: f64,
     /// Factor of all wear, 1.
@@ -366,13 +357,35 @@ fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
     })
 }
 
+/// The property table whose rows begin at these references, if it has points.
+fn property_table(v: &[f64; COUNT], points: f64, first: [ValueReference; 3]) -> Option<PropertyTable> {
+    let [temperature, conductivity, specific_heat] =
+        first.map(|first| std::array::from_fn(|point| v[first as usize + point]));
+    (points > 0.0).then_some(PropertyTable { points: points as usize, temperature, conductivity, specific_heat })
+}
+
 /// A temperature where it is chosen to act, K; 0 where not.
 fn chosen(acts: bool, temperature: f64) -> f64 {
     if acts { temperature } else { 0.0 }
 }
 
 macro_rules! body {
-    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {{
+        let table = property_table(
+            $v,
+            value!($v, concat!($body, ".property_table.points")),
+            [
+                const { reference(concat!($body, ".property_table.temperature")) },
+                const { reference(concat!($body, ".property_table.conductivity")) },
+                const { reference(concat!($body, ".property_table.specific_heat")) },
+            ],
+        );
+        let initial_temperature = chosen(
+            value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
+            value!($v, concat!($body, ".initial_temperature")),
+        );
+        let ambient = value!($v, "ambient_temperature");
+        let first = if initial_temperature > 0.0 { initial_temperature } else { ambient };
         Body {
             height: value!($v, concat!($body, ".height")),
             mechanical: match value!($v, concat!($body, ".body")) as i32 {
@@ -385,8 +398,11 @@ macro_rules! body {
             poissons_ratio: value!($v, concat!($body, ".poissons_ratio")),
             foundation_stiffness: value!($v, concat!($body, ".foundation_stiffness")),
             density: value!($v, concat!($body, ".density")),
-            specific_heat: value!($v, concat!($body, ".specific_heat")),
-            conductivity: value!($v, concat!($body, ".conductivity")),
+            specific_heat: table
+                .map_or(value!($v, concat!($body, ".specific_heat")), |table| table.specific_heat_at(first)),
+            conductivity: table
+                .map_or(value!($v, concat!($body, ".conductivity")), |table| table.conductivity_at(first)),
+            properties: table,
             thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
             wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
             wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
@@ -398,10 +414,7 @@ macro_rules! body {
             ),
             initial_wear: value!($v, concat!($body, ".initial_wear")),
             wear_limit: value!($v, concat!($body, ".wear_limit")),
-            initial_temperature: chosen(
-                value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
-                value!($v, concat!($body, ".initial_temperature")),
-            ),
+            initial_temperature,
             convection: value!($v, concat!($body, ".convection")),
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
@@ -411,7 +424,7 @@ macro_rules! body {
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
             far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
-    };
+    }};
 }
 
 /// Masses worn off both bodies and the airborne part of their sum, kg, by the worn volumes of all faces, m3.
@@ -461,6 +474,7 @@ impl Scene {
             friction_table: friction_table(v),
             regularization_velocity: value!(v, "contact.regularization_velocity"),
             stick_stiffness: value!(v, "contact.stick_stiffness"),
+            elastic_slip: value!(v, "contact.tangential_compliance") == 2.0,
             stick_damping: value!(v, "contact.stick_damping"),
             conductance: value!(v, "contact.conductance"),
             initial_shape: match value!(v, "contact.initial_shape") as i32 {
@@ -492,8 +506,7 @@ impl Scene {
             fidelity: match value!(v, "solver.fidelity") as i32 {
                 1 => Fidelity::Auto,
                 2 => Fidelity::Lumped,
-                3 => Fidelity::Line,
-                _ => Fidelity::Field,
+                _ => Fidelity::Line,
             },
             cells: value!(v, "solver.cells") as usize,
             heat_resolution: match value!(v, "solver.heat") as i32 {
@@ -504,11 +517,6 @@ impl Scene {
                 1 => ErrorEstimate::Automatic,
                 2 => ErrorEstimate::Off,
                 _ => ErrorEstimate::Companion,
-            },
-            scheme: match value!(v, "solver.scheme") as i32 {
-                1 => Scheme::Monolithic,
-                2 => Scheme::Staggered,
-                _ => Scheme::Explicit,
             },
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),

@@ -3,7 +3,9 @@
 
 use super::message::{self, Number, Quantity};
 use super::variables::{STARTS, find};
-use super::{Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
+use super::{
+    Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, PROPERTY_POINTS, Path, Scene,
+};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
@@ -26,6 +28,7 @@ const FEWEST_CELLS: usize = 3;
 pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     check_chosen(values)?;
     friction_table(scene, values)?;
+    property_tables(scene, values)?;
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
@@ -287,17 +290,45 @@ fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     Ok(())
 }
 
+/// Rules of the tables of conductivity and specific heat over temperature.
+fn property_tables(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+    for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
+        let points = body.properties.map_or(0, |table| table.points);
+        for row in ["temperature", "conductivity", "specific_heat"] {
+            let first = find(&format!("{name}.property_table.{row}[1]")).map(|reference| reference as usize);
+            let Some(first) = first else { continue };
+            if let Some(point) = (points..PROPERTY_POINTS).find(|point| values[first + point] != STARTS[first + point])
+            {
+                return broken(format!(
+                    "{name}.property_table.{row}[{}] = {} has no effect while {name}.property_table.points = {points}",
+                    point + 1,
+                    Number(values[first + point])
+                ));
+            }
+        }
+        let Some(table) = &body.properties else { continue };
+        if table.points < 2 {
+            return broken(format!(
+                "{name}.property_table.points = {} must be 0 (constants) or at least 2",
+                table.points
+            ));
+        }
+        if let Some(index) = table.disorder() {
+            let [next, before] = message::apart([table.temperature[index], table.temperature[index - 1]], "K");
+            return broken(format!(
+                "{name}.property_table.temperature[{}] = {next} must be above {name}.property_table.temperature[{index}] = {before}",
+                index + 1
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn level(scene: &Scene) -> Result<(), BrokenRule> {
     let rigid = [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2];
-    if rigid && matches!(scene.fidelity, Fidelity::Line | Fidelity::Field) {
+    if rigid && scene.fidelity == Fidelity::Line {
         return broken(
             "punch.body = rigid on strip.body = rigid can only be lumped; set solver.fidelity to lumped or auto".into(),
-        );
-    }
-    if scene.fidelity == Fidelity::Field && scene.geometry != Geometry::Line {
-        return broken(
-            "solver.fidelity = field has finite elements of a block with free sides and needs contact.geometry = line"
-                .into(),
         );
     }
     if scene.fidelity != Fidelity::Lumped && (1..FEWEST_CELLS).contains(&scene.cells) {
@@ -305,18 +336,6 @@ fn level(scene: &Scene) -> Result<(), BrokenRule> {
             "solver.cells = {} must be 0 (automatic) or at least {FEWEST_CELLS}: fewer cells cannot represent a pressure \
              distribution; solver.fidelity = lumped has a uniform pressure",
             scene.cells
-        ));
-    }
-    let compared = match scene.scheme {
-        Scheme::Monolithic => None,
-        Scheme::Staggered => Some("staggered"),
-        Scheme::Explicit => Some("explicit"),
-    };
-    if let Some(name) = compared
-        && !matches!(scene.fidelity, Fidelity::Line | Fidelity::Field)
-    {
-        return broken(format!(
-            "solver.scheme = {name} compares methods along the contact line and needs solver.fidelity = line"
         ));
     }
     Ok(())

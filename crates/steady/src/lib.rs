@@ -83,6 +83,13 @@ pub enum SteadyError {
         /// Path by which heat could leave, which is closed.
         closed: &'static str,
     },
+    /// With heat: conductivity and specific heat follow the temperature.
+    PropertyTable {
+        /// Body, as in the names of variables.
+        body: &'static str,
+        /// Points of its table.
+        points: usize,
+    },
     /// With heat: the iteration for temperatures and pressure of unidirectional sliding did not converge.
     NotSettled {
         /// Iterations done.
@@ -152,6 +159,12 @@ impl fmt::Display for SteadyError {
             Self::NoHeatLeaves { closed } => {
                 write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
             }
+            Self::PropertyTable { body, points } => write!(
+                f,
+                "no steady state with heat at {body}.property_table.points = {points}: it is known for constants alone; \
+                 simulate the scene to its steady state, or set 0 points and {body}.conductivity and {body}.specific_heat at the \
+                 temperature of that"
+            ),
             Self::NotSettled { iterations, change } if !change.is_finite() => {
                 write!(
                     f,

@@ -125,6 +125,11 @@ pub fn hot_state(
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
     let cold = steady_state(scene, cells, compliances, sliding)?;
+    for (body, properties) in [("punch", &scene.punch.properties), ("strip", &scene.strip.properties)] {
+        if let Some(table) = properties {
+            return Err(SteadyError::PropertyTable { body, points: table.points });
+        }
+    }
     let speed = cold.strokes.iter().map(|stroke| stroke.velocity.abs()).fold(0.0, f64::max);
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);

@@ -493,3 +493,30 @@ fn long_cycles_above_the_critical_speed_are_refused_with_it() {
     let refused = endless_cycles(&scene, &cells, &bodies).unwrap_err().to_string();
     assert!(refused.contains("critical speed") && refused.contains("0.4000 m/s"), "{refused}");
 }
+
+#[test]
+fn a_body_with_a_property_table_is_refused_by_name() {
+    let table = [
+        ("strip.property_table.points", 2.0),
+        ("strip.property_table.temperature[1]", 293.15),
+        ("strip.property_table.temperature[2]", 900.0),
+        ("strip.property_table.conductivity[1]", 50.0),
+        ("strip.property_table.conductivity[2]", 35.0),
+        ("strip.property_table.specific_heat[1]", 460.0),
+        ("strip.property_table.specific_heat[2]", 700.0),
+    ];
+    let scene = made(&table);
+    let named = |text: String| {
+        assert!(text.contains("strip.property_table.points = 2") && text.contains("constants alone"), "{text}");
+    };
+    named(hot(&scene).err().expect("a state with heat").to_string());
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), true, steady::run_in).unwrap();
+    let map = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::WITH_HEAT);
+    named(map.err().expect("cycles with heat").to_string());
+    // Without heat nothing depends on them.
+    let cells = cells_for(&scene, scene.cells).unwrap();
+    let bodies = compliances(&scene, &cells).unwrap();
+    assert!(steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).is_ok());
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), false, steady::run_in).unwrap();
+    assert!(CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::COLD).is_ok());
+}

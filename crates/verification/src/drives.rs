@@ -12,11 +12,11 @@ mod pin;
 mod punch;
 mod run;
 
-pub use families::Family;
+pub use families::{FORMER, Family};
 pub use run::{Ending, Record, Schedule};
 
+use scene::Fidelity;
 use scene::variables::{STARTS, find};
-use scene::{Fidelity, Scheme};
 use sliding_contact::component::Values;
 use std::fmt;
 
@@ -82,8 +82,6 @@ impl Errors {
 pub struct Setting {
     /// Model level.
     pub fidelity: Fidelity,
-    /// Time stepping scheme.
-    pub scheme: Scheme,
     /// `solver.tolerance`.
     pub tolerance: f64,
     /// Number of cells of the contact line; 0: chosen automatically.
@@ -103,14 +101,8 @@ impl fmt::Display for Setting {
             Fidelity::Auto => "auto",
             Fidelity::Lumped => "lumped",
             Fidelity::Line => "line",
-            Fidelity::Field => "field",
         };
         write!(formatter, "{level}")?;
-        match self.scheme {
-            Scheme::Monolithic => {}
-            Scheme::Staggered => write!(formatter, " staggered")?,
-            Scheme::Explicit => write!(formatter, " explicit")?,
-        }
         if self.cells > 0 {
             write!(formatter, ", {} cells", self.cells)?;
         }

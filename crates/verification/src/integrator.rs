@@ -3,7 +3,8 @@
 //!
 //! Theory: docs/theory.md, section 5.2.
 
-use contact::wear::line::{CellRate, Conditions, StageError, WearingContact, explicit_limit};
+use crate::explicit_limit::explicit_limit;
+use contact::wear::line::{CellRate, Conditions, StageError, WearingContact};
 use contact::{ContactState, Normal, Tilt};
 use numerics::sdirk::GAMMA;
 use std::fmt;

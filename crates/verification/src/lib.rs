@@ -15,6 +15,7 @@ mod component;
 mod contact_line;
 mod driver;
 pub mod drives;
+mod explicit_limit;
 mod heat_line;
 mod heat_punch;
 mod hot_states;

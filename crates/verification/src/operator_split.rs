@@ -7,15 +7,21 @@
 //!
 //! Theory: docs/theory.md, section 5.6.
 
-use super::wave::{WaveScene, unit};
+use super::wave::{SplitWave, WaveScene, amplification, unit};
 use super::{Problem, known};
 
 const RATIO: f64 = 5.0;
 
 /// Growth rate in 1/s of the longest wave in steps of `step` s: number of steps, and number of those that are evaluated.
 fn growth(step: f64, [steps, counted]: [usize; 2]) -> Result<f64, String> {
-    let contact = WaveScene { scheme: 2.0, ..WaveScene::new(32) }.build()?;
-    Ok(contact.growth(RATIO, step * unit(), steps, counted)?.re * unit())
+    let mut wave = SplitWave::new(WaveScene::new(32).build()?.linear_wave(RATIO)?);
+    let amplitudes: Vec<_> = (0..steps)
+        .map(|_| {
+            wave.step(step * unit());
+            wave.amplitude()
+        })
+        .collect();
+    Ok(amplification(&amplitudes, counted, false).re.ln() / step)
 }
 
 pub(super) fn problems() -> Vec<Problem> {

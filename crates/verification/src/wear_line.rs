@@ -5,7 +5,8 @@
 use super::contact_line::deviation;
 use super::driver::Driven;
 use super::{Problem, known};
-use contact::wear::line::{CellRate, Conditions, WearingContact, explicit_limit};
+use crate::explicit_limit::explicit_limit;
+use contact::wear::line::{CellRate, Conditions, WearingContact};
 use contact::{Normal, Tilt, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
 use exact::{GalinRelaxation, winkler_relaxation_rate, worn_cylinder_half_width};

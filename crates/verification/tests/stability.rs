@@ -255,11 +255,11 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
 #[test]
 fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
     use verification::stability::growth_step::{Method, contact as waves, hidden_from, measured_hidden_from, run};
-    let split = waves(8, Method::Staggered).unwrap();
+    let split = waves(8, Method::Split).unwrap();
     for (ratio, step, expected) in
         [(0.6, 0.05, Verdict::Right), (2.0, 0.01, Verdict::Right), (5.0, 0.5, Verdict::Inexact)]
     {
-        let (verdict, error) = run(&split, Method::Staggered, ratio, step);
+        let (verdict, error) = run(&split, Method::Split, ratio, step);
         assert_eq!(verdict, expected, "operator split {ratio} {step}: {error}");
     }
     let contact = waves(8, Method::Default).unwrap();

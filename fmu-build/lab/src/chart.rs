@@ -1,4 +1,4 @@
-//! `cargo fmu chart`: error against cost for six scenes, every level, scheme and peer on the same axes.
+//! `cargo fmu chart`: error against cost for six scenes, every level and peer on the same axes.
 
 mod document;
 mod figure;
@@ -24,7 +24,7 @@ use verification::drives::{self, DriveProblem, Sample};
 
 /// Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes.
 ///
-/// Every level, scheme, tolerance, number of cells, order of the inputs and communication step, and peers where they can do
+/// Every level, tolerance, number of cells, order of the inputs and communication step, and peers where they can do
 /// the scene. Writes one SVG and one CSV per scene, and those of the cost per step; prints what reaches 1 %.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {

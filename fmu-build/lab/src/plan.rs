@@ -1,13 +1,12 @@
 //! `cargo fmu plan`: the choice of `solver.fidelity = auto` for a scene, or every level on given inputs.
 
-mod field;
 mod inputs;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 
-use crate::output::{self, print_line, print_text};
+use crate::output::{print_line, print_text};
 use crate::scenes;
 
 /// Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out.
@@ -28,17 +27,11 @@ pub struct Arguments {
     ///
     /// CSV with the columns time [s] and inputs with their units, as sliding_velocity [m/s] and normal_load [N]; linear between rows,
     /// divided into communication steps as by `simulate`.
-    #[arg(long, value_name = "FILE", conflicts_with = "against_field")]
+    #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
     /// Write the named level with its tolerance into the scene's file.
     #[arg(long, requires = "inputs", conflicts_with = "set")]
     write: bool,
-    /// Measure the cost of a step at the planned model level and at the level `field`, for an error of 1 %.
-    #[arg(long, conflicts_with_all = ["set", "tolerance", "json"])]
-    against_field: bool,
-    /// File to write the table of the costs to.
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -46,13 +39,6 @@ pub struct Arguments {
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), &["csv"])?;
-    if arguments.output.is_some() && !arguments.against_field {
-        bail!("--output holds the table of --against-field, which is not given");
-    }
-    if arguments.against_field {
-        return field::measure(arguments.scene.as_deref(), arguments.output.as_deref());
-    }
     let mut file = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {
         scenes::assign(&mut file, assignment)?;

@@ -4,7 +4,7 @@ mod progress;
 mod write;
 
 use crate::arguments;
-use crate::columns::{self, Column};
+use crate::columns::{self, Column, Named, Reading, Table};
 use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
@@ -21,9 +21,10 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file, or name of a folder in `examples`.
     scene: String,
-    /// Inputs over time (CSV): time [s], sliding_velocity [km/h], normal_load [kN], or any input by its name and a unit.
+    /// Inputs over time (CSV or Parquet): time [s], sliding_velocity [km/h], normal_load [kN], or any input by its name and a unit.
     ///
-    /// Linear between the rows, each of which is a communication point. An input without a column keeps the scene's start value.
+    /// Linear between the rows, each of which is a communication point; a time in two rows is a jump. An input without a column keeps the
+    /// scene's start value. Outputs and other columns are left out.
     #[arg(short, long, value_name = "FILE.csv")]
     inputs: Option<PathBuf>,
     /// Give a variable of the scene another value, as punch.width="40 mm"; may be repeated.
@@ -43,10 +44,19 @@ pub struct Arguments {
     /// SVG, PDF or PNG by the file's ending.
     #[arg(short, long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Measured record (CSV), drawn over the curves of the same names: time [s], contact_temperature [degC], or any input or
-    /// output by its name and a unit.
+    /// Measured record (CSV or Parquet), drawn over the curves of the same names: time [s], contact_temperature [degC], or any input or
+    /// output by its name and a unit, or as rigs write it: "Friction force [N]", "COF". May be the file of --inputs.
+    ///
+    /// Empty cells and NaN are gaps. Without --step its times are communication points too, of more than 1000 every second, third and so on.
     #[arg(short, long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
+    /// Read a column as a variable, as "COF=friction_coefficient" or "Load=normal_load [N]"; without a variable it is left out. May be
+    /// repeated.
+    #[arg(long, value_name = "HEADER=VARIABLE", value_parser = str::parse::<Named>)]
+    column: Vec<Named>,
+    /// Refuse files with columns that are no known quantity, instead of leaving these out.
+    #[arg(long)]
+    strict: bool,
     /// Times of the profiles over the contact, as 0,10,"2 min"; by default the first, middle and last at which the load is at least half of
     /// its largest.
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = arguments::time, allow_negative_numbers = true)]
@@ -86,9 +96,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     let packaged = &file.packaged;
-    let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &Column::inputs())).transpose()?;
-    let trajectory = Trajectory::new(&file, inputs, arguments.step)?;
-    let record = arguments.measured.as_deref().map(measured::read).transpose()?;
+    let (inputs, record) = read(arguments)?;
+    let mut trajectory = Trajectory::new(&file, inputs, arguments.step)?;
+    if let Some(record) = record.as_ref().filter(|_| arguments.step.is_none()) {
+        trajectory.observe(record);
+    }
     let (first, last) = trajectory.span();
     let mut progress = Progress::new(first, last);
     let recording = run(&file, &trajectory, &arguments.at, &mut |time| progress.reached(time))?;
@@ -134,6 +146,35 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", summary.table());
     }
     Ok(())
+}
+
+/// Inputs and record, which may be one file: then its inputs are not compared.
+fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
+    let reading = Reading { columns: arguments.column.clone(), strict: arguments.strict };
+    let inputs =
+        arguments.inputs.as_deref().map(|path| columns::read(path, &Column::inputs(), &reading)).transpose()?;
+    let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
+    let is_one = arguments
+        .inputs
+        .as_ref()
+        .zip(arguments.measured.as_ref())
+        .is_some_and(|(inputs, measured)| output::would_replace(inputs, measured));
+    if let (true, Some(inputs), Some(measured)) = (is_one, &inputs, &record) {
+        let outputs = measured.without(&inputs.names.iter().map(String::as_str).collect::<Vec<_>>());
+        if outputs.names.is_empty() {
+            bail!(
+                "{} has inputs only; --measured compares outputs of the FMU, as wear_depth [um]",
+                inputs.path.display()
+            );
+        }
+        record = Some(outputs);
+    }
+    let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
+    reading.check(&tables)?;
+    let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
+    let first = |at: usize| !notes[..at].contains(&notes[at]);
+    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("{}", notes[at]));
+    Ok((inputs, record))
 }
 
 /// Refuses to write over a file that is read.

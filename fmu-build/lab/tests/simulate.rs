@@ -153,7 +153,8 @@ fn steps_of_the_default_follow_the_inputs() {
     let deviations = result["measured"].as_array().unwrap();
     let temperature = deviations.iter().find(|own| own["name"] == "contact_temperature").unwrap();
     assert!(temperature["largest_over_range"].as_f64().unwrap().abs() < 2e-2, "{temperature}");
-    assert!(result["communication_steps"].as_u64().unwrap() < 2000, "{}", result["communication_steps"]);
+    // Up to 1000 of them are times of the record.
+    assert!(result["communication_steps"].as_u64().unwrap() < 3000, "{}", result["communication_steps"]);
     // The record is a file of inputs too.
     let again = folder.run(&["disc_brake", "-i", "fine.csv", "--json"]).1;
     assert!(again.contains("other outputs are left out"), "{again}");
@@ -236,6 +237,47 @@ fn a_run_does_not_deviate_from_its_own_record_and_an_offset_is_told() {
     assert!(table.contains("1 outside of the simulated time"), "{table}");
 }
 
+/// A file of a rig with decimal commas, gaps, a jump and names of its own: its inputs drive the scene and its outputs are compared.
+#[test]
+fn one_file_of_a_rig_is_inputs_and_record() {
+    let folder = Folder::new("rig");
+    let rig = "Time [s];Speed [m/s];Clamping force [kN];Friction force [kN];Disc temp [°C];Line pressure [bar]\n\
+               0;10,0;2,0;0,8;20,0;8\n0,2;9,5;;0,8;;8\n0,4;9,0;2,0;0,81;20,9;8\n0,4;9,0;4,0;1,6;;16\n0,8;8,0;4,0;1,6;22,4;16\n";
+    folder.file("rig.csv", rig);
+    let run = ["disc_brake", "-i", "rig.csv", "-m", "rig.csv"];
+    let (success, table, told) = folder.run(&[&run[..], &["-o", "out.csv"]].concat());
+    assert!(
+        success && table.contains("deviation of friction_force") && !table.contains("deviation of normal_load"),
+        "{told}"
+    );
+    assert_eq!(told.matches("left out are \"Line pressure [bar]\"").count(), 1, "{told}");
+    let result = folder.json(&run);
+    let names: Vec<&str> =
+        result["measured"].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["friction_force", "strip.mean_temperature"]);
+    assert_eq!(result["measured"][1]["points"], 3);
+    let written = columns(&folder.0.join("out.csv"));
+    let [time, load] = ["time [s]", "normal_load [N]"].map(|name| &written.iter().find(|own| own.0 == name).unwrap().1);
+    let at = |wanted: f64| load[time.iter().position(|own| (own - wanted).abs() < 1e-12).unwrap()];
+    // The jump lies behind its time, and each time of the file is a communication point.
+    assert_eq!([at(0.2), at(0.4), at(0.8)].map(f64::round), [2000.0, 2000.0, 4000.0]);
+    assert!(load[time.iter().position(|own| *own > 0.4).unwrap()] == 4000.0);
+    let told = folder.refusal(&[&run[..], &["--strict"]].concat());
+    assert!(told.contains("column 6: \"Line pressure [bar]\" is not a known quantity"), "{told}");
+    let named = ["--strict", "--column", "Line pressure=", "--column", "Disc temp=contact_temperature"];
+    let result = folder.json(&[&run[..], &named].concat());
+    assert_eq!(result["measured"][1]["name"], "contact_temperature");
+    let told = folder.refusal(&[&run[..], &["--column", "Presure="]].concat());
+    assert!(told.contains("there is no column \"Presure\""), "{told}");
+    // What is written can be read as both again, as CSV and as Parquet.
+    assert!(folder.run(&[&run[..], &["-o", "out.parquet"]].concat()).0);
+    for file in ["out.csv", "out.parquet"] {
+        let again = folder.json(&["disc_brake", "-i", file, "-m", file]);
+        let own = again["measured"].as_array().unwrap().iter().find(|own| own["name"] == "friction_force").unwrap();
+        assert!(own["largest_over_range"].as_f64().unwrap().abs() < 0.05, "{own}");
+    }
+}
+
 #[test]
 fn a_contact_line_has_profiles_at_the_chosen_times() {
     let folder = Folder::new("profiles");
@@ -297,13 +339,13 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
         ),
         (
             "back.csv",
-            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1\n1,1,1\n",
-            &["line 4, column 1", "must increase", "1 s"],
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1\n.5,1,1\n",
+            &["line 4, column 1", "must not decrease", "1 s"],
         ),
         (
-            "unknown.csv",
-            "time [s],sliding_velocity [m/s],pressure [Pa]\n0,1,1\n",
-            &["line 1, column 3", "\"pressure [Pa]\"", "normal_load [N or kN or mN]"],
+            "slip.csv",
+            "time [s],sliding_velocity [m/s],normal_laod [N]\n0,1,1\n",
+            &["line 1, column 3", "\"normal_laod [N]\"", "did you mean normal_load?"],
         ),
         (
             "unit.csv",
@@ -327,13 +369,13 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
         ),
         (
             "missing.csv",
-            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,,1\n",
-            &["line 3, column 2", "\"\" is no number"],
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1\n2,,1\n60,9,1\n62,9,1\n63,9,1\n",
+            &["lines 3 to 5", "sliding_velocity has no value for 59 s from 1 m/s to 9 m/s"],
         ),
         (
             "nan.csv",
-            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,NaN,1\n",
-            &["line 3, column 2", "NaN is not a finite number"],
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,inf,1\n",
+            &["line 3, column 2", "inf is not a finite number"],
         ),
         (
             "huge.csv",
@@ -357,7 +399,11 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
             "time [s],sliding_velocity [m/s],normal_load [N]\n0,1\n",
             &["line 2: 2 cells, and the header has 3"],
         ),
-        ("semicolons.csv", "time [s];sliding_velocity [m/s];normal_load [N]\n0;1;1\n", &["separated by commas", "';'"]),
+        (
+            "marks.csv",
+            "time [s];sliding_velocity [m/s];normal_load [N]\n0;1.5;1\n1;1,5;1\n",
+            &["line 3", "decimal mark"],
+        ),
     ];
     for (name, text, parts) in files {
         folder.file(name, text);

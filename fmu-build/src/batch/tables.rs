@@ -1,7 +1,7 @@
 //! The CSV files that go into a batch.
 
 use super::FACTOR;
-use crate::columns::{self, Column};
+use crate::columns::{self, Column, Reading};
 use anyhow::{Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
 use scene::message::{Clipped, Quoted};
@@ -207,7 +207,7 @@ impl Inputs {
         let known = [Causality::Input, Causality::Output];
         let accepted: Vec<Column> =
             description.variables().iter().filter(|variable| known.contains(&variable.causality)).map(column).collect();
-        let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted)?;
+        let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted, &Reading::strict())?;
         Ok(Self { source: path.display().to_string(), names, times, values })
     }
 

@@ -1,6 +1,6 @@
 //! Drive cycles of a car: read by the names of their columns, in any unit, and checked before anything is driven.
 
-use crate::columns::{self, Column, Table};
+use crate::columns::{self, Column, Reading, Table};
 use crate::output::would_replace;
 use crate::project;
 use anyhow::{Context, Result, bail};
@@ -58,6 +58,7 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     if would_replace(&result, path) {
         bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
     }
+    table.notes.iter().for_each(|note| eprintln!("{note}"));
     for text in warnings(&table) {
         eprintln!("warning: {text}");
     }
@@ -72,7 +73,7 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
 
 fn read(path: &Path) -> Result<Table> {
     let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
-    let table = columns::read(path, &[speed])?;
+    let table = columns::read(path, &[speed], &Reading::default())?;
     if table.times.len() < 2 {
         bail!("{}: a cycle needs at least two rows", path.display());
     }

@@ -7,7 +7,7 @@ use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
-use scene_file::columns::{self, Column, Table};
+use scene_file::columns::{self, Column, Reading, Table};
 use scene_file::records::Records;
 use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
@@ -47,14 +47,16 @@ pub enum Source {
 impl Source {
     fn inputs(&self) -> Result<Table> {
         match self {
-            Self::File { path } => columns::read(path, &Column::inputs()),
-            Self::Text { text, name } => columns::parse(text.as_bytes(), Path::new(name), &Column::inputs()),
+            Self::File { path } => columns::read(path, &Column::inputs(), &Reading::default()),
+            Self::Text { text, name } => {
+                columns::parse(text.as_bytes(), Path::new(name), &Column::inputs(), &Reading::default())
+            }
         }
     }
 
     fn measured(&self) -> Result<Table> {
         match self {
-            Self::File { path } => measured::read(path),
+            Self::File { path } => measured::read(path, &Reading::default()),
             Self::Text { text, name } => measured::parse(text, Path::new(name)),
         }
     }
@@ -281,9 +283,11 @@ fn simulate(
     }
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
+    let notes = table.as_ref().map_or_else(Vec::new, |table| table.notes.clone());
     let trajectory = Trajectory::new(file, table, step)?;
     let (first, last) = trajectory.span();
-    let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
+    let mut recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
+    recording.warnings.splice(0..0, notes.into_iter().map(|note| (first, note)));
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
     if let Some(reason) = failure.as_ref().filter(|_| recording.times.is_empty()) {
         bail!("{reason}");

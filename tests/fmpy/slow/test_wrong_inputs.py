@@ -484,11 +484,8 @@ WRONG = {
         ("plan disc_brake --inputs one.csv", ["one.csv", "two"]),
         ("plan disc_brake --write", ["--write", "--inputs"]),
         ("plan disc_brake --write --inputs in.csv", ["--write", "shipped scene", "examples/disc_brake/scene.toml"]),
-        ("plan disc_brake -o plans.csv", ["--against-field"]),
-        ("plan --against-field --set punch.width=1", ["--set"]),
         ("plan disc_brake --inputs same.csv", ["same.csv, line 3", "must increase"]),
         ("plan disc_brake --inputs .", [". is a folder; a CSV file is needed"]),
-        ("plan --against-field -o plans.parquet", [".csv is written, not .parquet"]),
     ],
     "golden": [
         ("golden compare lumped_hold", ["\"lumped_hold\"", "lumped_held"]),

@@ -31,9 +31,7 @@ const ROTATE: f64 = 2.0;
 const HELD: f64 = 1.0;
 const CONVECTING: f64 = 2.0;
 const EXTERNAL: f64 = 4.0;
-const STAGGERED: f64 = 2.0;
 const LINE: f64 = 3.0;
-const FIELD: f64 = 4.0;
 
 const LUMPED: &[Level] = &[Level::Lumped];
 const HOT: &[Level] = &[Level::Hot];

@@ -291,20 +291,6 @@ pub const OPTIONS: &[Case] = &[
         &[],
     ),
     before(
-        "the field level of an annulus",
-        LUMPED,
-        &[Set("solver.fidelity", FIELD), Set("contact.geometry", ANNULAR), Initialise],
-        Error,
-        &["solver.fidelity = field", "contact.geometry = line"],
-    ),
-    before(
-        "an operator split without cells",
-        LUMPED,
-        &[Set("solver.scheme", STAGGERED), Initialise],
-        Error,
-        &["solver.scheme = staggered", "solver.fidelity = line"],
-    ),
-    before(
         "two cells",
         LUMPED,
         &[Set("solver.fidelity", LINE), Set("solver.cells", 2.0), Initialise],

@@ -34,6 +34,12 @@ pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bo
             by_cells && groups.distortion_over_approach > 0.0,
         ),
         effect("heat along the contact", "Peclet number", groups.peclet, by_cells),
+        effect(
+            "elastic slip",
+            "part of a nominal stroke",
+            if scene.nominal_stroke > 0.0 { line.mean.deformation_at_reversal() / scene.nominal_stroke } else { 0.0 },
+            scene.elastic_slip && scene.nominal_stroke > 0.0,
+        ),
         effect("strip wear", "its part of the worn depth", groups.strip_wear, scene.strip.wear_coefficient > 0.0),
     ]
 }

@@ -250,7 +250,7 @@ pub fn record(levels: &Levels) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene_file::columns::{self, Column};
+    use scene_file::columns::{self, Column, Reading};
     use std::path::Path;
 
     fn stock() -> SceneFile {
@@ -260,7 +260,7 @@ mod tests {
     fn stop(text: &str) -> Result<Trajectory> {
         Trajectory::new(
             &stock(),
-            Some(columns::parse(text.as_bytes(), Path::new("drive.csv"), &Column::inputs())?),
+            Some(columns::parse(text.as_bytes(), Path::new("drive.csv"), &Column::inputs(), &Reading::default())?),
             None,
         )
     }

@@ -3,8 +3,7 @@
 use super::run::Recording;
 use crate::largest;
 use anyhow::{Result, bail};
-use scene::variables::{Causality, TABLE};
-use scene_file::columns::{self, Column};
+use scene_file::columns::{self, Column, Reading};
 use serde::Serialize;
 use std::path::Path;
 
@@ -40,8 +39,8 @@ impl Measured {
 ///
 /// # Errors
 /// As [`columns::read`]; a file without a quantity.
-pub fn read(path: &Path) -> Result<columns::Table> {
-    check(columns::read(path, &accepted())?)
+pub fn read(path: &Path, reading: &Reading) -> Result<columns::Table> {
+    check(columns::read(path, &Column::record(), reading)?)
 }
 
 /// As [`read`], from the content of a file.
@@ -49,12 +48,7 @@ pub fn read(path: &Path) -> Result<columns::Table> {
 /// # Errors
 /// As [`read`].
 pub fn parse(content: &str, path: &Path) -> Result<columns::Table> {
-    check(columns::parse(content.as_bytes(), path, &accepted())?)
-}
-
-fn accepted() -> Vec<Column> {
-    let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
-    rows.filter_map(Column::of).collect()
+    check(columns::parse(content.as_bytes(), path, &Column::record(), &Reading::default())?)
 }
 
 fn check(table: columns::Table) -> Result<columns::Table> {
@@ -83,8 +77,10 @@ pub fn compare(table: &columns::Table, recording: &Recording) -> Result<Vec<Meas
     }
     let compared = table.names.iter().filter_map(|name| {
         let (channel, values) = (recording.channel(name)?, table.column(name)?);
-        let all = table.times.iter().copied().zip(values);
-        let points: Vec<(f64, f64)> = all.filter(|(time, _)| (first..=last).contains(time)).collect();
+        // Gaps are no points.
+        let all: Vec<(f64, f64)> =
+            table.times.iter().copied().zip(values).filter(|(_, value)| value.is_finite()).collect();
+        let points: Vec<(f64, f64)> = all.iter().copied().filter(|(time, _)| (first..=last).contains(time)).collect();
         let apart = |&(time, value): &(f64, f64)| (time, interpolated(&recording.times, &channel.values, time) - value);
         let deviations: Vec<(f64, f64)> = points.iter().map(apart).collect();
         let count = points.len() as f64;
@@ -97,7 +93,7 @@ pub fn compare(table: &columns::Table, recording: &Recording) -> Result<Vec<Meas
         Some(Measured {
             name: name.clone(),
             unit: channel.unit,
-            outside: table.times.len() - points.len(),
+            outside: all.len() - points.len(),
             points,
             root_mean_square,
             largest,

@@ -2,6 +2,7 @@
 
 mod figure;
 pub mod measured;
+mod neglected_slip;
 pub mod quantity;
 mod run;
 mod summary;

@@ -1,5 +1,6 @@
 //! Drives the component along a trajectory and records every input and output.
 
+use super::neglected_slip::NeglectedSlip;
 use super::trajectory::{Trajectory, unit_of};
 use crate::largest;
 use anyhow::{Result, anyhow, bail};
@@ -62,6 +63,8 @@ pub struct Recording {
     pub internal_steps: (u64, u64),
     /// Wall-clock time of initialisation and of the steps, s.
     pub seconds: [f64; 2],
+    /// Slip by which the distance is too long, where elastic displacement is neglected and the run reverses.
+    pub neglected_slip: Option<NeglectedSlip>,
     /// The reason why the run ended early.
     pub failure: Option<String>,
 }
@@ -205,6 +208,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
             .collect(),
         internal_steps: (0, 0),
         seconds: [begin.elapsed().as_secs_f64(), 0.0],
+        neglected_slip: None,
         failure: None,
     };
     let begin = Instant::now();
@@ -227,6 +231,8 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     if let Some(&last) = recording.times.last() {
         recording.take_warnings(last, &mut component);
     }
+    recording.neglected_slip =
+        operators.as_ref().and_then(|operators| NeglectedSlip::of(operators.scene(), &recording));
     recording.internal_steps = component.work();
     recording.seconds[1] = begin.elapsed().as_secs_f64();
     Ok(recording)

@@ -1,6 +1,7 @@
 //! Results of a run as a table and as JSON.
 
 use super::measured::Measured;
+use super::neglected_slip::{NeglectedSlip, counted};
 use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use crate::largest;
@@ -80,7 +81,8 @@ impl Summary<'_> {
             text += &format!(", {} mg per km slid", number(1e6 * mass / distance));
         }
         if stops > 0 {
-            text += &format!(", {} mg in each of {stops} stops", number(1e6 * mass / stops as f64));
+            let each = if stops == 1 { "in" } else { "in each of" };
+            text += &format!(", {} mg {each} {}", number(1e6 * mass / stops as f64), counted(stops, "stop"));
         }
         text
     }
@@ -176,6 +178,7 @@ impl Summary<'_> {
         .to_vec();
         lines.retain(|(name, _)| name != "airborne particles" || self.last("wear_mass_airborne") > 0.0);
         lines.extend(self.measured.iter().map(|own| (format!("deviation of {}", own.name), deviation(own))));
+        lines.extend(recording.neglected_slip.iter().map(|slip| ("elastic slip, neglected".to_owned(), slip.text())));
         let warnings = &recording.warnings;
         lines.extend(warnings.iter().map(|(time, text)| (format!("warning at {}", seconds(*time)), text.clone())));
         lines.extend(self.files.iter().map(|file| ("written".to_owned(), file.clone())));
@@ -234,6 +237,7 @@ impl Summary<'_> {
             "seconds": { "initialisation": recording.seconds[0], "steps": recording.seconds[1] },
             "energy_residual": energy_residual(recording),
             "estimated_error": self.last("estimated_error"),
+            "neglected_slip": recording.neglected_slip.as_ref().map(NeglectedSlip::record),
             "wear_mass": self.masses(),
             "variables": recording.channels.iter().map(course).collect::<Map<String, Value>>(),
             "profiles": recording.profiles.iter().map(profiles).collect::<Vec<_>>(),

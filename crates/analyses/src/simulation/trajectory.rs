@@ -11,6 +11,12 @@ use scene_file::nominal::{self, Conditions, Inputs, MOST_POINTS};
 use sliding_contact::component::LARGEST_INPUT;
 use std::path::PathBuf;
 
+/// Times of a record that are communication points, at most.
+const OBSERVED: usize = 1000;
+
+/// Distance over the whole time between two times that are one.
+const SAME: f64 = 1e-9;
+
 /// Inputs at given times, linear between them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trajectory {
@@ -18,7 +24,7 @@ pub struct Trajectory {
     pub description: String,
     /// The file with the line of every time; `None`: nominal inputs.
     pub file: Option<(PathBuf, Vec<u64>)>,
-    /// Times, strictly increasing, s.
+    /// Times, increasing, s; the same twice where inputs jump.
     pub times: Vec<f64>,
     /// Values of an input at the times.
     pub inputs: Vec<(ValueReference, Vec<f64>)>,
@@ -26,6 +32,8 @@ pub struct Trajectory {
     pub step: f64,
     /// Whether steps are shorter where the inputs need it: not where a step is given.
     pub follows: bool,
+    /// Times of a record, which are communication points too, s.
+    pub observed: Vec<f64>,
 }
 
 impl Trajectory {
@@ -85,6 +93,7 @@ impl Trajectory {
             step: step.unwrap_or_else(|| division::longest(&table.times)),
             follows: step.is_none(),
             file: Some((table.path, table.lines)),
+            observed: Vec::new(),
             times: table.times,
             inputs,
         })
@@ -104,7 +113,15 @@ impl Trajectory {
         let nominal = conditions.inputs(step.unwrap_or(file.packaged.experiment.step))?;
         let Inputs { description, times, values, step } = nominal;
         let inputs = nominal::NAMES.map(reference).into_iter().zip(values).collect();
-        Ok(Self { description, file: None, times, inputs, step, follows: false })
+        Ok(Self { description, file: None, times, inputs, step, follows: false, observed: Vec::new() })
+    }
+
+    /// Takes the times of a record as communication points, of more than [`OBSERVED`] every second, third and so on.
+    pub fn observe(&mut self, record: &Table) {
+        let (first, last) = self.span();
+        let within = record.times.iter().copied().filter(|time| (first..=last).contains(time));
+        let within: Vec<f64> = within.collect();
+        self.observed = within.iter().copied().step_by(within.len().div_ceil(OBSERVED).max(1)).collect();
     }
 
     /// First and last time, s.
@@ -112,7 +129,7 @@ impl Trajectory {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
-    /// Communication points: all times, those of `also`, and between them those of [`division`]: where no step is given they follow the
+    /// Communication points: all times, those of `also` and of the record, and between them those of [`division`]: where no step is given they follow the
     /// inputs, else no step is longer than it.
     ///
     /// # Errors
@@ -123,15 +140,25 @@ impl Trajectory {
             let [outside, first, last] = [*outside, first, last].map(Number);
             bail!("at = {outside} s is outside of the simulated time, {first} s to {last} s");
         }
-        let mut instants = [self.times.as_slice(), also].concat();
-        instants.sort_unstable_by(f64::total_cmp);
-        instants.dedup();
+        let mut more = also.to_vec();
+        more.sort_unstable_by(f64::total_cmp);
+        more.dedup();
+        more.retain(|time| self.times.binary_search_by(|own| own.total_cmp(time)).is_err());
+        let mut instants = [self.times.as_slice(), &more].concat();
+        instants.sort_by(f64::total_cmp);
         if self.follows {
-            let at =
-                |values: &[f64]| instants.iter().map(|time| self.at(values, self.interval(*time), *time)).collect();
+            // Of a time that stands twice the first is before the jump.
+            let at = |values: &[f64]| {
+                let value = |(place, time): (usize, &f64)| {
+                    let is_before = instants.get(place + 1) == Some(time);
+                    let after = self.times.partition_point(|own| *own < *time);
+                    self.at(values, if is_before { after.max(1) } else { self.interval(*time) }, *time)
+                };
+                instants.iter().enumerate().map(value).collect()
+            };
             let inputs: Vec<Vec<f64>> = self.inputs.iter().map(|(_, values)| at(values)).collect();
             let inputs: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
-            return Ok(division::points(&instants, &inputs));
+            return Ok(self.with_observed(division::points(&instants, &inputs)));
         }
         let count = division::count(&instants, self.step);
         if count > MOST_POINTS {
@@ -141,7 +168,22 @@ impl Trajectory {
                 Number(self.step)
             );
         }
-        Ok(division::regular(&instants, self.step))
+        Ok(self.with_observed(division::regular(&instants, self.step)))
+    }
+
+    /// The points and the times of the record, apart from those that rounding alone tells from a point.
+    fn with_observed(&self, points: Vec<f64>) -> Vec<f64> {
+        let (first, last) = self.span();
+        let same = SAME * (last - first);
+        let is_new = |time: &&f64| {
+            let after = points.partition_point(|own| own < *time);
+            points[after.saturating_sub(1)..(after + 1).min(points.len())].iter().all(|own| (own - **time).abs() > same)
+        };
+        let mut all: Vec<f64> = self.observed.iter().filter(is_new).copied().collect();
+        all.dedup_by(|later, earlier| *later - *earlier <= same);
+        all.extend(points);
+        all.sort_unstable_by(f64::total_cmp);
+        all
     }
 
     /// The communication step, s; where steps follow the inputs, the one of the same resolution if all have to be equal.
@@ -198,7 +240,15 @@ mod tests {
 
     fn ramp(step: f64) -> Trajectory {
         let inputs = vec![(0, vec![0.0, 4.0, 4.0])];
-        Trajectory { description: String::new(), file: None, times: vec![1.0, 3.0, 3.5], inputs, step, follows: false }
+        Trajectory {
+            description: String::new(),
+            file: None,
+            times: vec![1.0, 3.0, 3.5],
+            inputs,
+            step,
+            follows: false,
+            observed: Vec::new(),
+        }
     }
 
     #[test]
@@ -220,6 +270,41 @@ mod tests {
         assert!(ramp.times.iter().chain(&[1.25]).all(|time| points.contains(time)));
         assert!(points.len() > 1200 && points.windows(2).all(|pair| pair[0] < pair[1] && pair[1] - pair[0] < 0.0021));
         assert_eq!((ramp.equal_step(), self::ramp(0.5).equal_step()), (0.002, 0.5));
+    }
+
+    #[test]
+    fn inputs_jump_at_a_time_that_stands_twice() {
+        let inputs = vec![(0, vec![2.0, 2.0, 6.0, 8.0])];
+        let (times, follows) = (vec![0.0, 1.0, 1.0, 2.0], true);
+        let jump = Trajectory { times, inputs, follows, ..ramp(1.0) };
+        let at = |time: f64| jump.at(&jump.inputs[0].1, jump.interval(time), time);
+        assert_eq!([at(0.5), at(1.0), at(1.5)], [2.0, 6.0, 7.0]);
+        // The step up to the jump has the values before it.
+        assert_eq!(jump.at(&jump.inputs[0].1, jump.interval(0.999), 1.0), 2.0);
+        let points = jump.points(&[1.0]).unwrap();
+        assert!(points.windows(2).all(|pair| pair[1] > pair[0]) && points.contains(&1.0));
+        assert!(jump.equal_step() > 1e-3, "{}", jump.equal_step());
+    }
+
+    #[test]
+    fn times_of_a_record_are_communication_points_without_a_step() {
+        let record = |count: usize| Table {
+            path: PathBuf::new(),
+            times: (0..count).map(|at| 5.0 * (at as f64 + 0.5) / count as f64).collect(),
+            names: Vec::new(),
+            values: Vec::new(),
+            lines: Vec::new(),
+            left_out: Vec::new(),
+            headers: Vec::new(),
+            notes: Vec::new(),
+        };
+        let mut observed = ramp(1.0);
+        observed.observe(&record(8));
+        // From 1 s to 3.5 s.
+        assert_eq!(observed.observed, [1.5625, 2.1875, 2.8125, 3.4375]);
+        assert!(observed.observed.iter().all(|time| observed.points(&[]).unwrap().contains(time)));
+        observed.observe(&record(100_000));
+        assert!((500..=OBSERVED).contains(&observed.observed.len()), "{}", observed.observed.len());
     }
 
     #[test]

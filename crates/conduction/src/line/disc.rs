@@ -55,8 +55,8 @@ struct DiscStage {
 pub struct DiscHeat {
     ring: ReducedHeat,
     source: Arc<Source>,
-    /// By the bits of step and velocities, and whether it is one of implicit Euler.
-    stages: KeyedCache<([u64; 3], bool), [DiscStage; 2]>,
+    /// By the bits of step and velocities.
+    stages: KeyedCache<[u64; 3], [DiscStage; 2]>,
 }
 
 impl DiscHeat {
@@ -70,16 +70,6 @@ impl DiscHeat {
         };
         let stages = KeyedCache::new([[stage(), stage()]]);
         DiscHeat { ring, source: Arc::new(Source { flash, ratio }), stages }
-    }
-
-    fn select(&mut self, step: f64, velocity: [f64; 2], euler: bool) {
-        match euler {
-            true => self.ring.prepare_euler(step, velocity),
-            false => self.ring.prepare(step, velocity),
-        }
-        let key = ([step, velocity[0], velocity[1]].map(f64::to_bits), euler);
-        let Self { ring, source, stages } = self;
-        stages.get_or_compute(key, |stages| fill(stages, source, ring, step, velocity, euler));
     }
 
     fn stage(&self, stage: Stage) -> &DiscStage {
@@ -105,7 +95,7 @@ impl DiscHeat {
 }
 
 /// Weights and responses of both stages of a step.
-fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: f64, velocity: [f64; 2], euler: bool) {
+fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: f64, velocity: [f64; 2]) {
     let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
     for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
         let DiscStage { weights, influence } = &mut stages[stage as usize];
@@ -114,17 +104,16 @@ fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: 
         for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
             let square = ratio * ratio;
             let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
-            let sliding = match (euler, velocity[0] == velocity[1]) {
-                (true, _) | (false, true) => Sliding::constant(rate(1.0)),
-                (false, false) => Sliding::new(rate(0.0), rate(0.5 * end), rate(end)),
+            let sliding = match velocity[0] == velocity[1] {
+                true => Sliding::constant(rate(1.0)),
+                false => Sliding::new(rate(0.0), rate(0.5 * end), rate(end)),
             };
             for (k, weights) in own.iter_mut().enumerate() {
                 let at_rest = source.flash.rates[k] / square;
                 let residue = source.flash.residues[k] / ratio;
-                *weights = match (euler, stage) {
-                    (true, _) => Weights::euler(at_rest + sliding.end, residue, step),
-                    (false, Stage::First) => Weights::first(at_rest, &sliding, residue, step),
-                    (false, Stage::End) => Weights::end(at_rest, &sliding, residue, step),
+                *weights = match stage {
+                    Stage::First => Weights::first(at_rest, &sliding, residue, step),
+                    Stage::End => Weights::end(at_rest, &sliding, residue, step),
                 };
             }
             influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
@@ -187,11 +176,6 @@ impl Weights {
         let decay = (-(at_rest + sliding.mean) * step).exp();
         Weights { decay, known: residue * known, own: residue * (step * mean_decay(kept) - known) }
     }
-
-    fn euler(rate: f64, residue: f64, step: f64) -> Weights {
-        let decay = (1.0 + rate * step).recip();
-        Weights { decay, known: 0.0, own: residue * step * decay }
-    }
 }
 
 impl ThermalBody for DiscHeat {
@@ -224,11 +208,10 @@ impl ThermalBody for DiscHeat {
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.select(step, velocity, false);
-    }
-
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
-        self.select(step, velocity, true);
+        self.ring.prepare(step, velocity);
+        let key = [step, velocity[0], velocity[1]].map(f64::to_bits);
+        let Self { ring, source, stages } = self;
+        stages.get_or_compute(key, |stages| fill(stages, source, ring, step, velocity));
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {

@@ -27,13 +27,14 @@
 
 pub mod contact_parts;
 pub mod disc;
-pub mod field;
+pub mod property_body;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
 #[cfg(test)]
 mod tests;
 
+use crate::properties::Scales;
 use contact_parts::ContactParts;
 use nalgebra::DMatrix;
 use std::fmt::Debug;
@@ -245,14 +246,16 @@ pub trait ThermalBody: Debug + Send {
     /// effect on a body that does not divide its cells.
     fn set_contact_parts(&mut self, _contact_parts: [&ContactParts; 2]) {}
 
+    /// Sets the mean temperature (K) for whose properties steps are prepared from now on, and the absolute temperature (K) of the
+    /// reference; returns the factors of the properties. Without effect on a body of constants.
+    fn set_temperature(&mut self, _mean: f64, _reference: f64) -> Scales {
+        Scales::ONE
+    }
+
     /// Computes weights and surface influence matrices for a step of `step` s in which the sliding velocity changes linearly
     /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments
     /// cost a comparison. The result is a function of the arguments and the parts in contact alone, never of earlier preparations.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
-
-    /// [`Self::prepare`] for one implicit Euler step of an operator split: both stages lie at the end of the step and
-    /// respond to fluxes that are constant over it, which are passed to [`Self::advance`] twice.
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
 
     /// Surface influence matrices of `stage`.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;

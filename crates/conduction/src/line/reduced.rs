@@ -142,8 +142,8 @@ pub struct ReducedHeat {
     scratch: RefCell<Scratch>,
     /// Workspace between a free response and the propagation from it.
     face_scratch: RefCell<Scratch>,
-    /// By the bits of the step and whether it is one of implicit Euler. It has no memory until the first step.
-    weights: KeyedCache<(u64, bool), Weights>,
+    /// By the bits of the step. It has no memory until the first step.
+    weights: KeyedCache<u64, Weights>,
     /// Of both stages.
     patterns: [Patterns; 2],
 }
@@ -178,15 +178,15 @@ impl ReducedHeat {
     }
 
     /// Selects the weights of a step size, from the cache or computed.
-    fn select(&mut self, step: f64, euler: bool) {
+    fn select(&mut self, step: f64) {
         let Self { operators, modes, scratch, weights, patterns, .. } = self;
         if weights.capacity() == 0 {
             // The longer step by which growth is looked for is one more.
             let capacity = cache_capacity(operators.widths.len()) + 1;
             *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate()));
         }
-        let slot = weights.get_or_compute((step.to_bits(), euler), |weights| {
-            operators.fill(modes, weights, step, euler, scratch.get_mut());
+        let slot = weights.get_or_compute(step.to_bits(), |weights| {
+            operators.fill(modes, weights, step, scratch.get_mut());
         });
         for (patterns, stage) in patterns.iter_mut().zip(&mut weights[slot].stages) {
             patterns.change_influence(operators, modes, stage, scratch.get_mut());
@@ -317,11 +317,7 @@ impl ThermalBody for ReducedHeat {
     }
 
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
-        self.select(step, false);
-    }
-
-    fn prepare_euler(&mut self, step: f64, _velocity: [f64; 2]) {
-        self.select(step, true);
+        self.select(step);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -359,7 +355,7 @@ impl ThermalBody for ReducedHeat {
             *value = input * own;
         }
         influence.faces = operators.faces().map(|other| dot(&other.states, &scratch.values) + other.ports[port]);
-        influence.mean = dot(&operators.uniform, &scratch.values) / operators.heat_capacity;
+        influence.mean = dot(&operators.stored, &scratch.values) / operators.heat_capacity;
         let mut ports = [0.0; PORTS];
         ports[port] = 1.0;
         self.observe(scratch, &ports, Some(&mut influence.temperature), Some(&mut influence.distortion));
@@ -461,7 +457,7 @@ impl ThermalBody for ReducedHeat {
         let operators = &*self.operators;
         let (states, tallies) = state.split_at(operators.states());
         let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
-        (dot(&operators.uniform, states) + beyond) / operators.heat_capacity
+        (dot(&operators.stored, states) + beyond) / operators.heat_capacity
     }
 
     fn account(&self, state: &[f64]) -> Account {

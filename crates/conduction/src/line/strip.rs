@@ -240,10 +240,8 @@ impl ThermalBody for StripHeat {
     fn uniform(&self, rise: f64, state: &mut [f64]) {
         state.fill(0.0);
         let mean = &self.operators.mean;
-        // The modes are orthonormal with the capacity as weight: the heat stored per state is its coefficient in a
-        // uniform rise.
         for k in 0..self.operators.mean_states() {
-            state[k] = mean.stored.states[k % mean.count] * rise;
+            state[k] = mean.uniform[k % mean.count] * rise;
         }
         // The heat balance starts from states of 0, so the initial heat is booked as received through the contact.
         let tail = state.len() - TAIL;
@@ -272,10 +270,6 @@ impl ThermalBody for StripHeat {
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
         self.step.prepare(&self.operators, step, velocity);
-    }
-
-    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare_euler(&self.operators, step, velocity);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {

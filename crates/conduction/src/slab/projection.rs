@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 4.2.
 
 use super::{CoolingPort, Slab};
-use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody, lagging};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
 use numerics::grading::towards_face;
@@ -161,8 +161,7 @@ impl<'a> Basis<'a> {
     /// Exact response to a contact flux at the real frequency `shift`.
     pub(super) fn add_contact_response(&mut self, shift: f64) {
         let slab = *self.slab;
-        let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
-        let h = slab.height;
+        let (kappa, h) = (slab.decay(shift), slab.height);
         // Sum of a wave leaving the contact and its reflection; scaled against overflow.
         let reflection = match slab.base {
             FarBoundary::Held => -1.0,
@@ -180,18 +179,14 @@ impl<'a> Basis<'a> {
         }));
     }
 
-    /// Exact response to the boundary value at the base at the real frequency `shift`.
+    /// Exact response to the boundary value at the base at the real frequency `shift`; under a prescribed temperature, what it lacks
+    /// of the stationary response, since a function of the space vanishes there.
     pub(super) fn add_base_response(&mut self, shift: f64) {
         let slab = *self.slab;
-        let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
-        let h = slab.height;
+        let (kappa, h) = (slab.decay(shift), slab.height);
         if slab.base == FarBoundary::Held {
-            // A function of the space vanishes at the base: the response minus its value there.
-            let at_base = 1.0 + (-2.0 * kappa * h).exp();
-            self.add(self.function(|z| {
-                let (up, down) = ((-kappa * (h - z)).exp(), (-kappa * (h + z)).exp());
-                ((up + down) / at_base - 1.0 + (1.0 - z / h), kappa * (up - down) / at_base - 1.0 / h)
-            }));
+            let [steady, response] = [0.0, shift].map(|shift| BaseLift::new(&slab, shift));
+            self.add(self.function(|z| (steady.at(z) - response.at(z), steady.slope(z) - response.slope(z))));
         } else {
             self.add(self.function(|z| {
                 let (up, down) = ((-kappa * (h - z)).exp(), (-kappa * (h + z)).exp());
@@ -294,7 +289,7 @@ impl<'a> Basis<'a> {
         let integral = |mode: &Function| -> f64 {
             self.grid.weight.iter().zip(mode.value.iter()).map(|(w, v)| w * v).sum::<f64>()
         };
-        let lift = BaseLift::new(slab);
+        let lift = BaseLift::new(slab, 0.0);
         let mut body = ReducedBody {
             count: kept,
             rate: [0.0; MAX_STATES],
@@ -304,6 +299,7 @@ impl<'a> Basis<'a> {
             base_temperature: Observation::NONE,
             mean_temperature: Observation::NONE,
             stored: Observation::NONE,
+            uniform: [0.0; MAX_STATES],
             ambient_flow: Observation::NONE,
             base_flow: Observation::NONE,
             error: 0.0,
@@ -332,7 +328,8 @@ impl<'a> Basis<'a> {
                     .zip(&self.grid.weight)
                     .zip(mode.value.iter())
                     .map(|((&z, w), v)| w * v * lift.at(z))
-                    .sum::<f64>();
+                    .sum::<f64>()
+                * lagging(rate, slab.steepest_base_responses());
             if lift.held {
                 loads[base] = rate * projection;
             }
@@ -359,6 +356,11 @@ impl<'a> Basis<'a> {
             if k < kept {
                 body.rate[k] = rate;
                 body.stored.states[k] = areal * mean;
+                body.uniform[k] = match lift.held {
+                    // In equilibrium with a base and air as warm.
+                    true => (loads[Port::Ambient as usize] + loads[base]) / rate,
+                    false => areal * mean,
+                };
                 for port in 0..PORTS {
                     body.input[port][k] = loads[port];
                 }
@@ -392,7 +394,7 @@ impl ReducedBody {
 /// Height over the decay length of lateral cooling below which the stationary field is a straight line to rounding.
 const THIN: f64 = 1e-6;
 
-/// Stationary temperature field per unit temperature prescribed at the base; zero for other bases.
+/// Temperature field per unit temperature prescribed at the base, at a real frequency; zero for other bases.
 struct BaseLift {
     kappa: f64,
     height: f64,
@@ -401,9 +403,9 @@ struct BaseLift {
 }
 
 impl BaseLift {
-    pub(super) fn new(slab: &Slab) -> BaseLift {
+    pub(super) fn new(slab: &Slab, shift: f64) -> BaseLift {
         BaseLift {
-            kappa: (slab.volume_transfer / slab.conductivity).sqrt(),
+            kappa: slab.decay(shift),
             height: slab.height,
             beta: slab.surface_transfer / slab.conductivity,
             held: slab.base == FarBoundary::Held,
@@ -422,6 +424,17 @@ impl BaseLift {
         let ratio = self.beta / self.kappa;
         let scaled = |u: f64| (1.0 + ratio) * (u - whole).exp() + (1.0 - ratio) * (-u - whole).exp();
         scaled(u) / scaled(whole)
+    }
+
+    /// Slope of [`BaseLift::at`], 1/m.
+    fn slope(&self, z: f64) -> f64 {
+        let (u, whole) = (self.kappa * z, self.kappa * self.height);
+        if whole < THIN {
+            return self.beta / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
+        self.kappa * ((1.0 + ratio) * (u - whole).exp() - (1.0 - ratio) * (-u - whole).exp()) / at_base
     }
 
     /// Mean of [`BaseLift::at`] over the height.

@@ -8,7 +8,7 @@ use scene::variables::units::UNITS;
 use scene::variables::{TABLE, lookup};
 use scene_file::SceneFile;
 use scene_file::materials::MATERIALS;
-use scene_file::{shipped, unit_names};
+use scene_file::{property_tables, shipped, unit_names};
 use std::path::Path;
 
 use super::markdown::{contents, escaped};
@@ -125,6 +125,7 @@ Whatever is wrong is reported together, each with line, column, key and what is 
 
 `material` of `[punch]` or `[strip]` sets six properties to typical values at room temperature. A casting or a lining in use may differ by 10 % in the
 elastic and by 30 % in the thermal ones. Wear and friction belong to a pair of materials and are not among them.
+`property_table.material` gives conductivity and specific heat over temperature, of a standard, for those in the last column.
 
 "#;
 
@@ -164,11 +165,11 @@ fn scenes(folder: &Path) -> Result<String> {
         text += &section(name, scene);
     }
     text += FORM;
-    text += "| name | material | E, GPa | ν | ρ, kg/m³ | c, J/(kg K) | K, W/(m K) | α, µm/(m K) |\n|---|---|---|---|---|---|---|---|\n";
+    text += "| name | material | E, GPa | ν | ρ, kg/m³ | c, J/(kg K) | K, W/(m K) | α, µm/(m K) | table |\n|---|---|---|---|---|---|---|---|---|\n";
     for material in MATERIALS {
         let _ = writeln!(
             text,
-            "| `{}` | {} | {} | {} | {} | {} | {} | {} |",
+            "| `{}` | {} | {} | {} | {} | {} | {} | {} | {} |",
             material.name,
             material.description,
             rounded(1e-9 * material.youngs_modulus),
@@ -176,7 +177,8 @@ fn scenes(folder: &Path) -> Result<String> {
             material.density,
             material.specific_heat,
             material.conductivity,
-            rounded(1e6 * material.thermal_expansion)
+            rounded(1e6 * material.thermal_expansion),
+            property_tables::find(material.name).map_or("", |table| table.source)
         );
     }
     text += UNITS_INTRODUCTION;

@@ -19,8 +19,8 @@ mod evaluation;
 mod faces;
 mod growth_guard;
 mod prepare;
+mod properties;
 mod stage;
-mod staggered;
 mod start;
 
 use super::heat::bodies::Bodies;
@@ -36,8 +36,7 @@ use contact::wear::line::WearingContact;
 use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
-use scene::Scheme;
-pub use staggered::Refusal;
+use properties::FrozenProperties;
 
 /// Differences stored for the Anderson acceleration of a stage.
 const ACCELERATION_DEPTH: usize = 8;
@@ -63,8 +62,6 @@ struct FrozenCoefficients {
 struct Parameters {
     /// Punch and strip have thermal expansion.
     expands: [bool; 2],
-    /// Operator split between contact and heat: the bodies have no first stage.
-    staggered: bool,
     /// Thermal diffusivity of the strip, the body that slides, m2/s.
     diffusivity: f64,
     /// Sliding velocity of the cells over that at the mean radius.
@@ -151,6 +148,8 @@ pub struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
+    /// Properties of the bodies.
+    frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
@@ -194,13 +193,11 @@ impl ThermalCoupling {
         let (duration, width) = (operators.scene.nominal_duration, 2.0 * operators.cells.half_width() / count as f64);
         let across = [&operators.scene.punch, strip].map(|body| width * width * body.capacity() / body.conductivity);
         let shortest = (operators.scene.tolerance.powi(2) * duration).max(LEAST_PART * across[0].min(across[1]));
-        let staggered = operators.scene.scheme == Scheme::Staggered;
         let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
-        let divides = exchanges && !staggered && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
+        let divides = exchanges && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
         ThermalCoupling {
             parameters: Parameters {
                 expands: [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0),
-                staggered,
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
@@ -215,6 +212,7 @@ impl ThermalCoupling {
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
+            frozen: FrozenProperties::new(),
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],

@@ -9,7 +9,6 @@
 
 mod coupling;
 pub mod cycle;
-mod explicit;
 mod growth;
 pub mod heat;
 mod heat_outputs;
@@ -19,7 +18,6 @@ mod outputs;
 pub mod profile;
 pub mod saved;
 mod stages;
-mod staggered;
 pub mod state;
 mod step;
 mod trajectory;
@@ -272,6 +270,7 @@ impl Line {
     /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
     fn piece(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
+        self.follow_elastic_slip(inputs);
         let decides_load = operators.decides_load();
         if self.heat.is_some() {
             return self.piece_with_resolved_heat(inputs, slopes, length);

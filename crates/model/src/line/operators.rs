@@ -8,14 +8,15 @@ use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
 use contact::wear::law::WearLaw;
-use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
+use elasticity::tangential::tangential_compliances;
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
 use scene::message::Number;
-use scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
+use scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene};
 use std::sync::Arc;
 
 /// Number of cells for a tolerance: its error is mostly below it, and stated where it is not.
@@ -27,9 +28,6 @@ pub fn cells_of(tolerance: f64) -> usize {
         _ => 129,
     }
 }
-
-/// Default number of cells at the reference level.
-const FINEST_CELLS: usize = 257;
 
 /// Evolution of the strip's worn depth under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -79,6 +77,9 @@ pub struct LineOperators {
     /// Normal compliance of both bodies and shear coupling (strip less punch), N x N, m/Pa.
     normal: DMatrix<f64>,
     shear: DMatrix<f64>,
+    /// Displacement of the faces against each other along the sliding direction per shear traction, N x N, m/Pa, where elastic slip
+    /// depends on the pressure along the line.
+    tangential: Option<DMatrix<f64>>,
     /// Displacement per mean pressure (m/Pa): scale of the error of a worn shape.
     pub displacement_scale: f64,
     /// Wear laws of punch and strip, with the factor of the mean over the path.
@@ -147,11 +148,7 @@ impl LineOperators {
         known: Option<&lumped::operators::LumpedOperators>,
         run_in: RunIn,
     ) -> Result<LineOperators, String> {
-        let count = match (scene.cells, scene.fidelity) {
-            (0, Fidelity::Field) => FINEST_CELLS,
-            (0, _) => cells_of(scene.tolerance),
-            (cells, _) => cells,
-        };
+        let count = if scene.cells == 0 { cells_of(scene.tolerance) } else { scene.cells };
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
@@ -166,6 +163,12 @@ impl LineOperators {
             initial_gap = run_in(scene, heat, &cells, &bodies)
                 .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
+        let tangential = if scene.elastic_slip && scene.geometry != Geometry::Annular {
+            let [punch, strip] = tangential_compliances(scene, &cells).map_err(|error| error.to_string())?;
+            Some(punch.to_far_face + strip.to_far_face)
+        } else {
+            None
+        };
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;
         let profile_pressure = nalgebra::DVector::from_fn(count, |i, _| match count {
@@ -207,6 +210,7 @@ impl LineOperators {
             initial_gap,
             normal,
             shear,
+            tangential,
             displacement_scale,
             strip_wear,
             rotates,
@@ -268,6 +272,25 @@ impl LineOperators {
         carried * self.shared_depth
     }
 
+    /// Whether elastic slip depends on the pressure along the line.
+    pub fn has_tangential_compliance(&self) -> bool {
+        self.tangential.is_some()
+    }
+
+    /// Friction force of all faces over the elastic displacement along the sliding direction at this pressure, N/m: the spring that
+    /// holds the elastic energy of the friction traction, `n_f n b P^2/(p' w V p)`. `None` where the contact is open, or where the
+    /// displacement is that of a uniform traction.
+    pub fn tangential_stiffness(&self, pressure: &[f64]) -> Option<f64> {
+        let tangential = self.tangential.as_ref()?;
+        let (mut load, mut work) = (0.0, 0.0);
+        for (j, column) in tangential.column_iter().enumerate() {
+            load += self.weights[j] * pressure[j];
+            let moved: f64 = (0..pressure.len()).map(|i| self.weights[i] * pressure[i] * column[i]).sum();
+            work += moved * pressure[j];
+        }
+        (load > 0.0 && work > 0.0).then(|| self.scene.faces * self.shared_depth * load * load / work)
+    }
+
     /// Nonuniformity of the pressure of the unworn, cold contact at nominal load.
     pub fn unevenness(&self) -> Nonuniformity {
         let scene = &self.scene;
@@ -311,60 +334,19 @@ impl LineOperators {
             StripWear::Track => "keeps its worn track",
         };
         let chosen = if self.scene.cells == 0 { " (by the tolerance)" } else { "" };
-        let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
         let heat = match &self.heat {
-            Some(bodies) => format!(
-                "resolved heat, thermal states: punch {}{}, strip {}",
-                bodies.states[0],
-                if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
-                bodies.states[1]
-            ),
+            Some(bodies) => {
+                format!("resolved heat, thermal states: punch {}, strip {}", bodies.states[0], bodies.states[1])
+            }
             None => "mean heat, without thermal distortion".into(),
         };
-        format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
-    }
-
-    /// Longest stable explicit step at nominal conditions, for the log.
-    fn explicit_bound(&self) -> String {
-        let scene = &self.scene;
-        let (mut contact, mut conditions) = (self.contact(), self.conditions());
-        conditions.normal = Normal::Load(scene.nominal_load / self.shared_depth);
-        if self.rotates {
-            conditions.tilt = Tilt::ResultantAt(0.0);
-        }
-        let laws = self.coefficients(
-            scene.nominal_velocity,
-            scene.friction_coefficient,
-            scene.ambient_temperature,
-            scene.wear_acceleration,
-        );
-        for (term, body) in (0..2).filter(|&body| self.reshapes(body)).enumerate() {
-            conditions.rate.terms[term].coefficient = laws[body].into();
-        }
-        let mut state = ContactState::new(self.count());
-        match contact.stage_into(&self.initial_gap, 0.0, &conditions, &mut state) {
-            Ok(()) => format!(
-                "; explicit wear is stable for steps below {:e} s at nominal load and speed",
-                explicit_limit(&mut contact, &conditions, &state.pressure)
-            ),
-            Err(error) => format!("; explicit wear: {error}"),
-        }
+        format!("{} cells{chosen}; the strip {strip}; {heat}", self.count())
     }
 
     /// Warnings about the scene, at initialisation.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let scene = &self.scene;
-        let distorts = |body: &scene::Body| body.thermal_expansion > 0.0 && body.conductivity > 0.0;
-        // No warning for lumped heat where its distribution has no effect along the contact, or where a plan states the cost of
-        // neglecting it.
-        if scene.scheme == Scheme::Explicit && (distorts(&scene.punch) || distorts(&scene.strip)) {
-            warnings.push(
-                "thermal distortion of the shape is not part of this level with solver.scheme = explicit: the \
-                 bodies' mean expansion acts on holder.stiffness only"
-                    .into(),
-            );
-        }
         let (friction, speed) = (scene.friction_coefficient, scene.nominal_velocity.abs());
         let critical = self.mean.growth.critical.modelled(friction);
         if scene.initial_shape == InitialShape::RunIn && self.heat.is_some() && critical > 0.0 && speed > critical {

@@ -74,6 +74,23 @@ impl Line {
         self.operators.carried(&self.shown.1.pressure)
     }
 
+    /// Gives the bristle the stiffness at the pressure that the contact has, which a contact without wear does not keep.
+    pub(super) fn follow_elastic_slip(&mut self, inputs: &Inputs) {
+        let operators = self.operators.clone();
+        if !operators.has_tangential_compliance() {
+            return;
+        }
+        let pressure = if self.state.current {
+            &self.state.pressure
+        } else {
+            self.equilibrium(inputs);
+            &self.shown.1.pressure
+        };
+        if let Some(stiffness) = operators.tangential_stiffness(pressure) {
+            self.mean.set_tangential_stiffness(stiffness);
+        }
+    }
+
     /// Inputs of the lumped level.
     fn loaded(&mut self, inputs: &Inputs) -> Inputs {
         let mut loaded = *inputs;
@@ -303,7 +320,7 @@ impl LineOperators {
         let expands = scene.holder_stiffness > 0.0
             && [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
         let fades = !scene.friction_fade.flat || self.wear.iter().any(|(law, _)| law.active() && !law.fade.flat);
-        fades || expands || scene.stick_stiffness > 0.0
+        fades || expands || self.mean.has_bristle()
     }
 
     /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.

@@ -23,7 +23,6 @@ use conduction::line::{GAMMA, Stage};
 use contact::wear::line::{StageError, WearingContact};
 use numerics::interruption::checkpoint;
 use numerics::maximum::maximum;
-use scene::Scheme;
 use scene::message::Number;
 use std::fmt;
 
@@ -55,12 +54,6 @@ impl Line {
         let operators = self.operators.clone();
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.advance_without_wear(path, length);
-        }
-        match operators.scene.scheme {
-            Scheme::Explicit => return self.explicit(path, length),
-            Scheme::Staggered if self.heat.is_some() => return self.staggered(path, length),
-            // Without resolved heat there is nothing to split.
-            Scheme::Staggered | Scheme::Monolithic => {}
         }
         let mut control = StepController::new(length, self.state.refinement, DOUBLING);
         let mut failures = 0;
@@ -249,7 +242,8 @@ impl Line {
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
-                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
+                let of_properties = solved.error_of_properties(&given);
+                Outcome::Tried(maximum(wear, solved.error(operators, bound)).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

@@ -4,7 +4,8 @@
 //! Theory: docs/theory.md, sections 5.1, 7.3.
 
 use super::conditions::Conditions;
-use super::operators::BodyOperators;
+use super::operators::{BodyOperators, LumpedOperators};
+use super::property_step::{ATTEMPTS, PropertyPropagators};
 use super::state::LumpedState;
 use super::stepper::{Attempt, Propagators, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
@@ -13,6 +14,8 @@ use crate::events::edges;
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
+use conduction::properties::Scales;
+use numerics::cache::KeyedCache;
 use pulp::NullaryFnOnce;
 use scene::message::Number;
 use std::fmt;
@@ -37,6 +40,36 @@ impl InputTrajectory<'_> {
     }
 }
 
+/// Propagators of the prepared step: at the properties of the step where these follow temperatures.
+fn propagators<'a>(
+    constant: &'a KeyedCache<u64, Propagators>,
+    at_properties: &'a Option<Box<PropertyPropagators>>,
+    index: usize,
+) -> &'a Propagators {
+    match at_properties {
+        Some(prepared) => &prepared.step,
+        None => &constant[index],
+    }
+}
+
+/// [`PropertyPropagators::prepare`], compiled for every vector unit; no operation is fused, so all give the same bits.
+struct Prepare<'a> {
+    propagators: &'a mut PropertyPropagators,
+    operators: &'a LumpedOperators,
+    step: f64,
+    scales: [Scales; 2],
+    complete: bool,
+}
+
+impl NullaryFnOnce for Prepare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.propagators.prepare(self.operators, self.step, self.scales, self.complete);
+    }
+}
+
 /// Single-step attempt on the fast path, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct SingleStepAttempt<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
@@ -53,7 +86,7 @@ impl<const CONSTANT: bool> NullaryFnOnce for SingleStepAttempt<'_, CONSTANT> {
         let (operators, propagators) = (self.stepper.operators, self.stepper.propagators);
         if CONSTANT {
             let speed = self.at[0].velocity.abs();
-            self.stepper.flash.prepare_steady(operators, &propagators.flash, speed, propagators.step);
+            self.stepper.flash.prepare_steady(operators, propagators, speed);
         }
         self.stepper.fast_path::<CONSTANT>(self.state, self.at)
     }
@@ -82,18 +115,57 @@ impl Lumped {
     #[inline]
     fn attempt_single_step(&mut self, inputs: &Inputs, step: f64) -> Option<Attempt> {
         self.update_conditions(inputs);
-        let index = self.propagators_of(step);
-        let propagators = &self.propagators[index];
-        let stepper = Stepper {
-            flash: &mut self.flash,
-            cut: 1.0,
-            ends: None,
-            operators: &self.operators,
-            friction: &self.friction,
-            tunables: &self.tunables,
-            propagators,
+        let mut attempt = 0;
+        loop {
+            let index = self.prepare(step, attempt);
+            let stepper = Stepper {
+                flash: &mut self.flash,
+                cut: 1.0,
+                ends: None,
+                operators: &self.operators,
+                friction: &self.friction,
+                tunables: &self.tunables,
+                propagators: propagators(&self.propagators, &self.property_propagators, index),
+                properties: self.property_propagators.is_some().then_some(&mut self.property_step),
+            };
+            let single = SingleStepAttempt::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] };
+            let outcome = self.arch.dispatch(single);
+            attempt += 1;
+            if attempt < ATTEMPTS && self.repeats() {
+                continue;
+            }
+            if outcome.as_ref().is_some_and(|attempt| attempt.error <= 1.0) {
+                self.settle(step);
+            }
+            return outcome;
+        }
+    }
+
+    /// Prepares the propagators of a step of `step` (s), of the fast path at least; returns their place among those for constants.
+    /// `attempt`: number of attempts of the same step before.
+    #[inline]
+    fn prepare(&mut self, step: f64, attempt: usize) -> usize {
+        let Some(propagators) = &mut self.property_propagators else { return self.propagators_of(step) };
+        let scales = match attempt {
+            0 => self.property_step.predict(&self.operators, &self.state, step),
+            _ => self.property_step.correct(&self.operators),
         };
-        self.arch.dispatch(SingleStepAttempt::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] })
+        let complete = !self.operators.fast_path;
+        self.arch.dispatch(Prepare { propagators, operators: &self.operators, step, scales, complete });
+        0
+    }
+
+    /// Whether the last attempt is to be repeated at other properties.
+    fn repeats(&self) -> bool {
+        self.property_propagators.is_some() && self.property_step.repeats()
+    }
+
+    /// Completes an accepted step of `step` (s) where properties follow temperatures.
+    #[inline]
+    fn settle(&mut self, step: f64) {
+        if self.property_propagators.is_some() {
+            self.property_step.settle(&self.operators, &mut self.state, step);
+        }
     }
 
     /// Completes a step taken on the fast path.
@@ -206,7 +278,6 @@ impl Lumped {
             if parts > 1 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
-            let index = self.propagators_of(step);
             let varying = match course {
                 InputTrajectory::Constant(_) => None,
                 InputTrajectory::Varying(conditions) => {
@@ -230,29 +301,49 @@ impl Lumped {
                 Some(at) => at.each_ref().map(|conditions| conditions.velocity.abs()),
                 None => [now.velocity.abs(); 4],
             };
-            self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
-            let mut stepper = Stepper {
-                flash: &mut self.flash,
-                cut: parts as f64,
-                ends: whole.as_ref(),
-                operators: &self.operators,
-                friction: &self.friction,
-                tunables: &self.tunables,
-                propagators: &self.propagators[index],
+            let mut repeated = 0;
+            let attempt = loop {
+                let index = self.prepare(step, repeated);
+                let prepared = propagators(&self.propagators, &self.property_propagators, index);
+                self.flash.prepare(&self.operators, prepared, speeds);
+                let mut attempt = None;
+                for by_fast_path in [true, false] {
+                    if by_fast_path && !self.operators.fast_path {
+                        continue;
+                    }
+                    if let (false, Some(propagators)) = (by_fast_path, &mut self.property_propagators) {
+                        propagators.complete(&self.operators);
+                    }
+                    let mut stepper = Stepper {
+                        flash: &mut self.flash,
+                        cut: parts as f64,
+                        ends: whole.as_ref(),
+                        operators: &self.operators,
+                        friction: &self.friction,
+                        tunables: &self.tunables,
+                        propagators: propagators(&self.propagators, &self.property_propagators, index),
+                        properties: self.property_propagators.is_some().then_some(&mut self.property_step),
+                    };
+                    let state = &mut self.state;
+                    attempt = match (by_fast_path, &varying) {
+                        (true, Some(at)) => {
+                            self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at.each_ref() })
+                        }
+                        (true, None) => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: [&now; 4] }),
+                        (false, Some(at)) => Some(stepper.attempt(state, at, false)),
+                        (false, None) => Some(stepper.attempt(state, &[now; 4], true)),
+                    };
+                    if attempt.is_some() {
+                        break;
+                    }
+                }
+                repeated += 1;
+                if repeated == ATTEMPTS || !self.repeats() {
+                    break attempt.expect("the general form always has an outcome");
+                }
             };
-            let mut attempt = None;
-            if self.operators.fast_path {
-                let (stepper, state) = (stepper.reborrow(), &mut self.state);
-                attempt = match &varying {
-                    Some(at) => self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at.each_ref() }),
-                    None => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: [&now; 4] }),
-                };
-            }
-            let attempt = attempt.unwrap_or_else(|| match &varying {
-                Some(at) => stepper.attempt(&mut self.state, at, false),
-                None => stepper.attempt(&mut self.state, &[now; 4], true),
-            });
             if attempt.error <= 1.0 {
+                self.settle(step);
                 self.state.steps += 1;
                 self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);

@@ -1,8 +1,12 @@
 //! Cooled faces of a body: forced convection and radiation beyond the constant heat transfer, and the heat path to a neighbour.
 //!
+//! A constant heat transfer coefficient H is within the states of the reduced body. Where the conductivity K of the body follows its
+//! temperature, it acts there as H K/K0, and the rest of it is a flux like the forced part.
+//!
 //! Theory: docs/theory.md, section 4.11.
 
 pub use conduction::line::{BESIDE, FACES, FAR};
+use conduction::properties::Scales;
 use conduction::reduced::Port;
 use scene::{Body, ThermalBoundary};
 
@@ -10,7 +14,7 @@ use scene::{Body, ThermalBoundary};
 pub const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];
 
 /// Fluxes of one face beyond its constant heat transfer: the flux into it at the temperature T is
-/// `forced (v_c/v_0)^0.8 (T_ambient - T) + emissivity sigma (T_ambient^4 - T^4) + path (T_neighbour - T)`.
+/// `(forced (v_c/v_0)^0.8 + rest) (T_ambient - T) + emissivity sigma (T_ambient^4 - T^4) + path (T_neighbour - T)`.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Air {
     /// Forced heat transfer coefficient at 1 m/s per reference area, W/(m2 K).
@@ -19,6 +23,10 @@ pub struct Air {
     pub emissivity: f64,
     /// Conductance of the heat path to the neighbour per reference area, W/(m2 K): at the far face only.
     pub path: f64,
+    /// H where the conductivity of the body follows its temperature, W/(m2 K) per reference area; 0 elsewhere.
+    pub within: f64,
+    /// Part of H that is not within the states at the present conductivity, W/(m2 K).
+    pub rest: f64,
 }
 
 impl Air {
@@ -26,12 +34,22 @@ impl Air {
     /// `part` of it.
     pub fn of(body: &Body, part: f64, area: f64) -> [Air; FACES] {
         let over = |part: f64| match body.conductivity > 0.0 && part > 0.0 {
-            true => Air { forced: body.convection_forced * part, emissivity: body.emissivity * part, path: 0.0 },
+            true => Air {
+                forced: body.convection_forced * part,
+                emissivity: body.emissivity * part,
+                within: if body.properties.is_some() { body.convection * part } else { 0.0 },
+                ..Air::default()
+            },
             false => Air::default(),
         };
         let far = over(if body.far_thermal == ThermalBoundary::Convecting { 1.0 } else { 0.0 });
         let path = if body.conductivity > 0.0 { body.external_conductance / area } else { 0.0 };
         [over(part), Air { path, ..far }]
+    }
+
+    /// The same at properties with these factors.
+    pub fn at(&self, scales: Scales) -> Air {
+        Air { rest: self.within * (1.0 - 1.0 / scales.flux), ..*self }
     }
 
     /// Whether there is any flux beyond the constant heat transfer.
@@ -40,9 +58,9 @@ impl Air {
         self.is_cooled() || self.path > 0.0
     }
 
-    /// Whether the air takes more than by the constant heat transfer.
+    /// Whether the air takes more than by the heat transfer within the states.
     #[inline]
     pub fn is_cooled(&self) -> bool {
-        self.forced > 0.0 || self.emissivity > 0.0
+        self.forced > 0.0 || self.emissivity > 0.0 || self.within > 0.0
     }
 }

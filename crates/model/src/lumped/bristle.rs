@@ -1,4 +1,4 @@
-//! Bristle model of the friction force at standstill (`contact.stick_stiffness`).
+//! Bristle model of the friction force at standstill (`contact.stick_stiffness`) and of elastic slip (`contact.tangential_compliance`).
 //!
 //! A spring of stiffness k with a damper c, in series with a Coulomb slider of limit L:
 //!

@@ -34,7 +34,7 @@ pub fn cool(bodies: [&mut StageBody; 2], exchange: Option<[[f64; 2]; 2]>, refere
     for (k, side, face, stage) in unknowns() {
         let (body, Around { ambient, forced, neighbour }) = (&*bodies[side], &around[side]);
         let (true, Some(own)) = (body.cools[face], body.propagator) else { continue };
-        let (air, observed, point) = (&body.body.air[face], &own.cooled[face], 2 * stage);
+        let (air, observed, point) = (&own.air[face], &own.cooled[face], 2 * stage);
         let t = body.face(face, stage);
         let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage], neighbour[stage]);
         let slope = cooling_slope(air, reference, t, forced[stage]);

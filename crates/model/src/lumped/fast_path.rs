@@ -79,8 +79,12 @@ impl Surface {
     #[inline(always)]
     fn new(air_law: &Air, strip: &Observed, reference: f64, level: Pair, guess: Pair, forced: Pair) -> Surface {
         let (contact, air) = (gain_at_stages(strip, 0), gain_at_stages(strip, COOLING));
-        let mut surface =
-            Surface { level, gain: contact, offset: [0.0; 2], slope: forced.map(|forced| forced * air_law.forced) };
+        let mut surface = Surface {
+            level,
+            gain: contact,
+            offset: [0.0; 2],
+            slope: forced.map(|forced| forced * air_law.forced + air_law.rest),
+        };
         if air_law.emissivity > 0.0 {
             let heated = apply(&contact, guess);
             for i in 0..2 {
@@ -212,7 +216,7 @@ impl Stepper<'_> {
             // Nearly all of the heat enters the better conductor.
             let factor = fade.factor(state.end_temperature + reference);
             let guess = driver.map(|driver| driver * factor);
-            Surface::new(&operators.strip.air[BESIDE], &strip.contact, reference, uncooled, guess, forced)
+            Surface::new(&strip.air[BESIDE], &strip.contact, reference, uncooled, guess, forced)
         } else {
             let gain = gain_at_stages(&strip.contact, 0);
             Surface { level: uncooled, gain, offset: [0.0; 2], slope: [0.0; 2] }
@@ -318,14 +322,14 @@ impl Stepper<'_> {
             }
         }
         if cools && operators.strip.air[BESIDE].emissivity > 0.0 {
-            let left = surface.left(&operators.strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
+            let left = surface.left(&strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
             if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
             }
         }
         if cools {
             // Residual of the law of cooling at the point 2/3.
-            let (air, flux) = (&operators.strip.air[BESIDE], surface.flux(into_strip));
+            let (air, flux) = (&strip.air[BESIDE], surface.flux(into_strip));
             let t = strip.contact_at_middle(&state.strip.heat, strip_count)
                 + strip.contact.of_flux(0, 1, into_strip)
                 + strip.contact.of_flux(COOLING, 1, flux);
@@ -371,6 +375,22 @@ impl Stepper<'_> {
         }
         if error.is_nan() || error > 1.0 {
             return error.is_finite().then_some(Attempt { error, hottest });
+        }
+        if let Some(properties) = self.properties.as_deref_mut() {
+            let mut ends = [
+                punch.mean.of_states(2, &state.punch.heat, punch_count) + punch.mean.of_flux(0, 2, into_punch),
+                strip.mean.of_states(2, &state.strip.heat, strip_count) + strip.mean.of_flux(0, 2, into_strip),
+            ];
+            if cools {
+                ends[1] += strip.mean.of_flux(COOLING, 2, surface.flux(into_strip));
+            }
+            let contact = rises[1] + reference;
+            let of_properties =
+                properties.error(operators, ends.map(|rise| rise + reference), contact, state.peak_rise);
+            error = maximum(error, of_properties);
+            if error.is_nan() || error > 1.0 {
+                return error.is_finite().then_some(Attempt { error, hottest });
+            }
         }
         let step = self.propagators.step;
         let mean = |values: Pair| step * (QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1]);

@@ -4,13 +4,17 @@
 
 use super::operators::LumpedOperators;
 use super::stage::{POINTS, averages};
+use super::stepper::Propagators;
 use conduction::flash::{Flash, MAX_FLASH_STATES};
+use conduction::properties::Scales;
 
 /// Weights of the moving source for one step size and one course of the speed.
 #[derive(Clone, Debug)]
 pub struct FlashStep {
-    /// Speeds (m/s) at the start and at the three points, and step size (s), of these weights.
-    key: ([f64; 4], f64),
+    /// Speeds (m/s) at the start and at the three points, step size (s) and properties of these weights.
+    key: ([f64; 4], f64, Scales),
+    /// Length of the step in the time of the strip's constants: see [`Scales`].
+    length: f64,
     /// The speed is the same at all points.
     steady: bool,
     /// Decay of every state up to the three points.
@@ -85,7 +89,8 @@ impl FlashStep {
     pub fn empty() -> FlashStep {
         const NONE: Row = [0.0; MAX_FLASH_STATES];
         FlashStep {
-            key: ([f64::NAN; 4], f64::NAN),
+            key: ([f64::NAN; 4], f64::NAN, Scales::ONE),
+            length: f64::NAN,
             steady: false,
             decay: [NONE; 3],
             update: [NONE; 2],
@@ -101,33 +106,38 @@ impl FlashStep {
     }
 
     /// Computes the weights for `speeds` (m/s) at the start and at the three points of the step `step` (s), with the decays
-    /// `at_rest` of [`decays_at_rest`]. They are a function of these alone, so that a replay gives the same bits.
-    pub fn prepare(&mut self, operators: &LumpedOperators, at_rest: &Row, speeds: [f64; 4], step: f64) {
+    /// at rest of [`decays_at_rest`] and the properties of `propagators`. They are a function of these alone, so that a replay gives the
+    /// same bits.
+    pub fn prepare(&mut self, operators: &LumpedOperators, propagators: &Propagators, speeds: [f64; 4]) {
         let [speed, ..] = speeds;
         if speeds == [speed; 4] {
-            return self.prepare_steady(operators, at_rest, speed, step);
+            return self.prepare_steady(operators, propagators, speed);
         }
         let Some(flash) = &operators.flash else { return };
-        if self.key == (speeds, step) {
+        let key = (speeds, propagators.step, propagators.scales);
+        if self.key == key {
             return;
         }
-        self.begin(at_rest, speeds, step);
+        self.begin(propagators, key);
         self.steady = false;
-        self.rates = speeds.map(|speed| flash.sliding_rate(speed));
+        // In the time of the constants the contact slides faster by as much as that runs slower.
+        self.rates = speeds.map(|speed| flash.sliding_rate(speed / key.2.pace));
         self.varying(flash, 0);
         self.varying(flash, 2);
     }
 
     /// [`FlashStep::prepare`] at the constant speed `speed` (m/s).
     #[inline(always)]
-    pub fn prepare_steady(&mut self, operators: &LumpedOperators, at_rest: &Row, speed: f64, step: f64) {
+    pub fn prepare_steady(&mut self, operators: &LumpedOperators, propagators: &Propagators, speed: f64) {
         let Some(flash) = &operators.flash else { return };
-        if self.steady && self.key.0[0] == speed && self.key.1 == step {
+        let key = ([speed; 4], propagators.step, propagators.scales);
+        if self.steady && self.key.0[0] == speed && self.key.1 == key.1 && self.key.2 == key.2 {
             return;
         }
-        self.begin(at_rest, [speed; 4], step);
+        self.begin(propagators, key);
+        let step = self.length;
         self.steady = true;
-        self.sliding = flash.sliding_rate(speed);
+        self.sliding = flash.sliding_rate(speed / key.2.pace);
         self.rates = [self.sliding; 4];
         self.common = (-self.sliding * POINTS[0] * step).exp();
         let (rates, sliding, mut memory) = (flash.rates, self.sliding, [0.0; MAX_FLASH_STATES]);
@@ -140,11 +150,12 @@ impl FlashStep {
     }
 
     #[inline(always)]
-    fn begin(&mut self, at_rest: &Row, speeds: [f64; 4], step: f64) {
-        if self.key.1 != step {
-            self.at_rest = *at_rest;
+    fn begin(&mut self, propagators: &Propagators, key: ([f64; 4], f64, Scales)) {
+        if self.key.1 != key.1 || self.key.2 != key.2 {
+            self.at_rest = propagators.at_rest;
+            self.length = key.1 * key.2.pace;
         }
-        self.key = (speeds, step);
+        self.key = key;
         self.has_middle = false;
     }
 
@@ -167,7 +178,7 @@ impl FlashStep {
     /// squared and cubed.
     #[inline(always)]
     fn constant<const POINT: usize>(&mut self, flash: &Flash) {
-        let length = POINTS[POINT] * self.key.1;
+        let length = POINTS[POINT] * self.length;
         let (at_rest, common) = (self.at_rest, self.common);
         let mut decay = [0.0; MAX_FLASH_STATES];
         for k in 0..MAX_FLASH_STATES {
@@ -203,6 +214,7 @@ impl FlashStep {
     /// the end of the step.
     #[inline(always)]
     fn keep(&mut self, point: usize, decay: Row, flat: Row, ramp: Row) {
+        let (flat, ramp) = (flat.map(|flat| flat * self.key.2.flux), ramp.map(|ramp| ramp * self.key.2.flux));
         let (all_flat, all_ramp) = (total(&flat), total(&ramp));
         self.decay[point] = decay;
         // L_1 = 3/2 - 3/2 x, L_2 = 3/2 x - 1/2
@@ -224,7 +236,7 @@ impl FlashStep {
     }
 
     fn varying(&mut self, flash: &Flash, point: usize) {
-        let step = self.key.1;
+        let step = self.length;
         let rates = self.rates;
         let [r0, r1, r2, r3] = rates;
         // Integral of sigma from the start to every point, exact for a rate cubic in time.
@@ -318,10 +330,10 @@ mod tests {
         let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-5, 1e-3, 0.1, 20.0] {
-            let at_rest = decays_at_rest(flash, step);
+            let at_rest = Propagators { at_rest: decays_at_rest(flash, step), step, ..Propagators::empty() };
             for speed in [0.0, 1e-6, 1e-3, 0.1, 4.0, 90.0] {
                 let mut made = FlashStep::empty();
-                made.prepare(&operators, &at_rest, [speed; 4], step);
+                made.prepare(&operators, &at_rest, [speed; 4]);
                 made.prepare_middle(&operators);
                 let sliding = flash.sliding_rate(speed);
                 for (point, c) in POINTS.into_iter().enumerate() {
@@ -355,11 +367,11 @@ mod tests {
         let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-3, 0.01, 0.1] {
-            let at_rest = decays_at_rest(flash, step);
+            let at_rest = Propagators { at_rest: decays_at_rest(flash, step), step, ..Propagators::empty() };
             for [first, last] in [[10.0, 10.5], [10.5, 10.0], [2.0, 2.1], [0.2, 0.19], [3.0, 2.0], [1.0, 2.0]] {
                 let speed = |x: f64| first + (last - first) * x;
                 let mut made = FlashStep::empty();
-                made.prepare(&operators, &at_rest, [0.0, POINTS[0], POINTS[1], 1.0].map(speed), step);
+                made.prepare(&operators, &at_rest, [0.0, POINTS[0], POINTS[1], 1.0].map(speed));
                 made.prepare_middle(&operators);
                 let flux = [1e5, 1.2e5];
                 // Many short steps, each at the speed and the flux of its midpoint.

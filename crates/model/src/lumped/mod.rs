@@ -15,6 +15,7 @@ pub mod interface;
 pub mod operators;
 pub mod outputs;
 pub mod point;
+mod property_step;
 pub mod saved;
 pub mod stage;
 mod stage_body;
@@ -32,6 +33,7 @@ use numerics::cache::KeyedCache;
 use numerics::scalar::Dual;
 use operators::LumpedOperators;
 use point::{Frozen, Point};
+use property_step::{PropertyPropagators, PropertyStep};
 use pulp::Arch;
 use scene::Scene;
 use scene::message::Number;
@@ -114,6 +116,9 @@ pub struct Lumped {
     frozen_is_current: bool,
     /// Weights of recent step sizes by their bits; never part of the state, always rebuilt to the same bits.
     propagators: KeyedCache<u64, Propagators>,
+    /// In their place where properties follow temperatures.
+    property_propagators: Option<Box<PropertyPropagators>>,
+    property_step: PropertyStep,
     /// The machine's vector unit.
     arch: Arch,
     flash: FlashStep,
@@ -138,6 +143,8 @@ impl Lumped {
             tunables,
             state,
             propagators: KeyedCache::new(std::iter::repeat_n(Propagators::empty(), CACHED_STEPS)),
+            property_propagators: PropertyPropagators::of(&operators),
+            property_step: PropertyStep::new(&operators),
             arch: Arch::new(),
             flash: FlashStep::empty(),
             known,
@@ -152,7 +159,15 @@ impl Lumped {
 
     /// Whether a bristle models the friction force at standstill.
     pub fn has_bristle(&self) -> bool {
-        self.operators.scene.stick_stiffness > 0.0
+        self.state.stiffness > 0.0
+    }
+
+    /// Takes the friction force over elastic displacement `elastic` (N/m) of a contact whose pressure has changed. The energy of the
+    /// bristle stays: its deflection follows, by no more than the change of the stiffness.
+    pub fn set_tangential_stiffness(&mut self, elastic: f64) {
+        let before = self.state.stiffness;
+        self.state.stiffness = self.operators.stick_stiffness(elastic);
+        self.state.bristle *= (before / self.state.stiffness).sqrt();
     }
 
     /// Current state.

@@ -7,11 +7,13 @@ use crate::growth::PerturbationGrowth;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
-use conduction::reduced::{MAX_STATES, Observation, Port, ReducedBody};
+use conduction::properties::Properties;
+use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, mean_expansion};
+use elasticity::tangential::tangential_stiffness;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.
@@ -19,6 +21,18 @@ use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 pub struct BodyOperators {
     /// Reduced conduction model; `None` for an insulator.
     pub heat: Option<ReducedBody>,
+    /// Conductivity and specific heat over the mean temperature; `None`: constants.
+    pub properties: Option<Properties>,
+    /// Heat capacity of the whole height with the constants of `heat`, J/(m2 K) of reference area.
+    pub heat_capacity: f64,
+    /// Mean of the temperature field that the states have of 1 K throughout.
+    pub uniform_mean: f64,
+    /// Heat leaves by the constant heat transfer within the states.
+    pub loses_to_air: bool,
+    /// Heat that leaves by it over a step, per gain of every state and per time integral of every input.
+    pub lost_over_step: ([f64; MAX_STATES], [f64; PORTS]),
+    /// Heat leaves through the far face, or by the constant heat transfer.
+    pub passes_heat: bool,
     /// Fraction of the contact flux that enters per reference area.
     pub coverage: f64,
     /// Reference area of the conduction problem per face, m2.
@@ -50,6 +64,26 @@ pub struct BodyOperators {
 }
 
 impl BodyOperators {
+    /// Sets what the account of heat asks of the reduced body.
+    fn observe_heat(&mut self) {
+        let Some(heat) = &self.heat else { return };
+        let any = |observation: &Observation| {
+            observation.states[..heat.count].iter().any(|weight| *weight != 0.0)
+                || observation.direct[Port::Contact as usize] != 0.0
+        };
+        let flows = heat.ambient_flow.direct[Port::Ambient as usize] != 0.0;
+        self.loses_to_air = flows && any(&heat.ambient_flow);
+        self.passes_heat = self.loses_to_air || heat.rate[0] > 0.0;
+        let (by_state, by_port) = &mut self.lost_over_step;
+        *by_port = heat.ambient_flow.direct;
+        for k in (0..heat.count).filter(|&k| heat.rate[k] > 0.0) {
+            by_state[k] = heat.ambient_flow.states[k] / heat.rate[k];
+            by_port.iter_mut().zip(&heat.input).for_each(|(lost, input)| *lost += by_state[k] * input[k]);
+        }
+        let products = heat.mean_temperature.states.iter().zip(&heat.stored.states);
+        self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
+    }
+
     /// Whether any face has cooling beyond the constant heat transfer.
     pub fn is_cooled_variably(&self) -> bool {
         self.air.iter().any(Air::acts)
@@ -151,6 +185,9 @@ pub struct LumpedOperators {
     pub growth: PerturbationGrowth,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
+    /// Friction force over the elastic displacement of the faces along the sliding direction, under a uniform traction, all faces, N/m;
+    /// infinite where neither body gives way, or where nothing depends on it: without strokes and without elastic slip.
+    pub tangential_stiffness: f64,
     /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
     pub series_stiffness: f64,
 }
@@ -192,12 +229,18 @@ impl LumpedOperators {
             append_track(heat, flash);
         }
         for body in [&mut punch, &mut strip] {
+            body.observe_heat();
             body.cooled_is_contact =
                 body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
         }
         let compliance = match known {
             Some(known) => known.compliance,
             None => mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false),
+        };
+        let tangential_stiffness = match known {
+            Some(known) => known.tangential_stiffness,
+            None if scene.elastic_slip || scene.nominal_stroke > 0.0 => tangential_stiffness(scene),
+            None => f64::INFINITY,
         };
         let series_stiffness =
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
@@ -223,6 +266,7 @@ impl LumpedOperators {
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
             growth,
             compliance,
+            tangential_stiffness,
             series_stiffness,
             scene: scene.clone(),
         };
@@ -236,7 +280,7 @@ impl LumpedOperators {
             && self.strip.heat.is_some()
             && self.scene.conductance > 0.0
             && self.series_stiffness == 0.0
-            && self.bristle().is_none()
+            && !self.has_bristle()
             && !self.punch.is_cooled_variably()
             && !self.strip.air[FAR].acts()
             && (!self.strip.air[BESIDE].acts() || self.strip.cooled_is_contact)
@@ -307,6 +351,12 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     BodyOperators {
         heat: None,
+        properties: Properties::of(body),
+        heat_capacity: body.capacity() * body.height,
+        uniform_mean: 1.0,
+        loses_to_air: false,
+        lost_over_step: ([0.0; MAX_STATES], [0.0; PORTS]),
+        passes_heat: false,
         coverage,
         area,
         air: Air::of(body, cooled_part, area * scene.faces),
@@ -394,6 +444,10 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let mut operators = body_of(scene, body, reference, cooled / reference, coverage, false);
+    if endless {
+        // Fresh material arrives at the temperature for which the constants are.
+        operators.properties = None;
+    }
     // A closed path wears over its whole length; a straight one under the contact, with a worn track.
     operators.worn_area = area;
     let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);

@@ -9,7 +9,8 @@ use super::operators::BodyOperators;
 use super::point::{self, Point};
 use super::state::BodyState;
 use crate::Inputs;
-use conduction::reduced::ReducedBody;
+use conduction::properties::Properties;
+use conduction::reduced::{MAX_STATES, ReducedBody};
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
 use scene::variables::{COUNT, ValueReference, reference};
@@ -192,7 +193,6 @@ impl Lumped {
         let strip_depth = self.strip_depth();
         let punch = self.flows(&operators.punch, &state.punch);
         let strip = self.flows(&operators.strip, &state.strip);
-        let stick = scene.stick_stiffness;
         let external = |body: &BodyOperators, state: &BodyState, far: f64| {
             point::external_flow(body, far, state.external * body.area * faces)
         };
@@ -218,7 +218,7 @@ impl Lumped {
             "sliding_distance" = state.distance,
             "dissipated_energy" = state.dissipated * operators.area * faces,
             "bristle_deflection" = state.bristle,
-            "bristle_energy" = 0.5 * stick * state.bristle * state.bristle,
+            "bristle_energy" = 0.5 * state.stiffness * state.bristle * state.bristle,
             "heat_lost_ambient" = punch.ambient + strip.ambient,
             "heat_lost_punch_top" = punch.far,
             "heat_lost_strip_base" = strip.far,
@@ -274,10 +274,13 @@ impl Lumped {
             received: state.received[0] * self.operators.area * self.operators.scene.faces,
             ..Account::default()
         };
+        if let Some(properties) = &body.properties {
+            return self.flows_by_enthalpy(body, state, (properties, heat), initial, account.received);
+        }
         // Integral of a state: (input - gain of the state)/rate, exact for the exact propagation.
         let (mut ambient, mut far, mut stored) = (0.0, 0.0, 0.0);
         for k in 0..heat.count {
-            let gained = state.heat[k] - heat.stored.states[k] * initial;
+            let gained = state.heat[k] - heat.uniform[k] * initial;
             stored += heat.stored.states[k] * gained;
             if heat.rate[k] > 0.0 {
                 let entered: f64 = (0..4).map(|port| heat.input[port][k] * state.received[port]).sum();
@@ -300,6 +303,35 @@ impl Lumped {
         account.far = far * all;
         account.stored = stored * all;
         account
+    }
+
+    /// [`Lumped::flows`] where the properties follow the temperature: the heat stored is the enthalpy of the mean temperature, that to the
+    /// air is counted step by step, and where the states pass heat on, the far face closes the account. `initial`: rise at initialisation,
+    /// K; `received`: heat through the contact, J.
+    fn flows_by_enthalpy(
+        &self,
+        body: &BodyOperators,
+        state: &BodyState,
+        (properties, heat): (&Properties, &ReducedBody),
+        initial: f64,
+        received: f64,
+    ) -> Account {
+        let all = body.area * self.operators.scene.faces;
+        let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
+        let mass = body.heat_capacity / properties.specific_heat();
+        // A face of prescribed temperature has it from the start.
+        let rises =
+            [(self.initial_heat(heat, initial), self.state.far_start[side]), (state.heat, self.state.far[side])];
+        let [from, to] = rises.map(|(heats, far)| self.state.reference + body.mean_rise(heat, &heats, far));
+        let stored = mass * properties.table.heat_between(from, to);
+        let [_, cooling, _, base] = state.received;
+        let far = if body.passes_heat { received / all + cooling - state.lost - stored } else { -base };
+        Account { received, ambient: (state.lost - cooling) * all, far: far * all, stored: stored * all }
+    }
+
+    /// States at a uniform rise above the reference, K.
+    fn initial_heat(&self, heat: &ReducedBody, rise: f64) -> [f64; MAX_STATES] {
+        heat.stored.states.map(|stored| stored * rise)
     }
 
     /// Estimated relative error of the reduction of both bodies and of the time steps.

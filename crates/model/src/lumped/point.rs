@@ -9,6 +9,7 @@ use super::interface::{HeatPartition, Side, agree, partition, separated};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
 use conduction::STEFAN_BOLTZMANN;
+use conduction::properties::Scales;
 use conduction::reduced::{Observation, Port, ReducedBody};
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;
@@ -24,25 +25,55 @@ pub struct Frozen {
     closed: f64,
 }
 
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 struct FrozenBody {
     contact: f64,
     /// Cooled faces.
     cooled: [f64; FACES],
     ambient_flow: f64,
     base_flow: f64,
+    /// Properties at the mean temperature, and the cooling of the faces there.
+    scales: Scales,
+    air: [Air; FACES],
+}
+
+impl Default for FrozenBody {
+    fn default() -> Self {
+        FrozenBody {
+            contact: 0.0,
+            cooled: [0.0; FACES],
+            ambient_flow: 0.0,
+            base_flow: 0.0,
+            scales: Scales::ONE,
+            air: [Air::default(); FACES],
+        }
+    }
 }
 
 impl FrozenBody {
-    fn new(body: &BodyOperators, state: &BodyState) -> FrozenBody {
+    fn new(body: &BodyOperators, state: &BodyState, reference: f64, far: f64) -> FrozenBody {
         let Some(heat) = &body.heat else { return FrozenBody::default() };
+        let scales = body
+            .properties
+            .as_ref()
+            .map_or(Scales::ONE, |properties| properties.at(reference + body.mean_rise(heat, &state.heat, far)));
         let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
         FrozenBody {
             contact: of(&heat.contact_temperature),
             cooled: cooled_faces(heat).map(of),
             ambient_flow: of(&heat.ambient_flow),
             base_flow: of(&heat.base_flow),
+            scales,
+            air: body.air.map(|air| air.at(scales)),
         }
+    }
+}
+
+impl FrozenBody {
+    /// Direct feedthrough of a flux to an observed temperature.
+    #[inline]
+    fn direct(&self, observation: &Observation, port: usize) -> f64 {
+        self.scales.flux * observation.direct[port]
     }
 }
 
@@ -57,8 +88,8 @@ impl Frozen {
             0.0
         };
         Frozen {
-            punch: FrozenBody::new(&operators.punch, &state.punch),
-            strip: FrozenBody::new(&operators.strip, &state.strip),
+            punch: FrozenBody::new(&operators.punch, &state.punch, state.reference, state.far[0]),
+            strip: FrozenBody::new(&operators.strip, &state.strip, state.reference, state.far[1]),
             flash: state.flash.iter().sum(),
             closed,
         }
@@ -109,6 +140,9 @@ pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forc
 #[inline]
 pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * air.forced;
+    if air.rest != 0.0 {
+        flux = flux + (ambient - t) * air.rest;
+    }
     if air.emissivity > 0.0 {
         // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
         // [`cooling_slope`] is its derivative.
@@ -124,7 +158,8 @@ pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: 
 /// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
 pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
-    let by_air = forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
+    let by_air =
+        forced * air.forced + air.rest + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
     if air.path > 0.0 { by_air + air.path } else { by_air }
 }
 
@@ -157,17 +192,17 @@ fn held_cooling<S: Scalar>(
     let faces = cooled_faces(heat);
     let level: [S; FACES] = std::array::from_fn(|face| {
         prescribed(faces[face], conditions.ambient, far)
-            + into * faces[face].direct[Port::Contact as usize]
+            + into * frozen.direct(faces[face], Port::Contact as usize)
             + S::from(frozen.cooled[face])
     });
     // Mostly the static correction is small against the resistance of the convection, and the fixed-point iteration contracts by
     // their ratio. Where it does not, the flux through both in series keeps the face between the air and its level.
     for _ in 0..5 {
         for face in 0..FACES {
-            let air = &body.air[face];
+            let air = &frozen.air[face];
             if air.acts() {
-                let t = level[face] + raised(faces[face], &flux);
-                let correction = faces[face].direct[PORTS_OF_FACES[face]];
+                let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
+                let correction = frozen.direct(faces[face], PORTS_OF_FACES[face]);
                 let hottest = t.value().max(conditions.ambient.value());
                 flux[face] =
                     if correction * cooling_slope(air, reference, hottest, conditions.forced.value()) <= CONTRACTING {
@@ -195,7 +230,8 @@ const CONTRACTING: f64 = 0.5;
 /// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`cooling_flux`]: radiation as (a^2 + b^2)(a + b).
 fn transfer_coefficient<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let [air_side, face] = [ambient, t].map(|rise| (rise + S::from(reference)).positive());
-    forced * air.forced + (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity)
+    let radiation = (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity);
+    forced * air.forced + S::from(air.rest) + radiation
 }
 
 /// Direct feedthrough of the cooling fluxes to an observation.
@@ -228,9 +264,10 @@ pub fn evaluate<S: Scalar>(
             let none = S::from(0.0);
             let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], none);
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
-                + raised(&heat.contact_temperature, &cooling)
+                + raised(&heat.contact_temperature, &cooling) * frozen.scales.flux
                 + S::from(frozen.contact + extra);
-            (Side { level, gain: Some(heat.contact_temperature.direct[Port::Contact as usize]) }, cooling)
+            let gain = frozen.direct(&heat.contact_temperature, Port::Contact as usize);
+            (Side { level, gain: Some(gain) }, cooling)
         }
         None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
     };
@@ -239,7 +276,7 @@ pub fn evaluate<S: Scalar>(
     let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, far[0], neighbours[0]);
     let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, far[1], neighbours[1]);
     let sides = (punch, strip);
-    let bristle = operators.bristle();
+    let bristle = operators.bristle(state.stiffness);
     let faces = scene.faces;
     // Friction heat per unit of the kinetic friction coefficient at temperature.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
@@ -307,10 +344,11 @@ pub fn evaluate<S: Scalar>(
     let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
         Some(heat) => {
             let observe = |observation: &Observation, states: f64| {
-                (S::from(states)
+                // The states are those of the conductivity K0.
+                (S::from(states) * (1.0 / frozen.scales.flux)
                     + into * observation.direct[Port::Contact as usize]
                     + raised(observation, &cooling)
-                    + prescribed(observation, conditions.ambient, far))
+                    + prescribed(observation, conditions.ambient, far) * (1.0 / frozen.scales.flux))
                     * (body.area * faces)
             };
             (
@@ -318,10 +356,10 @@ pub fn evaluate<S: Scalar>(
                 observe(&heat.base_flow, frozen.base_flow),
                 if body.air[FAR].path > 0.0 {
                     let t = S::from(frozen.cooled[FAR])
-                        + into * heat.base_temperature.direct[Port::Contact as usize]
-                        + raised(&heat.base_temperature, &cooling)
+                        + into * frozen.direct(&heat.base_temperature, Port::Contact as usize)
+                        + raised(&heat.base_temperature, &cooling) * frozen.scales.flux
                         + prescribed(&heat.base_temperature, conditions.ambient, far);
-                    let by_air = air_flux(&body.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
+                    let by_air = air_flux(&frozen.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
                     (by_air - cooling[FAR]) * (body.area * faces)
                 } else {
                     S::from(0.0)
@@ -370,9 +408,29 @@ pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
 }
 
 impl LumpedOperators {
-    /// Bristle of the scene, if any.
-    pub fn bristle(&self) -> Option<Bristle> {
-        (self.scene.stick_stiffness > 0.0)
-            .then_some(Bristle { stiffness: self.scene.stick_stiffness, damping: self.scene.stick_damping })
+    /// Bristle of this stiffness (N/m), which is 0 where there is none.
+    pub fn bristle(&self, stiffness: f64) -> Option<Bristle> {
+        (stiffness > 0.0).then_some(Bristle { stiffness, damping: self.scene.stick_damping })
+    }
+
+    /// Stiffness (N/m) of the bristle, all faces together: `contact.stick_stiffness` in series with the bodies, whose friction force
+    /// over elastic displacement is `elastic`; 0: no bristle.
+    pub fn stick_stiffness(&self, elastic: f64) -> f64 {
+        let given = if self.scene.stick_stiffness > 0.0 { self.scene.stick_stiffness.recip() } else { 0.0 };
+        let own = if self.scene.elastic_slip { elastic.recip() } else { 0.0 };
+        let sum = given + own;
+        if sum > 0.0 { sum.recip() } else { 0.0 }
+    }
+
+    /// Elastic displacement of the faces against each other between full slip to one side and to the other, at nominal load, m.
+    pub fn deformation_at_reversal(&self) -> f64 {
+        let scene = &self.scene;
+        let force = scene.friction_coefficient * scene.nominal_load * scene.faces * self.power_factor;
+        2.0 * force / self.tangential_stiffness
+    }
+
+    /// Whether there is a bristle.
+    pub fn has_bristle(&self) -> bool {
+        self.stick_stiffness(self.tangential_stiffness) > 0.0
     }
 }

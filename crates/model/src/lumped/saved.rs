@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 1.3.
 
-use super::state::LumpedState;
+use super::state::{BodyState, LumpedState};
 use contact::wear::track::Track;
 use numerics::maximum::all_finite;
 
@@ -13,10 +13,10 @@ impl LumpedState {
         for body in [&self.punch, &self.strip] {
             write_row(&mut out, &body.heat);
             out.extend(body.received);
-            out.extend([body.external, body.depth, body.worn]);
+            out.extend([body.external, body.lost, body.trend, body.depth, body.worn]);
         }
         write_row(&mut out, &self.flash);
-        out.extend([self.position, self.distance, self.dissipated, self.bristle]);
+        out.extend([self.position, self.distance, self.dissipated, self.bristle, self.stiffness]);
         out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
         out.extend([self.end_temperature, self.end_force, self.growth]);
         out.extend(self.far_start);
@@ -37,7 +37,8 @@ impl LumpedState {
         let mut state = LumpedState::empty();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
-            for slot in body.received.iter_mut().chain([&mut body.external, &mut body.depth, &mut body.worn]) {
+            let BodyState { received, external, lost, trend, depth, worn, .. } = body;
+            for slot in received.iter_mut().chain([external, lost, trend, depth, worn]) {
                 *slot = *numbers.next()?;
             }
         }
@@ -47,6 +48,7 @@ impl LumpedState {
         state.distance = next()?;
         state.dissipated = next()?;
         state.bristle = next()?;
+        state.stiffness = next()?;
         state.peak_rise = next()?;
         state.peak_flux = next()?;
         state.peak_wear = next()?;
@@ -78,13 +80,14 @@ impl LumpedState {
         let LumpedState { punch, strip, .. } = self;
         let mut track = Vec::new();
         self.track.iter().for_each(|own| own.save(&mut track));
-        let rows: [(&str, &[f64]); 19] = [
+        let rows: [(&str, &[f64]); 20] = [
             ("punch: a temperature (K above the reference)", &punch.heat),
             ("strip: a temperature (K above the reference)", &strip.heat),
             ("punch: heat received by a surface (J/m2)", &punch.received),
             ("strip: heat received by a surface (J/m2)", &strip.received),
-            ("punch: heat from its neighbour (J/m2)", &[punch.external]),
-            ("strip: heat from its neighbour (J/m2)", &[strip.external]),
+            ("punch: heat from its neighbour or to the air (J/m2)", &[punch.external, punch.lost]),
+            ("strip: heat from its neighbour or to the air (J/m2)", &[strip.external, strip.lost]),
+            ("the rate of a mean temperature (K/s)", &[punch.trend, strip.trend]),
             ("punch: wear depth (m)", &[punch.depth, punch.worn]),
             ("strip: wear depth (m)", &[strip.depth, strip.worn]),
             ("the local temperature rise under the punch (K)", &self.flash),

@@ -12,7 +12,8 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-use super::air::{BESIDE, FACES, FAR};
+use super::air::{Air, BESIDE, FACES, FAR};
+use conduction::properties::Scales;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
@@ -76,12 +77,12 @@ impl Observed {
         Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] }
     }
 
-    fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, step: f64) -> Observed {
+    fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, driven: &Driven) -> Observed {
         let mut observed = Observed::none();
         for point in 0..3 {
             for k in 0..body.count {
                 observed.homogeneous[point][k] = observation.states[k] * decay[point][k];
-                let weight = weights(body.rate[k], decay[point][k], POINTS[point], POINTS[point] * step);
+                let weight = driven[point][k];
                 for port in 0..PORTS {
                     for stage in 0..2 {
                         observed.gain[port][point][stage] +=
@@ -96,6 +97,29 @@ impl Observed {
             }
         }
         observed
+    }
+
+    /// Interpolates the gains of this observation.
+    #[inline(always)]
+    fn mix_gains(&mut self, of: [&Observed; 4], between: &Between) {
+        for port in 0..PORTS {
+            let weights = between.plain.map(|weight| weight * between.scale(port));
+            for point in 0..3 {
+                for stage in 0..2 {
+                    self.gain[port][point][stage] = combined(&weights, of.map(|one| one.gain[port][point][stage]));
+                }
+            }
+        }
+    }
+
+    /// Interpolates the weights of the first `count` states.
+    #[inline(always)]
+    fn mix_states(&mut self, of: [&Observed; 4], between: &Between, count: usize) {
+        for point in 0..3 {
+            for k in 0..count {
+                self.homogeneous[point][k] = between.of(of.map(|one| one.homogeneous[point][k]));
+            }
+        }
     }
 
     /// Observation at `point` from the initial states alone.
@@ -113,6 +137,39 @@ impl Observed {
 
 type Decay = [[f64; MAX_STATES]; 3];
 
+/// Weights of the stage fluxes in every state at the three points.
+type Driven = [[[f64; 2]; MAX_STATES]; 3];
+
+/// Cubic interpolation between four step sizes in a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Between {
+    /// Weights of the four.
+    pub plain: [f64; 4],
+    /// The same times the step size over that of each: what is in proportion to the step is interpolated exactly.
+    pub by_step: [f64; 4],
+    /// Properties during the step.
+    pub scales: Scales,
+    /// Ports of fluxes, whose effect on temperatures is in proportion to K0/K.
+    pub is_flux: [bool; PORTS],
+}
+
+impl Between {
+    /// Combination of four numbers.
+    #[inline(always)]
+    pub fn of(&self, values: [f64; 4]) -> f64 {
+        combined(&self.plain, values)
+    }
+
+    fn scale(&self, port: usize) -> f64 {
+        if self.is_flux[port] { self.scales.flux } else { 1.0 }
+    }
+}
+
+#[inline(always)]
+fn combined(weights: &[f64; 4], values: [f64; 4]) -> f64 {
+    (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
+}
+
 /// Exact propagator of a reduced body over one step size.
 #[derive(Clone, Debug)]
 pub struct Propagator {
@@ -122,6 +179,8 @@ pub struct Propagator {
     pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
+    /// Cooling of the faces beyond the heat transfer within the states.
+    pub air: [Air; FACES],
     decay: [f64; MAX_STATES],
     update: [[[f64; MAX_STATES]; 2]; PORTS],
     surface: [Group; MAX_STATES / LANES],
@@ -157,24 +216,31 @@ fn total(sum: [f64; LANES]) -> f64 {
 }
 
 impl Propagator {
-    /// Propagator of `body` over the step `step` (s); `cools`: the faces whose temperature is observed.
-    pub fn new(body: &ReducedBody, step: f64, cools: [bool; FACES]) -> Propagator {
+    /// Propagator of `body` over the step `step` (s); `air`: the cooling of its faces, whose temperature is observed where it acts.
+    pub fn new(body: &ReducedBody, step: f64, air: &[Air; FACES]) -> Propagator {
+        let cools = air.each_ref().map(Air::acts);
         let mut decay = [[1.0; MAX_STATES]; 3];
         for (point, row) in decay.iter_mut().enumerate() {
             for (value, rate) in row.iter_mut().zip(&body.rate[..body.count]) {
                 *value = (-rate * POINTS[point] * step).exp();
             }
         }
+        let mut driven = [[[0.0; 2]; MAX_STATES]; 3];
+        for (point, row) in driven.iter_mut().enumerate() {
+            for (k, weight) in row[..body.count].iter_mut().enumerate() {
+                *weight = weights(body.rate[k], decay[point][k], POINTS[point], POINTS[point] * step);
+            }
+        }
         let mut update = [[[0.0; MAX_STATES]; 2]; PORTS];
         for k in 0..body.count {
-            let weight = weights(body.rate[k], decay[2][k], 1.0, step);
+            let weight = driven[2][k];
             for port in 0..PORTS {
                 for stage in 0..2 {
                     update[port][stage][k] = body.input[port][k] * weight[stage];
                 }
             }
         }
-        let contact = Observed::new(body, &body.contact_temperature, &decay, step);
+        let contact = Observed::new(body, &body.contact_temperature, &decay, &driven);
         let surface = std::array::from_fn(|group| {
             let of = |row: &[f64; MAX_STATES]| std::array::from_fn(|lane| row[LANES * group + lane]);
             Group {
@@ -188,14 +254,68 @@ impl Propagator {
             contact,
             cooled: [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])].map(
                 |(observation, asked)| match asked {
-                    true => Observed::new(body, observation, &decay, step),
+                    true => Observed::new(body, observation, &decay, &driven),
                     false => Observed::none(),
                 },
             ),
-            mean: Observed::new(body, &body.mean_temperature, &decay, step),
+            mean: Observed::new(body, &body.mean_temperature, &decay, &driven),
+            air: *air,
             decay: decay[2],
             update,
             surface,
+        }
+    }
+
+    /// Interpolates the entries of the fast path for `count` states: those of contact, cooling and mean temperature.
+    #[inline(always)]
+    pub fn mix_surface(&mut self, of: [&Propagator; 4], between: &Between, count: usize) {
+        let by_flux = between.by_step.map(|weight| weight * between.scales.flux);
+        for group in 0..count.div_ceil(LANES) {
+            let (new, of) = (&mut self.surface[group], of.map(|one| &one.surface[group]));
+            for point in 0..3 {
+                for lane in 0..LANES {
+                    new.contact[point][lane] = between.of(of.map(|one| one.contact[point][lane]));
+                }
+            }
+            for lane in 0..LANES {
+                new.decay[lane] = between.of(of.map(|one| one.decay[lane]));
+            }
+            for stage in 0..2 {
+                for lane in 0..LANES {
+                    new.update[stage][lane] = combined(&by_flux, of.map(|one| one.update[stage][lane]));
+                    new.cooling[stage][lane] = combined(&by_flux, of.map(|one| one.cooling[stage][lane]));
+                }
+            }
+        }
+        let whole = LANES * count.div_ceil(LANES);
+        for k in 0..whole {
+            self.mean.homogeneous[2][k] = between.of(of.map(|one| one.mean.homogeneous[2][k]));
+        }
+        self.contact.mix_gains(of.map(|one| &one.contact), between);
+        self.mean.mix_gains(of.map(|one| &one.mean), between);
+        self.air = of[1].air.map(|air| air.at(between.scales));
+    }
+
+    /// Interpolates the other entries, which the general form of a step has in addition.
+    pub fn mix_rest(&mut self, of: [&Propagator; 4], between: &Between, count: usize) {
+        let whole = LANES * count.div_ceil(LANES);
+        self.contact.mix_states(of.map(|one| &one.contact), between, whole);
+        self.mean.mix_states(of.map(|one| &one.mean), between, whole);
+        for face in 0..FACES {
+            let (own, of) = (&mut self.cooled[face], of.map(|one| &one.cooled[face]));
+            own.mix_states(of, between, whole);
+            own.mix_gains(of, between);
+        }
+        for k in 0..whole {
+            self.decay[k] = between.of(of.map(|one| one.decay[k]));
+        }
+        for port in 0..PORTS {
+            let weights = between.by_step.map(|weight| weight * between.scale(port));
+            for stage in 0..2 {
+                for k in 0..whole {
+                    self.update[port][stage][k] = combined(&weights, of.map(|one| one.update[port][stage][k]));
+                }
+            }
         }
     }
 

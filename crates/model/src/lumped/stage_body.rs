@@ -138,7 +138,7 @@ impl<'a> StageBody<'a> {
         let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) else { return [0.0; 2] };
         let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
         for face in (0..FACES).filter(|&face| self.cools[face]) {
-            let (air, observed, port) = (&self.body.air[face], &propagator.cooled[face], PORTS_OF_FACES[face]);
+            let (air, observed, port) = (&propagator.air[face], &propagator.cooled[face], PORTS_OF_FACES[face]);
             let t = self.observe(observed, 1, state, heat.count) + self.add_to(observed, 1);
             let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
             let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
@@ -148,6 +148,12 @@ impl<'a> StageBody<'a> {
             rise = maximum(rise, maximum(self.face(face, 0).abs(), self.face(face, 1).abs()));
         }
         [error, rise]
+    }
+
+    /// Mean temperature of the body at the end of the step under the current stage fluxes, K above the reference; 0 for an insulator.
+    pub fn mean_at_end(&self, state: &BodyState) -> f64 {
+        let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) else { return 0.0 };
+        self.observe(&propagator.mean, 2, state, heat.count) + self.add_to(&propagator.mean, 2)
     }
 
     /// Thermal states and received heat of the ports at the end of the step.
@@ -161,7 +167,7 @@ impl<'a> StageBody<'a> {
                         step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
                 }
             }
-            let air = &self.body.air[FAR];
+            let air = &propagator.air[FAR];
             if air.path > 0.0 {
                 for stage in 0..2 {
                     let t = self.face(FAR, stage);

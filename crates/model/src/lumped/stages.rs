@@ -78,7 +78,7 @@ impl Stages {
             partition,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
             speed: [first.slip, last.slip],
-            bristle: operators.bristle(),
+            bristle: operators.bristle(state.stiffness),
             deflection_at_start: state.bristle,
             moved: Moved::none(state.bristle),
             velocity: Line {

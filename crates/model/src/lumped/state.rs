@@ -17,6 +17,11 @@ pub struct BodyState {
     pub received: [f64; 4],
     /// Heat that has left by the path to the neighbour since initialisation, J/m2 of reference area.
     pub external: f64,
+    /// Heat that has left by the constant heat transfer since initialisation, J/m2 of reference area; counted where the properties follow
+    /// the temperature.
+    pub lost: f64,
+    /// Rate of the mean temperature over the last step, K/s; likewise.
+    pub trend: f64,
     /// Worn depth under a contact that stays on its material, m: of the punch, or of the strip on a closed path.
     pub depth: f64,
     /// Worn volume per face over `worn_area`, m.
@@ -29,6 +34,8 @@ impl BodyState {
         heat: [0.0; conduction::reduced::MAX_STATES],
         received: [0.0; 4],
         external: 0.0,
+        lost: 0.0,
+        trend: 0.0,
         depth: 0.0,
         worn: 0.0,
     };
@@ -53,6 +60,8 @@ pub struct LumpedState {
     pub dissipated: f64,
     /// Bristle deflection, m.
     pub bristle: f64,
+    /// Stiffness of the bristle, N/m; 0: none.
+    pub stiffness: f64,
     /// Prescribed temperatures of the far faces (punch, strip) at initialisation, K above the reference.
     pub far_start: [f64; 2],
     /// The same now.
@@ -157,12 +166,11 @@ impl LumpedState {
     pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
-            let mut state =
-                BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], external: 0.0, depth: 0.0, worn: 0.0 };
+            let mut state = BodyState::EMPTY;
             if let Some(heat) = &body.heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {
-                    state.heat[k] = heat.stored.states[k] * (initial - reference);
+                    state.heat[k] = heat.uniform[k] * (initial - reference);
                 }
             }
             state
@@ -179,7 +187,8 @@ impl LumpedState {
         let initial = [&operators.punch, &operators.strip].map(|body| body.initial_temperature);
         let risen = initial.into_iter().filter(|initial| *initial > 0.0).map(|initial| (initial - reference).abs());
         let peak_rise = risen.fold(0.0, f64::max);
-        LumpedState { punch, strip, track, reference, peak_rise, ..LumpedState::empty() }
+        let stiffness = operators.stick_stiffness(operators.tangential_stiffness);
+        LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::empty() }
     }
 
     /// Zero state without a track.
@@ -193,6 +202,7 @@ impl LumpedState {
             distance: 0.0,
             dissipated: 0.0,
             bristle: 0.0,
+            stiffness: 0.0,
             far_start: [0.0; 2],
             far: [0.0; 2],
             peak_rise: 0.0,
@@ -233,6 +243,7 @@ impl LumpedState {
         within(&self.punch.heat, &operators.punch)
             && within(&self.strip.heat, &operators.strip)
             && self.track.is_some() == operators.tracked
+            && (self.stiffness > 0.0) == operators.has_bristle()
             && self.refinement <= 60
     }
 }

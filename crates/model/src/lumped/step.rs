@@ -105,6 +105,12 @@ impl Stepper<'_> {
             }
             error = maximum(error, wrong / (scene.tolerance * rise));
         }
+        if let Some(properties) = self.properties.as_deref_mut() {
+            let ends = [punch.mean_at_end(&state.punch), strip.mean_at_end(&state.strip)];
+            let [ends, [contact, _]] =
+                [ends, [stages.temperature[1]; 2]].map(|rises| rises.map(|t| t + state.reference));
+            error = maximum(error, properties.error(operators, ends, contact, state.peak_rise));
+        }
         if error.is_nan() || error > 1.0 {
             return Attempt { error, hottest };
         }

@@ -2,12 +2,13 @@
 //!
 //! Theory: docs/theory.md, section 5.4.
 
-use super::air::Air;
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, LumpedOperators};
+use super::property_step::PropertyStep;
 use super::stage::Propagator;
 use conduction::flash::MAX_FLASH_STATES;
+use conduction::properties::Scales;
 use contact::friction::FrictionLaw;
 
 /// Propagators of both bodies over one step size.
@@ -18,23 +19,22 @@ pub struct Propagators {
     pub(super) punch: Option<Propagator>,
     pub(super) strip: Option<Propagator>,
     /// Decay factors of the moving source at rest up to the point 1/3.
-    pub(super) flash: [f64; MAX_FLASH_STATES],
+    pub(super) at_rest: [f64; MAX_FLASH_STATES],
+    /// Properties of the strip.
+    pub(super) scales: Scales,
 }
 
 impl Propagators {
     /// Memory for the weights of a step.
     pub fn empty() -> Propagators {
-        Propagators { step: f64::NAN, punch: None, strip: None, flash: [1.0; MAX_FLASH_STATES] }
+        Propagators { step: f64::NAN, punch: None, strip: None, at_rest: [1.0; MAX_FLASH_STATES], scales: Scales::ONE }
     }
 
     /// Weights for the step `step` (s).
     pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
-        let of = |body: &BodyOperators| {
-            let cools = body.air.each_ref().map(Air::acts);
-            body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
-        };
-        let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
-        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
+        let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step, &body.air));
+        let at_rest = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
+        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), at_rest, scales: Scales::ONE }
     }
 }
 
@@ -63,11 +63,13 @@ pub struct Stepper<'a> {
     pub ends: Option<&'a [Conditions; 2]>,
     /// Moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
+    /// Properties of the bodies during the step, where they follow their temperatures.
+    pub properties: Option<&'a mut PropertyStep>,
 }
 
 impl Stepper<'_> {
     /// The same data, borrowed for a shorter time.
     pub fn reborrow(&mut self) -> Stepper<'_> {
-        Stepper { flash: &mut *self.flash, ..*self }
+        Stepper { flash: &mut *self.flash, properties: self.properties.as_deref_mut(), ..*self }
     }
 }

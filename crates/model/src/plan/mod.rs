@@ -20,6 +20,7 @@ use crate::levels::ModelOperators;
 use crate::line::heat::bodies::can_be_resolved;
 use crate::line::operators::RunIn;
 use comparison::{Comparison, compare};
+use scene::message::Number;
 use scene::{ErrorEstimate, Fidelity, HeatResolution, Scene};
 use std::fmt;
 
@@ -138,10 +139,19 @@ impl Prepared {
             Some(companion) => format!("; a companion on {} cells measures estimated_error", companion.cells()),
             None => String::new(),
         };
-        match &self.choice {
+        let mut lines = match &self.choice {
             Some(choice) => vec![format!("auto takes {level}{beside}: {}", choice.reason)],
             None => vec![format!("level {level}{beside}")],
+        };
+        if let Some((share, lost)) = self.operators.neglected_slip() {
+            lines.push(format!(
+                "elastic slip is neglected: at each end of a nominal stroke the bodies deform by {} m, {} % of the stroke, before \
+                 they slide; contact.tangential_compliance = elastic includes it",
+                Number(lost),
+                Number(100.0 * share)
+            ));
         }
+        lines
     }
 }
 

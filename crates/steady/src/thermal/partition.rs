@@ -11,6 +11,7 @@
 
 use conduction::line::SurfaceInfluence;
 use conduction::line::contact_parts::ContactParts;
+use conduction::properties::Scales;
 use model::line::heat::partition::HeatPartition;
 use nalgebra::DMatrix;
 
@@ -34,7 +35,7 @@ impl ActivePartition {
     pub fn new(influence: [Option<&SurfaceInfluence>; 2], widths: &[f64], conductance: f64) -> ActivePartition {
         let count = widths.len();
         let mut partition = HeatPartition::new(widths, &vec![1.0; count], conductance);
-        partition.build((0.0, 0.0), &ContactParts::whole(count), influence);
+        partition.build((0.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), influence);
         ActivePartition {
             partition,
             closed: vec![false; count],

@@ -1,7 +1,7 @@
 //! Front disc brake of a car: one stop, and the urban drive cycle.
 
 use super::{DriveProblem, Setting, Truth, every, starts};
-use scene::{Fidelity, Scheme};
+use scene::Fidelity;
 use sliding_contact::component::Values;
 
 const MASS: f64 = 1500.0;
@@ -23,7 +23,7 @@ fn load(force: f64) -> f64 {
 }
 
 fn setting(fidelity: Fidelity, cells: usize, tolerance: f64, step: f64) -> Setting {
-    Setting { fidelity, scheme: Scheme::Monolithic, tolerance, cells, step, order: 1, heat: true }
+    Setting { fidelity, tolerance, cells, step, order: 1, heat: true }
 }
 
 /// From 100 km/h to rest: the pedal is applied within `RAMP`, then the deceleration is constant.
@@ -50,7 +50,7 @@ pub(super) fn stop() -> Result<DriveProblem, String> {
         steps: vec![0.1, 0.05, 0.02, 0.01, 0.005],
         samples: every(0.1, duration),
         truth: Truth::Finest(vec![
-            setting(Fidelity::Field, 0, 1e-4, 0.01),
+            setting(Fidelity::Line, 129, 1e-4, 0.01),
             setting(Fidelity::Line, 65, 1e-4, 0.01),
             setting(Fidelity::Line, 17, 1e-4, 0.01),
         ]),

@@ -1,7 +1,7 @@
 //! Reciprocating punch, cold and hot.
 
 use super::{DriveProblem, Setting, Truth, every, starts};
-use scene::{Fidelity, Scheme};
+use scene::Fidelity;
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
 
@@ -37,17 +37,9 @@ fn samples(cycles: f64) -> Vec<f64> {
 }
 
 fn finest(tolerance: f64, count: f64) -> Truth {
-    let setting = |fidelity, cells| Setting {
-        fidelity,
-        scheme: Scheme::Monolithic,
-        tolerance,
-        cells,
-        step: cycle() / count,
-        order: 1,
-        heat: true,
-    };
-    let line = [129, 97, 65].map(|cells| setting(Fidelity::Line, cells));
-    Truth::Finest([setting(Fidelity::Field, 0)].into_iter().chain(line).collect())
+    let setting =
+        |cells| Setting { fidelity: Fidelity::Line, tolerance, cells, step: cycle() / count, order: 1, heat: true };
+    Truth::Finest([257, 129, 97, 65].map(setting).to_vec())
 }
 
 /// Without thermal distortion, with the wear accelerated as in the paper's reduced number of half-periods.

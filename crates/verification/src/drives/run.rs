@@ -211,7 +211,6 @@ impl DriveProblem {
         let mut starts = self.starts;
         let changes = [
             (const { reference("solver.fidelity") }, f64::from(setting.fidelity as u8 + 1)),
-            (const { reference("solver.scheme") }, f64::from(setting.scheme as u8 + 1)),
             (const { reference("solver.tolerance") }, setting.tolerance),
             (const { reference("solver.cells") }, setting.cells as f64),
         ];

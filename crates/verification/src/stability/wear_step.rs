@@ -22,8 +22,9 @@
 //! Theory: docs/theory.md, sections 5.2, 5.6.
 
 use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
+use crate::explicit_limit::explicit_limit;
 use crate::integrator::{Integrator, Scheme, StepError};
-use contact::wear::line::{CellRate, Conditions, WearingContact, explicit_limit};
+use contact::wear::line::{CellRate, Conditions, WearingContact};
 use contact::{ContactState, Normal, Tilt};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material};
 use nalgebra::{DMatrix, DVector};
@@ -50,7 +51,7 @@ const ALLOWANCE: f64 = 1.5;
 pub enum Method {
     /// Explicit Euler without a check of its bound.
     Unguarded,
-    /// `solver.scheme = explicit`.
+    /// Explicit Euler that refuses steps beyond its bound.
     Explicit,
     /// The default: SDIRK2.
     Default,
@@ -361,7 +362,7 @@ fn assemble(
         ],
     };
     let (second, third) = (errors(33.0), errors(points[0].iter().map(|point| point.x).fold(0.0, f64::max)));
-    let titles = ["explicit Euler, unguarded", "solver.scheme = explicit", "default scheme: SDIRK2"];
+    let titles = ["explicit Euler, unguarded", "explicit Euler with its bound", "default scheme: SDIRK2"];
     let judged: Vec<Panel> = (titles.into_iter().zip(points))
         .map(|(title, points)| Panel { title: title.to_owned(), x: cells(), y: step(), points, curves: vec![bound()] })
         .collect();
@@ -383,7 +384,7 @@ fn assemble(
             apart(&bounds.curves[2])
         ),
         format!(
-            "solver.scheme = explicit refuses {} runs above the bound and {} below it, and reports the bound within {:.1e} of the \
+            "Explicit Euler with its bound refuses {} runs above the bound and {} below it, and reports the bound within {:.1e} of the \
              theory.",
             counted(&judged[1], Verdict::Refused, true),
             counted(&judged[1], Verdict::Refused, false),

@@ -19,7 +19,7 @@ fn row(what: &str, found: &Option<Reached>) -> String {
     }
 }
 
-/// Settings of a run, with lengths of steps as plain decimals; those of the comparison schemes begin with their name.
+/// Settings of a run, with lengths of steps as plain decimals; those of a peer begin with its name.
 fn settings(family: &str, setting: &str) -> String {
     let plain = |part: &str| {
         let number = part.strip_prefix("step ")?.strip_suffix(" s")?;
@@ -27,8 +27,7 @@ fn settings(family: &str, setting: &str) -> String {
     };
     let parts: Vec<String> = setting.split(", ").map(|part| plain(part).unwrap_or_else(|| part.to_owned())).collect();
     let setting = parts.join(", ");
-    // The operator split and explicit wear are schemes of the line.
-    let own = ["auto", "line", "lumped", "field"].iter().any(|level| setting.starts_with(level));
+    let own = ["auto", "line", "lumped"].iter().any(|level| setting.starts_with(level));
     if own { setting } else { format!("{family}: {setting}") }
 }
 
@@ -63,18 +62,6 @@ pub fn describe(chart: &Chart, findings: &Findings) -> String {
     passage += &row("and in the peak pressure", &findings.with_pressure);
     if let Some(errors) = findings.lumped {
         let _ = writeln!(passage, "| model error of `lumped`, at any tolerance | | {} | |", lumped_errors(errors));
-    }
-    if let Some((field, part)) = &findings.field {
-        let (error, cost) = if *part < 1.0 {
-            (
-                "not finished".to_owned(),
-                format!("{}, extrapolated from {:.1} % of the scene", time(field.cost), 100.0 * part),
-            )
-        } else {
-            (format!("{:.1e}", field.error), time(field.cost))
-        };
-        let setting = settings(&field.family, &field.setting);
-        let _ = writeln!(passage, "| unreduced punch | {setting} | {error} | {cost} |");
     }
     let mut families: Vec<&str> = Vec::new();
     for (peer, _) in &findings.peers {
@@ -115,12 +102,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_decimals_and_a_scheme_begins_with_its_name() {
+    fn steps_are_decimals_and_a_peer_begins_with_its_name() {
         assert_eq!(
             settings("line", "line, 9 cells, step 1.0000e-1 s, inputs held"),
             "line, 9 cells, step 0.1 s, inputs held"
         );
-        assert_eq!(settings("a scheme", "step 2.5000e-1 s"), "a scheme: step 0.25 s");
+        assert_eq!(settings("a peer", "step 2.5000e-1 s"), "a peer: step 0.25 s");
     }
 
     #[test]

@@ -26,6 +26,7 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
         "line, cells, 1e-2" => (4, Mark::Points),
         "line, inputs held" => (2, Mark::DashesAndSquares),
         "line, isothermal" => (6, Mark::DashesAndSquares),
+        // Recorded charts only.
         "explicit" => (5, Mark::LineAndPoints),
         "staggered" => (5, Mark::DashesAndSquares),
         "field" => (3, Mark::LineAndPoints),

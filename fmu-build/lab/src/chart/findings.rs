@@ -1,10 +1,10 @@
-//! Findings of a chart: the cheapest settings within 1 %, their cost, and the cost ratios of `field` and the peers.
+//! Findings of a chart: the cheapest settings within 1 %, their cost, and the cost ratios of the peers.
 
 use super::Chart;
 use super::measure::Point;
 use serde_json::{Value, json};
 use std::fmt;
-use verification::drives::Quantity;
+use verification::drives::{FORMER, Quantity};
 
 /// Error that a setting must reach.
 const WANTED: f64 = 1e-2;
@@ -17,8 +17,6 @@ pub struct Findings {
     pub with_pressure: Option<Reached>,
     /// Model errors of the lumped level (wear depth, contact temperature, friction force), independent of its tolerance.
     pub lumped: Option<[f64; 3]>,
-    /// `field`: setting, cost of the cheapest run, and how far it came.
-    pub field: Option<(Reached, f64)>,
     /// Of every run of a peer: its error and cost, and the cheapest own run that is at least as accurate.
     pub peers: Vec<(Reached, Reached)>,
     omissions: Vec<String>,
@@ -52,13 +50,14 @@ pub fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
     errors.fold(None, |worst: Option<f64>, error| Some(worst.map_or(error, |worst| worst.max(error))))
 }
 
-/// The cheapest own run (of a level other than `field`) whose error over `quantities` is at most `most`; it models all of
+/// The cheapest own run (of a method that the component has) whose error over `quantities` is at most `most`; it models all of
 /// them that the reference has.
 fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached> {
     let judged = |quantity: &Quantity| chart.points.iter().any(|point| point.error(*quantity).is_some());
     let quantities: Vec<Quantity> = quantities.iter().copied().filter(judged).collect();
     let models_all = |point: &&Point| quantities.iter().all(|&quantity| point.error(quantity).is_some());
-    let own = chart.points.iter().filter(|point| !point.peer && point.family != "field").filter(models_all);
+    let shipped = |point: &&Point| !point.peer && !FORMER.contains(&point.family.as_str());
+    let own = chart.points.iter().filter(shipped).filter(models_all);
     let good = own.filter_map(|point| worst(point, &quantities).filter(|error| *error <= most).map(|e| (point, e)));
     good.min_by(|a, b| a.0.cost().total_cmp(&b.0.cost())).map(|(point, error)| reached(point, error))
 }
@@ -66,12 +65,6 @@ fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached
 /// Reads the findings off a chart.
 pub fn of(chart: &Chart) -> Findings {
     let main = MAIN;
-    let field = chart.family("field").map(|point| {
-        let part = point.failure.as_ref().map_or(1.0, |(_, part)| *part);
-        let whole = point.seconds[0] + (point.seconds[1] - point.seconds[0]) / part.max(1e-9);
-        (Reached { cost: whole, ..reached(point, worst(point, main).unwrap_or(f64::NAN)) }, part)
-    });
-    let field = field.min_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
     let lumped = chart.family("lumped").filter_map(|point| Some((point, worst(point, main)?)));
     let lumped = lumped.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(point, _)| {
         let mut errors = [f64::NAN; 3];
@@ -88,7 +81,6 @@ pub fn of(chart: &Chart) -> Findings {
         right: cheapest(chart, main, WANTED),
         with_pressure: cheapest(chart, &Quantity::ALL, WANTED),
         lumped,
-        field,
         peers: peers.chain(in_importer(chart)).collect(),
         omissions: chart.omissions.clone(),
     }
@@ -140,14 +132,6 @@ impl fmt::Display for Findings {
         if let Some([wear, temperature, force]) = self.lumped {
             writeln!(formatter, "  lumped, whatever its tolerance:     {}", lumped_errors([wear, temperature, force]))?;
         }
-        if let (Some((field, part)), Some(right)) = (&self.field, &self.right) {
-            let how = if *part < 1.0 {
-                format!(", not finished: extrapolated from {:.1} % of the scene", 100.0 * part)
-            } else {
-                String::new()
-            };
-            writeln!(formatter, "  field costs {:.1} times as much: {field}{how}", field.cost / right.cost)?;
-        }
         let mut rest = self.peers.as_slice();
         // Runs of a family follow each other, from coarse to fine.
         while let Some((first, _)) = rest.first() {
@@ -181,11 +165,6 @@ impl Findings {
             let number = |error: f64| if error.is_finite() { json!(error) } else { Value::Null };
             json!({ "error_wear_depth": number(wear), "error_contact_temperature": number(temperature), "error_friction_force": number(force) })
         });
-        record["field"] = self.field.as_ref().map_or(Value::Null, |(field, part)| {
-            let mut value = run(field);
-            value["part_done"] = json!(part);
-            value
-        });
         let pair = |(peer, own): &(Reached, Reached)| json!({ "peer": run(peer), "own": run(own), "ratio": peer.cost / own.cost });
         record["peers"] = self.peers.iter().map(pair).collect();
         record
@@ -213,6 +192,7 @@ mod tests {
             point("with heat", 10.0, [1e-3, 2e-3, f64::NAN, 5e-3]),
             point("isothermal", 1.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
             point("peer", 200.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
+            point("staggered", 0.5, [1e-3, 2e-3, f64::NAN, 5e-3]),
             point("lumped", 0.1, [1e-3, 0.3, f64::NAN, 0.5]),
             point("lumped", 0.2, [2e-3, 0.1, f64::NAN, 0.5]),
         ];

@@ -118,15 +118,14 @@ fn repeat(chart: &Chart, record: &mut Record, budget: &Budget) {
 mod tests {
     use super::*;
     use model::levels::ModelOperators;
-    use scene::{Fidelity, Scene, Scheme};
+    use scene::{Fidelity, Scene};
     use verification::drives::problems;
 
     #[test]
     fn the_time_of_a_run_includes_its_initialisation() {
         let problem = problems().unwrap().into_iter().find(|problem| problem.name == "brake_stop").unwrap();
-        let (step, scheme) = (problem.step, Scheme::Monolithic);
-        let setting =
-            Setting { fidelity: Fidelity::Line, scheme, tolerance: 1e-4, cells: 65, step, order: 1, heat: true };
+        let step = problem.step;
+        let setting = Setting { fidelity: Fidelity::Line, tolerance: 1e-4, cells: 65, step, order: 1, heat: true };
         let scene = Scene::new(&problem.starts_with(&setting), None).unwrap();
         let begin = process_seconds();
         ModelOperators::new(&scene, steady::run_in).unwrap();

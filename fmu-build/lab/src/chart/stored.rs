@@ -4,7 +4,7 @@ use super::Chart;
 use super::measure::Point;
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
-use verification::drives::{DriveProblem, Errors};
+use verification::drives::{DriveProblem, Errors, FORMER};
 
 /// Reads the chart of a scene from the table beside its picture.
 ///
@@ -48,7 +48,7 @@ fn point(line: &str, own: &[&str]) -> Result<Point> {
     let number = |text: &str| text.parse::<f64>().with_context(|| format!("{text:?} is not a number"));
     let error = |text: &str| if text.is_empty() { Ok(f64::NAN) } else { number(text) };
     Ok(Point {
-        peer: !own.contains(&family.as_str()),
+        peer: !own.contains(&family.as_str()) && !FORMER.contains(&family.as_str()),
         seconds: [number(&initialisation)?, number(&total)?],
         steps: steps.parse()?,
         errors: Errors([error(&wear)?, error(&temperature)?, error(&force)?, error(&pressure)?]),

@@ -2,7 +2,7 @@
 
 mod write;
 
-use crate::columns::{self, Column};
+use crate::columns::{self, Column, Reading};
 use crate::output::{print_line, print_text};
 use analyses::plan::inputs::{self, LEVELS};
 use analyses::simulation::Trajectory;
@@ -33,7 +33,8 @@ pub struct Request<'a> {
 pub fn execute(request: &Request) -> Result<()> {
     let name = &request.scene.packaged.name;
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;
-    let table = columns::read(request.inputs, &Column::inputs())?;
+    let table = columns::read(request.inputs, &Column::inputs(), &Reading::default())?;
+    table.notes.iter().for_each(|note| eprintln!("{note}"));
     let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
     let parts = 100;
     let bar = ProgressBar::new(parts * (LEVELS.len() as u64 + 1))

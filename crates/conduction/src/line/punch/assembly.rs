@@ -4,13 +4,14 @@
 
 use super::across::{Across, Sides, Wave};
 use super::depth::Depth;
-use super::galerkin::{Points, Shape};
+use super::galerkin::{Points, Shape, steepest_held_rates};
 use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
+use crate::reduced::lagging;
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use scene::FarBoundary;
@@ -118,7 +119,7 @@ impl<'a> Assembly<'a> {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
         let far = match self.top_is_prescribed() {
-            true => self.through_held_top(wave, shape),
+            true => self.input_of_held_top(wave, shape),
             false => self.top_exposure(wave) * shape.top,
         };
         [cooling, ambient, far]
@@ -126,20 +127,42 @@ impl<'a> Assembly<'a> {
 
     /// Heat flow of a state through a top of prescribed temperature, in W/m over the norm of the state.
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
-        if !self.top_is_prescribed() {
-            return 0.0;
+        match self.top_is_prescribed() {
+            true => shape.rate_through_height * self.heat_content(wave, shape) - self.by_face(wave, shape),
+            false => 0.0,
         }
-        // Conducted through the height and not lost at the face.
-        let by_face = match self.cooled.by {
-            By::Sides => 0.0,
-            By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
-        };
-        shape.rate_through_height * self.uniform(wave, shape) - by_face
     }
 
-    /// State of a shape when the body is at 1 K everywhere, J/(m K) over its norm.
-    fn uniform(&self, wave: &Wave, shape: &Shape) -> f64 {
+    /// Input of a state per kelvin of a top of prescribed temperature.
+    fn input_of_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
+        let rate = shape.rate_through_height;
+        rate * self.heat_content(wave, shape) * lagging(rate, steepest_held_rates(&self.depth))
+            - self.by_face(wave, shape)
+    }
+
+    /// Part of the conduction through the height that the face of the contact loses to the air, W/m over the norm of the state.
+    fn by_face(&self, wave: &Wave, shape: &Shape) -> f64 {
+        match self.cooled.by {
+            By::Sides => 0.0,
+            By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
+        }
+    }
+
+    /// Heat content of a state, J/m over its norm.
+    fn heat_content(&self, wave: &Wave, shape: &Shape) -> f64 {
         self.capacity() * wave.integral * shape.integral
+    }
+
+    /// State of a shape when the body is at 1 K everywhere, J/(m K) over its norm: under a prescribed temperature in equilibrium with top
+    /// and air of 1 K.
+    fn uniform(&self, wave: &Wave, shape: &Shape) -> f64 {
+        match self.top_is_prescribed() {
+            true => {
+                let [_, ambient, far] = self.input(wave, shape);
+                (ambient + far) / shape.rate
+            }
+            false => self.heat_content(wave, shape),
+        }
     }
 
     /// Steady response of a mode; None without a steady state.
@@ -331,13 +354,13 @@ impl<'a> Assembly<'a> {
         let mut k = 0;
         for mode in &self.modes {
             for shape in &mode.states {
-                let uniform = operators.uniform[k];
+                let content = operators.uniform[k];
                 let ambient = transfer * self.exposure(&mode.wave) * self.seen(shape);
                 let far =
                     self.through_held_top(&mode.wave, shape) + self.top_transfer() * mode.wave.integral * shape.top;
                 operators.ambient_flow.states[k] = ambient;
                 operators.far_flow.states[k] = far;
-                operators.stored[k] = if losing || open { (ambient + far) / shape.rate } else { uniform };
+                operators.stored[k] = if losing || open { (ambient + far) / shape.rate } else { content };
                 k += 1;
             }
         }
@@ -376,8 +399,13 @@ impl<'a> Assembly<'a> {
         // The flux into the far face passes it inwards.
         far.ports[FAR] -= top_length;
         if self.top_is_prescribed() {
-            let projected: f64 = operators.uniform.iter().map(|uniform| uniform * uniform).sum();
-            operators.stored_by_far = operators.heat_capacity - projected;
+            operators.stored_by_far = operators.heat_capacity
+                - operators
+                    .stored
+                    .iter()
+                    .zip(&operators.uniform)
+                    .map(|(stored, uniform)| stored * uniform)
+                    .sum::<f64>();
         }
     }
 }

@@ -12,9 +12,14 @@ use scene::FarBoundary;
 /// Rates of the trial functions for a flux into the top, over k/(C h^2).
 const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
 
-/// Decays of the trial functions for a temperature of the top, times the height. Together they approximate a uniform temperature,
-/// which none of them has: a top that jumps moves the contact by 2 % at once, and within 2e-3 after 0.003 h^2/kd.
+/// Decays of the trial functions for a temperature of the top, times the height.
 const HELD_DECAYS: [f64; 5] = [1.5, 4.5, 14.0, 40.0, 120.0];
+
+/// Rates of the two steepest trial functions for a temperature of the top, 1/s, see [`crate::reduced::lagging`].
+pub(super) fn steepest_held_rates(depth: &Depth) -> [f64; 2] {
+    let [.., second, first] = HELD_DECAYS;
+    [first, second].map(|decay: f64| depth.diffusivity() * (decay / depth.height).powi(2))
+}
 
 /// Points through the height: a quadrature that resolves every trial function, then extra points at which values of the
 /// functions are needed.

@@ -58,23 +58,10 @@ impl ReducedOperators {
         Weights { step: f64::NAN, stages: [stage(), stage()] }
     }
 
-    pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
+    pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, scratch: &mut Scratch) {
         weights.step = step;
         weights.stages.iter_mut().for_each(|stage| stage.contact_parts.make_whole());
         let [first, end] = &mut weights.stages;
-        if euler {
-            for stage in [&mut *first, &mut *end] {
-                for (k, &rate) in self.rate.iter().enumerate() {
-                    stage.decay[k] = (1.0 + rate * step).recip();
-                    stage.constant[k] = step * stage.decay[k];
-                    stage.falling[k] = 0.0;
-                    stage.by_face[k] = stage.constant[k];
-                    (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
-                }
-                self.fill_influence(modes, stage, scratch);
-            }
-            return;
-        }
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
             let contact = self.contact[k];

@@ -62,13 +62,6 @@ impl Motion {
         0.125 * self.step * (self.turning[1] - self.turning[0]).abs()
     }
 
-    /// Factor of the state and weight (s) of the flux in one implicit Euler step.
-    pub fn euler(&self, rate: f64) -> (Complex<f64>, Complex<f64>) {
-        let turned = 0.5 * self.step * (self.turning[0] + self.turning[1]);
-        let factor = Complex::new(1.0 + rate * self.step, -turned).inv();
-        (factor, factor * self.step)
-    }
-
     /// Propagation factor of the state, and the weights (s) of a flux falling from 1 at the start to 0 at the end, and
     /// of the reverse.
     pub fn weights(&self, rate: f64, turn: Complex<f64>) -> (Complex<f64>, Complex<f64>, Complex<f64>) {

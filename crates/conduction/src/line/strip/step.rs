@@ -22,8 +22,6 @@ pub struct Step {
     /// Length, s, and velocities, m/s; not a number before the first step.
     pub length: f64,
     pub velocity: [f64; 2],
-    /// One implicit Euler step.
-    euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
     /// Index of the cached responses after the first: those of steps at a constant velocity, by the bits of length and velocity. A
@@ -89,7 +87,6 @@ impl Step {
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
-            euler: false,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             steady: KeyedCache::new(vec![(); cached]),
@@ -116,10 +113,10 @@ impl Step {
     }
 
     pub fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
-        if self.length == length && self.velocity == velocity && !self.euler {
+        if self.length == length && self.velocity == velocity {
             return;
         }
-        (self.length, self.velocity, self.euler) = (length, velocity, false);
+        (self.length, self.velocity) = (length, velocity);
         let (place, known) = self.response_place(length, velocity);
         (self.first.current, self.end.current) = (place, place);
         if known {
@@ -147,22 +144,6 @@ impl Step {
         }
         end.prepare(operators, length, velocity, &[(feedthrough.at(last), 1.0)], workspace);
     }
-
-    /// Prepares one implicit Euler step: both stages are its end.
-    pub fn prepare_euler(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
-        if self.length == length && self.velocity == velocity && self.euler {
-            return;
-        }
-        (self.length, self.velocity, self.euler) = (length, velocity, true);
-        (self.first.current, self.end.current) = (0, 0);
-        for stage in [&mut self.first, &mut self.end] {
-            stage.prepare_euler(operators, length, velocity, &mut self.workspace);
-        }
-        let end = self.feedthrough.find(operators, velocity[1]);
-        for stage in [&mut self.first, &mut self.end] {
-            add(self.feedthrough.at(end), 1.0, &mut stage.responses[0].influence);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -172,7 +153,7 @@ mod tests {
     use elasticity::Material;
     use scene::FarBoundary;
 
-    /// Up to six alternating lengths, interspersed with steps of varying velocity and implicit Euler steps.
+    /// Up to six alternating lengths, interspersed with steps of varying velocity.
     #[test]
     fn steps_by_turns_keep_their_responses_to_the_bit() {
         let cells = Cells::graded(0.02, 9).unwrap();
@@ -195,9 +176,6 @@ mod tests {
         for phase in 0..40_u32 {
             let length = 1e-3 * f64::from(1 << (phase % 6));
             let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
-            if phase % 7 == 3 {
-                kept.prepare_euler(length, velocity);
-            }
             kept.prepare(length, velocity);
             let mut fresh = body.clone();
             fresh.prepare(length, velocity);

@@ -10,13 +10,11 @@ mod contact;
 mod newton;
 mod rate;
 mod response;
-mod stability;
 mod track;
 mod warm_start;
 
 pub use contact::{Conditions, Direction, StageError, WearingContact};
 pub use rate::{CellRate, Coefficient, WearTerm};
 pub use response::{ContactRate, Disturbance};
-pub use stability::explicit_limit;
 pub use track::{AVERAGED_STROKE, LineTrack};
 pub use warm_start::{StrokeWarmStart, WarmStart};

@@ -1,6 +1,6 @@
 //! Linear response of the contact to a disturbance, at the present active set.
 //!
-//! Theory: docs/theory.md, sections 9.5, 5.6.
+//! Theory: docs/theory.md, section 9.5.
 
 use super::{Conditions, StageError, WearingContact};
 use crate::{ContactProblem, ContactState, Normal, Tilt};

@@ -161,17 +161,12 @@ impl ThermalCoupling {
             if let Some(own) = &heat.bodies[side] {
                 let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
                 let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
-                match (before, heat.parameters.staggered) {
-                    (Some(before), false) => own.advance_to(&before[side], body, around, first, end),
-                    (None, false) => own.advance_from_end(body, around, first, end),
-                    (before, true) => {
-                        if let Some(before) = before {
-                            body.copy_from_slice(&before[side]);
-                        }
-                        own.advance(body, around, first, end);
-                    }
+                match before {
+                    Some(before) => own.advance_to(&before[side], body, around, first, end),
+                    None => own.advance_from_end(body, around, first, end),
                 }
             }
+            state.trend[side] = heat.frozen.trend(side, heat.bodies[side].as_deref(), &state.bodies[side], step);
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
             for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
                 *slope = slope_over_step(*slope, [*before, *first, *end], [per_rise, per_change]);

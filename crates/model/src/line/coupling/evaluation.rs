@@ -26,11 +26,13 @@ impl ThermalCoupling {
                         let back = -GAMMA * self.step;
                         known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
                     }
-                    let faces = match (stage, self.parameters.staggered) {
-                        (Stage::End, false) => {
+                    let faces = match stage {
+                        Stage::End => {
                             own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
                         }
-                        _ => own.free_response(&state.bodies[side], around, stage, known, free_response, distortion),
+                        Stage::First => {
+                            own.free_response(&state.bodies[side], around, stage, known, free_response, distortion)
+                        }
                     };
                     self.faces.set_free(side, faces);
                 }
@@ -73,7 +75,7 @@ impl ThermalCoupling {
     /// linearization point.
     pub(super) fn is_solved_directly(&self, open: usize) -> bool {
         let partition = self.conducts() != [true, true] || self.partitions[0].is_exact_with(open);
-        self.reference.exact && !self.parameters.staggered && partition
+        self.reference.exact && partition
     }
 
     /// Friction heat of the stage at the current pressure, and its partition by which the surface temperatures satisfy the
@@ -321,22 +323,6 @@ impl ThermalCoupling {
     /// pressure found through the thermal compliance.
     pub(super) fn distort_by_contact(&mut self) {
         self.partitions[1].add_displacement(self.exact[1], &self.iterate.pressure, &mut self.distortion);
-    }
-
-    /// Thermal distortion of both surfaces at the end of the step.
-    pub(super) fn distort(&mut self) {
-        for (i, moved) in self.distortion.iter_mut().enumerate() {
-            *moved = self.iterate.free_distortion[0][i] + self.iterate.free_distortion[1][i];
-        }
-        for side in 0..2 {
-            if let (Some(own), true) = (&self.bodies[side], self.parameters.expands[side]) {
-                dense::multiply_add(
-                    own.influence(Stage::End).distortion.as_slice(),
-                    &self.flux[1][side],
-                    &mut self.distortion,
-                );
-            }
-        }
     }
 }
 

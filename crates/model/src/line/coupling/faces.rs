@@ -21,6 +21,7 @@ use crate::line::heat::state::HeatState;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::LumpedOperators;
 use conduction::line::{BESIDE, FACES, FAR, FaceInfluence, GAMMA, Stage};
+use conduction::properties::Scales;
 use nalgebra::{Matrix4, Vector4};
 use numerics::maximum::maximum;
 use numerics::{dense, factorization};
@@ -44,6 +45,8 @@ struct Face {
     part: f64,
     /// Conductance of the heat path, W/(m2 K).
     path: f64,
+    /// Part of the constant heat transfer that is not within the states, W/(m2 K): see [`crate::lumped::air`].
+    rest: f64,
 }
 
 impl Face {
@@ -51,7 +54,10 @@ impl Face {
     fn by_air(&self, reference: f64, t: f64, at: &Conditions) -> [f64; 2] {
         match self.part {
             0.0 => [0.0; 2],
-            part => cooling(&self.body, reference, t, at.ambient, at.forced).map(|value| part * value),
+            part => {
+                let [flux, fall] = cooling(&self.body, reference, t, at.ambient, at.forced);
+                [part * (flux + self.rest * (at.ambient - t)), part * (fall + self.rest)]
+            }
         }
     }
 
@@ -97,7 +103,7 @@ impl Faces {
             for (face, air) in operators.air.iter().enumerate().filter(|(_, air)| air.acts()) {
                 let area = if face == BESIDE { beside } else { 1.0 };
                 let part = if air.is_cooled() { area } else { 0.0 };
-                faces.push(Face { side, face, body: body.clone(), part, path: air.path });
+                faces.push(Face { side, face, body: body.clone(), part, path: air.path, rest: 0.0 });
             }
         }
         Faces {
@@ -120,8 +126,11 @@ impl Faces {
         self.faces.is_empty()
     }
 
-    /// Sets the conditions at both stages of a step; temperatures are relative to `reference`, K.
-    pub fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64) {
+    /// Sets the conditions at both stages of a step, with temperatures relative to `reference`, K, and the properties of the bodies.
+    pub fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64, scales: [Scales; 2]) {
+        for face in self.faces.iter_mut().filter(|face| face.body.properties.is_some()) {
+            face.rest = face.body.convection * (1.0 - 1.0 / scales[face.side].flux);
+        }
         (self.conditions, self.reference) = (conditions.map(Some), reference);
     }
 
@@ -200,8 +209,7 @@ impl ThermalCoupling {
     /// Starts the fluxes of a stage: those that satisfy the laws at the fluxes into the cells at the last stage.
     pub(super) fn begin_faces(&mut self, stage: Stage, state: &HeatState) {
         let s = stage as usize;
-        // The end is the only stage of an implicit Euler step.
-        let is_first = stage == Stage::First || self.parameters.staggered;
+        let is_first = stage == Stage::First;
         let faces = &mut self.faces;
         faces.coupled = false;
         for (k, face) in faces.faces.iter().enumerate() {
@@ -295,13 +303,6 @@ impl ThermalCoupling {
             let around = if stage == Stage::First { &mut around.first } else { &mut around.end };
             *(if face.face == BESIDE { &mut around.cooling } else { &mut around.far }) = flux;
         }
-    }
-
-    /// Both stages of an implicit Euler step have the fluxes of its end.
-    pub(super) fn surround_constantly(&mut self) {
-        self.faces.flux[0] = self.faces.flux[1];
-        self.faces.temperature[0] = self.faces.temperature[1];
-        [Stage::First, Stage::End].into_iter().for_each(|stage| self.surround_by_faces(stage));
     }
 
     /// Errors of the step by the fluxes of the faces, see [`Faces::errors`]: of temperatures, K, and the largest rise of a face, K;

@@ -26,14 +26,13 @@
 use super::stage::Solved;
 use super::{Iterate, ThermalCoupling};
 use crate::fastest_growth::FastestGrowth;
-use crate::line::heat::partition::HeatPartition;
+use crate::line::heat::partition::{HeatPartition, PartitionKey};
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
-use scene::Fidelity;
 
 /// Largest b h.
 const GROWTH: f64 = 0.3;
@@ -71,10 +70,6 @@ impl Solved<'_> {
         if heat.growth.bound.of_body(0, friction, speed) * step <= GROWTH {
             return true;
         }
-        // With the unreduced punch this would require a factorisation for the other step.
-        if operators.scene.fidelity == Fidelity::Field {
-            return false;
-        }
         let (conditions, pressure) = (&stages.conditions, &stages.end.pressure);
         let slope = |i: usize| step / GROWTH * conditions.rate.slope(i, pressure[i].max(1.0));
         heat.definite(step, conditions.signed_friction, &operators.weights, slope)
@@ -91,7 +86,7 @@ pub(super) struct GrowthGuard {
     partition: HeatPartition,
     matrix: Vec<f64>,
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s) of the last test.
-    arguments: [f64; 4],
+    arguments: [f64; 8],
     /// Cells that carry pressure, and parts of the cells in contact.
     closed: Vec<bool>,
     contact_parts: ContactParts,
@@ -110,7 +105,7 @@ impl GrowthGuard {
             bound,
             partition,
             matrix: vec![0.0; count * count],
-            arguments: [f64::NAN; 4],
+            arguments: [f64::NAN; 8],
             closed: vec![false; count],
             contact_parts: ContactParts::whole(count),
             slopes: vec![0.0; count],
@@ -121,7 +116,7 @@ impl GrowthGuard {
     /// Stores the arguments of a test; returns whether they equal those of the stored result.
     fn store_arguments(
         &mut self,
-        arguments: [f64; 4],
+        arguments: [f64; 8],
         closed: impl Fn(usize) -> bool,
         contact_parts: &ContactParts,
         slope: impl Fn(usize) -> f64,
@@ -144,8 +139,18 @@ impl ThermalCoupling {
     /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: wear depth
     /// per pressure, m/Pa.
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
-        let key = (step, self.reference.velocity);
-        let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
+        let [punch, strip] = self.frozen.scales;
+        let key = (step, self.reference.velocity, self.frozen.scales);
+        let arguments = [
+            step,
+            self.reference.velocity,
+            friction,
+            self.reference.per_pressure,
+            punch.flux,
+            punch.pace,
+            strip.flux,
+            strip.pace,
+        ];
         // A cell that is partly in contact may exchange heat without pressure.
         let Iterate { closed, pressure, .. } = &self.iterate;
         let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.contact_parts[0].is_partial(i));
@@ -155,7 +160,7 @@ impl ThermalCoupling {
         self.growth.answer
     }
 
-    fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
+    fn is_definite(&mut self, key: PartitionKey, friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
         if !self.growth.partition.is_for(key, &self.contact_parts[0]) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the

@@ -4,12 +4,12 @@
 
 use super::stage::{Prepared, state_of};
 use super::{FrozenCoefficients, ThermalCoupling};
+use crate::line::heat::partition::PartitionKey;
 use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Boundary, GAMMA, Stage, Surroundings};
-use scene::Scheme;
 
 /// Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
 /// increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of
@@ -25,13 +25,11 @@ impl ThermalCoupling {
         let (heat, state) = (self, state_of(given));
         let velocity = [path.velocity(start), path.velocity(start + step)];
         let operators = given.operators;
+        heat.freeze_properties(given, step);
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
-        let key = (step, reference_velocity);
-        let monolithic = operators.scene.scheme == Scheme::Monolithic;
+        let key = (step, reference_velocity, heat.frozen.scales);
         heat.set_contact_parts(given, step);
-        if monolithic {
-            heat.take_partitions(key);
-        }
+        heat.take_partitions(key);
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
         let kinetic_coefficient = if flat {
@@ -54,35 +52,29 @@ impl ThermalCoupling {
             Conditions::new(&operators.mean, given.tunables, given.reference, &inputs)
         };
         let [from, first, end] = [start, start + GAMMA * step, start + step].map(conditions);
-        heat.faces.set_conditions(if monolithic { [first, end] } else { [end; 2] }, given.reference);
+        heat.faces.set_conditions([first, end], given.reference, heat.frozen.scales);
         for side in 0..2 {
             let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             let around = |at: &Conditions| {
                 let far = if held { [at.punch_far, at.strip_far][side] } else { 0.0 };
                 Boundary { ambient: at.ambient, far, cooling: 0.0 }
             };
-            heat.surroundings[side] = match monolithic {
-                true => Surroundings::linear(around(&from), around(&end)),
-                false => Surroundings::constant(around(&end)),
-            };
+            heat.surroundings[side] = Surroundings::linear(around(&from), around(&end));
             if let Some(own) = &mut heat.bodies[side] {
-                match monolithic {
-                    true => own.prepare(step, velocity),
-                    false => own.prepare_euler(step, velocity),
-                }
+                own.prepare(step, velocity);
             }
         }
         Prepared(heat)
     }
 
-    /// Takes the heat partitions of a step (s) and reference velocity (m/s) with the current parts in contact, from the cache or built.
-    fn take_partitions(&mut self, key: (f64, f64)) {
+    /// Takes the heat partitions of this key with the current parts in contact, from the cache or built.
+    fn take_partitions(&mut self, key: PartitionKey) {
         let ThermalCoupling { partitions, bodies, contact_parts, edges, .. } = self;
         let known = partitions.take(key);
         if known && (0..2).all(|stage| partitions[stage].is_for(key, &contact_parts[stage])) {
             return;
         }
-        let (step, velocity) = key;
+        let (step, velocity, _) = key;
         let updates = (0..2).all(|stage| partitions[stage].updates_for(&contact_parts[stage]));
         if !(known && updates) {
             bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [velocity; 2]));

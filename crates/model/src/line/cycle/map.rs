@@ -14,7 +14,7 @@ use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{GAMMA, Surroundings, ThermalBody};
-use scene::{Body, Scene, Scheme, ThermalBoundary};
+use scene::{Body, Scene, ThermalBoundary};
 use std::sync::Arc;
 
 /// Tolerance at which the step control of the line level accepts every step.
@@ -107,11 +107,11 @@ pub struct CycleMap {
     start: Vec<f64>,
 }
 
-/// The scene for cycles: sliding throughout, with the monolithic scheme.
+/// The scene for cycles: sliding throughout.
 pub fn sliding_scene(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.stick_stiffness = 0.0;
-    scene.scheme = Scheme::Monolithic;
+    scene.elastic_slip = false;
     scene
 }
 
@@ -120,7 +120,7 @@ impl CycleMap {
     ///
     /// # Errors
     /// A strip that wears on a straight track, whose shape is not one per cell; friction or wear that depend on a temperature
-    /// which the contact line does not resolve.
+    /// which the contact line does not resolve; conductivity and specific heat that depend on temperature.
     pub fn new(
         mut operators: LineOperators,
         sliding: [(f64, f64); 2],
@@ -137,6 +137,14 @@ impl CycleMap {
             return Err(CycleError::Unsuitable(
                 "cycles: friction or wear follow the mean temperature, which is not carried from cycle to cycle".into(),
             ));
+        }
+        let bodies = [("punch", &operators.scene.punch), ("strip", &operators.scene.strip)];
+        let tabulated = bodies.into_iter().find(|(_, body)| operators.heat.is_some() && body.properties.is_some());
+        if let Some((name, points)) = tabulated.and_then(|(name, body)| Some((name, body.properties?.points))) {
+            return Err(CycleError::Unsuitable(format!(
+                "cycles: with heat at {name}.property_table.points = {points}, jumps over cycles are known for constants alone; set 0 \
+                 points and {name}.conductivity and {name}.specific_heat at the temperature of the cycles"
+            )));
         }
         // Every step is accepted, so that the cycle is a smooth function of its start.
         operators.scene.tolerance = ANY_STEP;

@@ -7,12 +7,14 @@ use crate::lumped::operators::moving_source;
 use conduction::lateral::Lateral;
 use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
+use conduction::line::property_body::PropertyBody;
+use conduction::line::punch;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{field, punch};
+use conduction::properties::Properties;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
-use scene::{self, Fidelity, Geometry, HeatResolution, Scene, Scheme};
+use scene::{self, Geometry, HeatResolution, Scene};
 use std::sync::Mutex;
 
 /// Finest tolerance of a reduction.
@@ -27,14 +29,12 @@ const EXPECTED: f64 = 1.5;
 
 /// Whether heat is resolved along the contact line: wherever a body conducts, unless the scene asks for its mean alone.
 pub fn is_resolved(scene: &Scene) -> bool {
-    let wanted = scene.heat_resolution == HeatResolution::Resolved || scene.fidelity == Fidelity::Field;
-    wanted && can_be_resolved(scene)
+    scene.heat_resolution == HeatResolution::Resolved && can_be_resolved(scene)
 }
 
-/// Whether this scene permits resolved heat. The explicit scheme steps the shape alone.
+/// Whether this scene permits resolved heat: a body conducts.
 pub fn can_be_resolved(scene: &Scene) -> bool {
-    let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
-    conducts && scene.scheme != Scheme::Explicit
+    scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0
 }
 
 /// Prototypes of punch and strip, copied for every instance of a scene.
@@ -65,13 +65,9 @@ impl Bodies {
         let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
             .map(|part| (part * scene.tolerance).max(FINEST));
         let duration = scene.nominal_duration;
-        let punch: Option<Box<dyn ThermalBody>> = if scene.fidelity == Fidelity::Field {
-            field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
-        } else {
-            punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
-                .map(|body| body.map(|body| Box::new(body) as _))
-        }
-        .map_err(|error| format!("punch: {error}"))?;
+        let punch = punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
+            .map_err(|error| format!("punch: {error}"))?
+            .map(|body| Box::new(body) as Box<dyn ThermalBody>);
         if scene.geometry == Geometry::Annular {
             let bodies = [punch, mate(scene, cells, tolerance)?];
             return Ok(Bodies::made(scene, bodies, error_weights, punch::mate::cooled_length(scene), 0));
@@ -92,6 +88,17 @@ impl Bodies {
         waves: usize,
     ) -> Bodies {
         let cooled = scene.punch_cooled_area() / (scene.depth * scene.count);
+        let endless = scene.path == scene::Path::Straight && scene.nominal_stroke == 0.0;
+        let [punch, strip] = bodies;
+        let bodies = [(punch, &scene.punch, false), (strip, &scene.strip, endless)].map(|(own, body, endless)| {
+            match (own, Properties::of(body)) {
+                // Fresh material arrives at the temperature for which the constants are.
+                (Some(own), Some(properties)) if !endless => {
+                    Some(Box::new(PropertyBody::new(own, properties, body.far_is_prescribed())) as _)
+                }
+                (own, _) => own,
+            }
+        });
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));

@@ -30,6 +30,7 @@ mod tests;
 
 use conduction::line::SurfaceInfluence;
 use conduction::line::contact_parts::ContactParts;
+use conduction::properties::Scales;
 use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
 use numerics::dense;
@@ -63,12 +64,15 @@ impl Operators {
     }
 }
 
+/// Step (s), reference velocity (m/s), and properties of punch and strip, of which the operators are a function.
+pub type PartitionKey = (f64, f64, [Scales; 2]);
+
 /// Heat partition operators of a stage. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
 pub struct HeatPartition {
     resistance: Option<f64>,
     /// Step (s) and velocity (m/s) for which the operators were built.
-    key: Option<(f64, f64)>,
+    key: Option<PartitionKey>,
     /// Parts in contact for which they were built.
     contact_parts: ContactParts,
     operators: Operators,
@@ -143,19 +147,24 @@ impl HeatPartition {
         if self.of_whole.is_some() { partition.with_parts() } else { partition }
     }
 
-    /// Whether the operators were built for this step (s) and reference velocity (m/s), and these parts in contact.
-    pub fn is_for(&self, key: (f64, f64), contact_parts: &ContactParts) -> bool {
+    /// Whether the operators were built for this key and these parts in contact.
+    pub fn is_for(&self, key: PartitionKey, contact_parts: &ContactParts) -> bool {
         self.key == Some(key) && self.contact_parts == *contact_parts
     }
 
     /// Builds the operators from the surface influence matrices (`None`: an insulator) with these parts in contact.
-    pub fn build(&mut self, key: (f64, f64), contact_parts: &ContactParts, influence: [Option<&SurfaceInfluence>; 2]) {
+    pub fn build(
+        &mut self,
+        key: PartitionKey,
+        contact_parts: &ContactParts,
+        influence: [Option<&SurfaceInfluence>; 2],
+    ) {
         self.contact_parts.copy_from(contact_parts);
         self.assemble(key, influence);
     }
 
     /// Builds the operators with the current parts in contact.
-    fn assemble(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
+    fn assemble(&mut self, key: PartitionKey, influence: [Option<&SurfaceInfluence>; 2]) {
         let HeatPartition { operators, contact_parts, .. } = self;
         let count = self.closed.len();
         self.key = Some(key);

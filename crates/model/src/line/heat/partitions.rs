@@ -1,11 +1,11 @@
 //! Cache of heat partitions, for a step-size control that alternates between step sizes.
 //!
-//! A [`HeatPartition`] is a function of step size and reference velocity, so a cached one is identical, to the bit, to one built
+//! A [`HeatPartition`] is a function of step size, reference velocity and properties of the bodies, so a cached one is identical, to the bit, to one built
 //! anew.
 //!
 //! Theory: docs/theory.md, section 6.4.
 
-use super::partition::HeatPartition;
+use super::partition::{HeatPartition, PartitionKey};
 use conduction::line::cache_capacity;
 use numerics::cache::KeyedCache;
 use std::ops::{Index, IndexMut};
@@ -13,8 +13,8 @@ use std::ops::{Index, IndexMut};
 /// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct PartitionCache {
-    /// By the bits of step and reference velocity.
-    cache: KeyedCache<[u64; 2], [HeatPartition; 2]>,
+    /// By the bits of the key.
+    cache: KeyedCache<[u64; 6], [HeatPartition; 2]>,
     current: usize,
 }
 
@@ -25,9 +25,9 @@ impl PartitionCache {
         PartitionCache { cache, current: 0 }
     }
 
-    /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
-    pub fn take(&mut self, (step, velocity): (f64, f64)) -> bool {
-        let key = [step.to_bits(), velocity.to_bits()];
+    /// Takes those of this key, or memory in which they have to be built: then it is false.
+    pub fn take(&mut self, (step, velocity, [punch, strip]): PartitionKey) -> bool {
+        let key = [step, velocity, punch.flux, punch.pace, strip.flux, strip.pace].map(f64::to_bits);
         let known = self.cache.lookup(&key);
         self.current = known.unwrap_or_else(|| self.cache.insert(key));
         known.is_some()
@@ -66,6 +66,7 @@ mod tests {
     use super::*;
     use conduction::line::SurfaceInfluence;
     use conduction::line::contact_parts::ContactParts;
+    use conduction::properties::Scales;
     use nalgebra::DMatrix;
 
     fn influence(step: f64) -> SurfaceInfluence {
@@ -75,7 +76,7 @@ mod tests {
 
     fn build(partition: &mut HeatPartition, step: f64) {
         let [punch, strip] = [influence(step), influence(3.0 * step)];
-        partition.build((step, 0.1), &ContactParts::whole(5), [Some(&punch), Some(&strip)]);
+        partition.build((step, 0.1, [Scales::ONE; 2]), &ContactParts::whole(5), [Some(&punch), Some(&strip)]);
     }
 
     #[test]
@@ -86,7 +87,7 @@ mod tests {
         assert_eq!(partitions.cache.capacity(), most);
         let mut built = 0;
         let mut take = |partitions: &mut PartitionCache, step: usize| {
-            if !partitions.take((step as f64, 0.1)) {
+            if !partitions.take((step as f64, 0.1, [Scales::ONE; 2])) {
                 (0..2).for_each(|stage| build(&mut partitions[stage], step as f64));
                 built += 1;
             }
@@ -106,7 +107,7 @@ mod tests {
         take(&mut partitions, 1 + most);
         (2..=most).for_each(|step| take(&mut partitions, step));
         let mut copy = partitions.clone();
-        assert!(copy.take((2.0, 0.1)) && !copy.take((1.0, 0.1)));
+        assert!(copy.take((2.0, 0.1, [Scales::ONE; 2])) && !copy.take((1.0, 0.1, [Scales::ONE; 2])));
         take(&mut partitions, 1);
         assert_eq!((built, partitions.cache.capacity()), (most + 2, most));
     }

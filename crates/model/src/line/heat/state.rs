@@ -36,6 +36,8 @@ pub struct HeatState {
     pub cooling_slope: [[f64; FACES]; 2],
     /// Heat paths to the neighbours of both bodies: flow out at the end of the last step, W/m2 of the far face, and its integral, J/m2.
     pub external: [[f64; 2]; 2],
+    /// Rates of the mean temperatures of both bodies over the last step, K/s, where their properties follow them.
+    pub trend: [f64; 2],
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
     /// Length of the last step rejected by the growth guard, s, and the number of steps before one as long is tried again.
@@ -133,6 +135,7 @@ impl HeatState {
             cooling: [[0.0; FACES]; 2],
             cooling_slope: [[0.0; FACES]; 2],
             external: [[0.0; 2]; 2],
+            trend: [0.0; 2],
             last_step: 0.0,
             rejected_by_growth: [0.0; 2],
             start: [[0.0; 4]; 2],
@@ -234,6 +237,7 @@ impl HeatState {
             cooling,
             cooling_slope,
             external,
+            trend,
             last_step,
             rejected_by_growth,
             start,
@@ -246,6 +250,7 @@ impl HeatState {
             .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
             .chain(cooling.iter_mut().chain(cooling_slope).flatten())
             .chain(external.iter_mut().flatten())
+            .chain(trend)
             .chain(rejected_by_growth)
             .chain(start.iter_mut().flatten())
     }
@@ -275,7 +280,7 @@ impl HeatState {
         (self.kinetic_coefficient, self.dissipated, self.cooling) =
             (other.kinetic_coefficient, other.dissipated, other.cooling);
         (self.start, self.reference, self.external) = (other.start, other.reference, other.external);
-        self.cooling_slope = other.cooling_slope;
+        (self.cooling_slope, self.trend) = (other.cooling_slope, other.trend);
         (self.last_step, self.rejected_by_growth) = (other.last_step, other.rejected_by_growth);
     }
 
@@ -288,7 +293,7 @@ impl HeatState {
     /// Whether all numbers but the linearization point, which may not be known yet, are finite.
     pub fn is_finite(&self) -> bool {
         let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
-        let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step];
+        let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step, self.trend[0], self.trend[1]];
         pairs
             .chain([&self.pressure_slope, &self.distortion])
             .chain(self.edges.vectors())

@@ -24,7 +24,7 @@ fn attempts(run: &Lumped, ends: [[f64; 2]; 2], step: f64) -> [(Option<Attempt>, 
         let index = run.propagators_of(step);
         let propagators = &run.propagators[index];
         let speeds = conditions.each_ref().map(|now| now.velocity.abs());
-        run.flash.prepare(&run.operators, &propagators.flash, speeds, step);
+        run.flash.prepare(&run.operators, propagators, speeds);
         let mut stepper = Stepper {
             flash: &mut run.flash,
             cut: 1.0,
@@ -33,6 +33,7 @@ fn attempts(run: &Lumped, ends: [[f64; 2]; 2], step: f64) -> [(Option<Attempt>, 
             friction: &run.friction,
             tunables: &run.tunables,
             propagators,
+            properties: None,
         };
         let at = conditions.each_ref();
         let attempt = match (by_fast_path, constant) {

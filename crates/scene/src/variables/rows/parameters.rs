@@ -69,7 +69,6 @@ pub static FIDELITY: EnumerationType = EnumerationType {
         ("auto", "Lumped where a comparison at nominal conditions shows that it is enough, else line"),
         ("lumped", "Uniform pressure, a few thermal states"),
         ("line", "Pressure, temperature, wear and shape on cells along the contact"),
-        ("field", "Contact line on the finest cells with an unreduced finite-element punch: the reference"),
     ],
 };
 pub static HEAT: EnumerationType = EnumerationType {
@@ -89,13 +88,12 @@ pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
     ],
 };
-pub static SCHEME: EnumerationType = EnumerationType {
-    name: "Scheme",
-    description: "Time stepping; the last two exist for comparison",
+pub static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
+    name: "TangentialCompliance",
+    description: "Elastic displacement of the bodies along the sliding direction",
     items: &[
-        ("monolithic", "All fields in one implicit step"),
-        ("staggered", "Operator split between mechanics and heat"),
-        ("explicit", "Explicit wear"),
+        ("neglected", "The bodies slide by the whole sliding distance"),
+        ("elastic", "They deform before they slide, by a bristle of their tangential compliance"),
     ],
 };
 
@@ -104,6 +102,12 @@ const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 90
 
 /// Sliding speeds of the friction table at start, m/s.
 const FRICTION_SPEEDS: &[f64] = &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Temperatures of a property table at start, K.
+const PROPERTY_TEMPERATURES: &[f64] = &[
+    300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0, 1100.0, 1200.0, 1300.0, 1400.0, 1500.0, 1600.0, 1700.0,
+    1800.0,
+];
 
 /// Start value of temperatures that act only where chosen, K: 20 degC, as of the air.
 const ROOM: f64 = 293.15;
@@ -197,6 +201,59 @@ macro_rules! body_rows {
             // Below, the temperature of a surface has no meaning; still air has 0.026.
             .zero_or_from(1e-6)
             .start($start.conductivity),
+            integer(
+                concat!($body, ".property_table.points"),
+                0,
+                PROPERTY_TEMPERATURES.len() as i32,
+                0,
+                concat!(
+                    "Number of points of the table of conductivity and specific heat of the ",
+                    $body,
+                    " over temperature, which replaces both constants; 0: none"
+                ),
+            ),
+            real(
+                concat!($body, ".property_table.temperature"),
+                &KELVIN,
+                500.0,
+                concat!(
+                    "Temperatures of the property table of the ",
+                    $body,
+                    ", increasing; those behind the last point are not used"
+                ),
+            )
+            .shown("degC")
+            .within(0.0, 1e5)
+            .starts(PROPERTY_TEMPERATURES)
+            .may_be_shorter(),
+            real(
+                concat!($body, ".property_table.conductivity"),
+                &CONDUCTIVITY,
+                50.0,
+                concat!(
+                    "Thermal conductivities of the ",
+                    $body,
+                    " at these temperatures, linear between, constant beyond the ends"
+                ),
+            )
+            .within(1e-6, 1e5)
+            .array(PROPERTY_TEMPERATURES.len() as u32)
+            .start(50.0)
+            .may_be_shorter(),
+            real(
+                concat!($body, ".property_table.specific_heat"),
+                &SPECIFIC_HEAT,
+                1e3,
+                concat!(
+                    "Specific heats of the ",
+                    $body,
+                    " at these temperatures, linear between, constant beyond the ends"
+                ),
+            )
+            .within(1.0, 1e5)
+            .array(PROPERTY_TEMPERATURES.len() as u32)
+            .start(500.0)
+            .may_be_shorter(),
             real(
                 concat!($body, ".thermal_expansion"),
                 &PER_KELVIN,
@@ -532,6 +589,12 @@ pub const CONTACT: &[Row] = &[
          h stick_stiffness < stick_damping < 2 m/h - h stick_stiffness/2",
     )
     .within(0.0, 1e12),
+    choice(
+        "contact.tangential_compliance",
+        &TANGENTIAL_COMPLIANCE,
+        1,
+        "Whether the bodies deform along the sliding direction before they slide; in series with contact.stick_stiffness",
+    ),
     real(
         "contact.conductance",
         &HEAT_TRANSFER,
@@ -609,7 +672,6 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     )
     .within(0.0, *TOLERANCES.end())
     .zero_or_from(*TOLERANCES.start()),
-    choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
         .within(1.0, 1e9)
         .start(1.0)

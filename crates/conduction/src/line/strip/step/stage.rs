@@ -9,7 +9,7 @@ use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::Motion;
 use crate::line::strip::stage_response::{FeedthroughTerms, StageResponse};
-use crate::line::strip::state_layout::{self, of_mode, phases};
+use crate::line::strip::state_layout::{self, phases};
 use nalgebra::Complex;
 
 /// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
@@ -134,52 +134,5 @@ impl StageWeights {
             [cosine, sine],
             self.factor.each_mut().map(|part| &mut part[..]),
         );
-    }
-
-    /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
-    pub fn prepare_euler(
-        &mut self,
-        operators: &StripOperators,
-        length: f64,
-        velocity: [f64; 2],
-        workspace: &mut Workspace,
-    ) {
-        // The next SDIRK step recomputes the decays.
-        self.length = f64::NAN;
-        let mean = &operators.mean;
-        for k in 0..mean.count {
-            let (factor, weight) = Motion { turning: [0.0; 2], step: length }.euler(mean.rate[k]);
-            self.mean_factor[k] = factor.re;
-            self.mean_weight[k] = [0.0, weight.re];
-        }
-        let fade = operators.image_damping.mean(velocity);
-        let response = &mut self.responses[self.current];
-        let parts = response.parts();
-        for known in parts.carried {
-            known.fill(0.0);
-        }
-        let [known_re, known_im, own_re, own_im] = parts.weights;
-        known_re.fill(0.0);
-        known_im.fill(0.0);
-        for (wave, &number) in operators.numbers.iter().enumerate() {
-            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
-            let mut gain = [Complex::from(0.0); 2];
-            for k in of_mode(&operators.state_layout, wave) {
-                let (factor, weight) = motion.euler(operators.rate[k] + fade);
-                let weight = weight * operators.temperature[k];
-                (self.factor[0][k], self.factor[1][k]) = (factor.re, factor.im);
-                if self.at_end {
-                    (own_re[k], own_im[k]) = (weight.re, weight.im);
-                }
-                gain[0] += weight * operators.temperature[k];
-                gain[1] += weight * operators.distortion[k];
-            }
-            for (influence, gain) in workspace.influence.iter_mut().zip(gain) {
-                influence[wave] = gain * operators.weight[wave];
-            }
-        }
-        workspace.sum_waves(operators);
-        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        interval.assemble(operators, workspace, response);
     }
 }

@@ -16,7 +16,7 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use super::{HeatPartition, Operators, norm};
+use super::{HeatPartition, Operators, PartitionKey, norm};
 use conduction::line::SurfaceInfluence;
 use conduction::line::contact_parts::ContactParts;
 use contact::largest_update_rank;
@@ -49,7 +49,7 @@ impl HeatPartition {
     }
 
     /// Builds the operators of whole cells, as [`HeatPartition::build`], and keeps them for [`HeatPartition::set_parts`].
-    pub fn build_whole(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
+    pub fn build_whole(&mut self, key: PartitionKey, influence: [Option<&SurfaceInfluence>; 2]) {
         self.contact_parts.make_whole();
         self.assemble(key, influence);
         if let Some(of_whole) = &mut self.of_whole {

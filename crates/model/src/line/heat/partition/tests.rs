@@ -23,7 +23,7 @@ fn both_laws_hold_on_the_cells_in_contact() {
         let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
         for conductance in [0.3, 1e9] {
             let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
-            partition.build((1.0, 0.0), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
+            partition.build((1.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
             partition.set_active_set(&closed);
             // From any initial flux one correction by the residual gives the solution.
             let mut q1: Vec<f64> = (0..7).map(|i| if closed[i] { 1.0 - i as f64 } else { 0.0 }).collect();
@@ -58,7 +58,7 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
         let heat: Vec<f64> = (0..count).map(|i| per_pressure * ratio[i] * pressure[i]).collect();
         for conductance in [0.3, 1e9] {
             let mut partition = HeatPartition::new(&vec![1.0; count], &ratio, conductance);
-            partition.build((1.0, 0.0), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
+            partition.build((1.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
             partition.set_active_set(&closed);
             assert!(partition.is_exact_with(open.len()));
             assert!(partition.thermal_compliance(per_pressure));
@@ -126,7 +126,7 @@ fn distortion_is_that_of_the_shared_heat() {
     let (punch, strip) = (influence(2.0), influence(1.0));
     for conductance in [0.0, 0.3, 1e9] {
         let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
-        partition.build((1.0, 0.0), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
+        partition.build((1.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
         partition.set_active_set(&[true; 5]);
         let heat = [4.0, 5.0, 0.0, 6.0, 1.0];
         let mut q1 = vec![0.0; count];
@@ -158,7 +158,7 @@ fn operators_through_parts_are_those_built_anew() {
                 }
             }
         }
-        let key = (0.2, 1.0);
+        let key = (0.2, 1.0, [Scales::ONE; 2]);
         let new = || HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 0.7);
         let mut updated = new().with_parts();
         assert!(updated.updates_for(&parts) && !new().updates_for(&parts));

@@ -2,8 +2,8 @@
 //!
 //! Theory: docs/theory.md, section 5.6.
 
-use super::{Conditions, WearingContact};
-use crate::Tilt;
+use contact::wear::line::{Conditions, WearingContact};
+use contact::{Normal, Tilt};
 use nalgebra::{DMatrix, DVector};
 use numerics::factorization;
 
@@ -20,7 +20,7 @@ pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pre
     let block = compliance.select_rows(&active).select_columns(&active);
     let m = active.len();
     let free = match conditions.normal {
-        crate::Normal::Approach(_) => 0,
+        Normal::Approach(_) => 0,
         _ => 1,
     } + usize::from(!matches!(conditions.tilt, Tilt::Fixed(_)));
     if m <= free {
@@ -33,9 +33,9 @@ pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pre
     let total: f64 = contact.weights().iter().sum();
     for (k, &i) in active.iter().enumerate() {
         let mut columns = Vec::with_capacity(2);
-        if !matches!(conditions.normal, crate::Normal::Approach(_)) {
+        if !matches!(conditions.normal, Normal::Approach(_)) {
             let stiffness = match conditions.normal {
-                crate::Normal::Spring { stiffness, .. } => stiffness * scale / total,
+                Normal::Spring { stiffness, .. } => stiffness * scale / total,
                 _ => 0.0,
             };
             bordered[(m, m)] = stiffness;

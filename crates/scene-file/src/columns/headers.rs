@@ -1,0 +1,264 @@
+//! Which quantity a header names: by its own name, or by the words that rigs write together with the unit.
+
+use super::Column;
+use crate::unit_names::canonical;
+use crate::{nearest, quantity};
+use scene::message::Quoted;
+use std::borrow::Cow;
+
+/// Most columns that a message lists.
+const LISTED: usize = 12;
+
+/// Least length of a name whose mistyped form is recognised.
+const LEAST_LENGTH: usize = 4;
+
+/// Words of rigs for the words of names below.
+const SYNONYMS: &[(&str, &str)] = &[
+    ("temp", "temperature"),
+    ("velocity", "speed"),
+    ("frictional", "friction"),
+    ("tangential", "friction"),
+    ("coeff", "coefficient"),
+    ("coef", "coefficient"),
+    ("disc", "strip"),
+    ("disk", "strip"),
+    ("rotor", "strip"),
+    ("pad", "punch"),
+    ("pin", "punch"),
+    ("ball", "punch"),
+    ("block", "punch"),
+    ("loss", "wear"),
+    ("worn", "wear"),
+    ("braking", "brake"),
+];
+
+/// Names of rigs, their words written together, and the quantities that they may be; the unit decides between these.
+const NAMES: &[(&[&str], &[&str])] = &[
+    (&["t", "elapsedtime", "testtime", "timestamp", "runtime"], &["time"]),
+    (
+        &["speed", "stripspeed", "surfacespeed", "rotationalspeed", "rotationspeed", "shaftspeed"],
+        &["sliding_velocity", "angular_velocity"],
+    ),
+    (&["load", "normalforce", "fn", "fz", "appliedload", "clampingforce"], &["normal_load"]),
+    (&["friction"], &["friction_force", "friction_torque", "friction_coefficient"]),
+    (&["ff"], &["friction_force"]),
+    (&["torque", "braketorque"], &["friction_torque"]),
+    (&["coefficientoffriction", "cof", "mu", "\u{b5}", "\u{3bc}"], &["friction_coefficient"]),
+    (
+        &["wear", "linearwear", "totalwear", "wearvolume", "volumewear", "volume", "wearmass", "masswear"],
+        &["wear_depth", "wear_volume_punch", "wear_volume_strip", "wear_mass_punch", "wear_mass_strip"],
+    ),
+    (
+        &["punchwear", "punchweardepth", "punchwearvolume", "punchwearmass", "punchmasswear", "punchvolumewear"],
+        &["wear_depth_punch", "wear_volume_punch", "wear_mass_punch"],
+    ),
+    (
+        &["stripwear", "stripweardepth", "stripwearvolume", "stripwearmass", "stripmasswear", "stripvolumewear"],
+        &["wear_depth_strip", "wear_volume_strip", "wear_mass_strip"],
+    ),
+    (&["temperature", "frictiontemperature"], &["contact_temperature"]),
+    (&["striptemperature"], &["strip.mean_temperature"]),
+    (&["punchtemperature"], &["punch.mean_temperature"]),
+    (&["distance"], &["sliding_distance"]),
+];
+
+/// What a header is found to be.
+pub(super) enum Match<'a> {
+    /// A column with the sign of its unit.
+    Known(&'a Column, Cow<'a, str>),
+    /// As `Known`, by words and unit.
+    Meant(&'a Column, Cow<'a, str>),
+    /// None; what it may have been meant as, for the message.
+    Unknown(String),
+}
+
+/// Finds the column of a header.
+///
+/// # Errors
+/// The fault of a header that names a known quantity with a wrong unit or none, or is one mistyped, and the accepted headers.
+pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a>, String> {
+    if let Some((column, said)) = known.iter().find_map(|column| Some((*column, column.unit_of(header)?))) {
+        return match said {
+            Said::Nothing if column.unit_required => {
+                Err(format!("{} does not say its unit; accepted is {}", Quoted(header), column.headers()))
+            }
+            Said::Nothing => Ok(Match::Known(column, column.unit.name.into())),
+            Said::Symbol(symbol) => match quantity::in_si(0.0, symbol, column.unit, column.absolute) {
+                Ok(_) => Ok(Match::Known(column, symbol.into())),
+                Err(wrong) => Err(format!("{}: {wrong}", Quoted(header))),
+            },
+        };
+    }
+    let (name, symbol) = split(header);
+    let own = words(name);
+    let named = NAMES.iter().filter(|(names, _)| names.contains(&own.as_str())).flat_map(|(_, quantities)| *quantities);
+    let named: Vec<&str> = named.copied().collect();
+    let is_candidate = |column: &&Column| words(&column.name) == own || named.contains(&column.name.as_str());
+    let candidates: Vec<&Column> = known.iter().copied().filter(is_candidate).collect();
+    let near = near(name, known);
+    if candidates.is_empty() && !near.is_empty() {
+        return Err(format!(
+            "{} is not a known quantity with a known unit; {}{near}",
+            Quoted(header),
+            alternatives(known)
+        ));
+    }
+    let fits = |column: &&Column| match symbol {
+        Some(symbol) => quantity::in_si(0.0, symbol, column.unit, column.absolute).is_ok(),
+        None => !column.unit_required,
+    };
+    let fitting: Vec<&Column> = candidates.iter().copied().filter(fits).collect();
+    match (fitting.as_slice(), candidates.as_slice()) {
+        ([only], _) => Ok(Match::Meant(only, symbol.unwrap_or(only.unit.name).into())),
+        ([], []) => Ok(Match::Unknown(String::new())),
+        ([], [first, ..]) => Ok(Match::Unknown(format!(" (with a unit it may be {})", first.headers()))),
+        (several, _) => {
+            let names: Vec<&str> = several.iter().map(|column| column.name.as_str()).collect();
+            Ok(Match::Unknown(format!(" ({}?)", names.join(" or "))))
+        }
+    }
+}
+
+/// Name and unit of a header: `Force [N]`, `Force (N)`, `Force / N`.
+pub(super) fn split(header: &str) -> (&str, Option<&str>) {
+    let pair = |open, close| Some(header.strip_suffix(close)?.split_once(open)?);
+    match pair('[', ']').or_else(|| pair('(', ')')).or_else(|| header.split_once(" / ")) {
+        Some((name, symbol)) => (name.trim_end(), Some(symbol.trim())),
+        None => (header, None),
+    }
+}
+
+/// The words of a name in one, with the words that names have: `strip.temperature`, `Disc Temp.` and `discTemperature` are the same.
+fn words(name: &str) -> String {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for character in name.chars() {
+        if !character.is_alphanumeric() || (before.is_lowercase() && character.is_uppercase()) {
+            words.push(String::new());
+        }
+        if character.is_alphanumeric() {
+            words.last_mut().into_iter().for_each(|word| word.extend(character.to_lowercase()));
+        }
+        before = character;
+    }
+    let meant =
+        |word: &String| SYNONYMS.iter().find(|(own, _)| own == word).map_or(word.clone(), |(_, meant)| (*meant).into());
+    words.iter().map(meant).collect()
+}
+
+/// The names that a name is a slip of; nothing where it is another word.
+fn near(name: &str, known: &[&Column]) -> String {
+    let tolerated = if name.chars().count() < 2 * LEAST_LENGTH { 1 } else { 2 };
+    let slip = |own: &&&Column| {
+        own.name.len() >= LEAST_LENGTH
+            && own.name.len().abs_diff(name.len()) <= tolerated
+            && strsim::levenshtein(&own.name, name) <= tolerated
+    };
+    let slips: Vec<&str> = known.iter().filter(slip).map(|column| column.name.as_str()).collect();
+    nearest(name, slips.into_iter())
+}
+
+/// The accepted headers, or two of many.
+pub(super) fn alternatives(known: &[&Column]) -> String {
+    let taken: Vec<String> = known.iter().filter(|column| column.taken).map(|column| column.headers()).collect();
+    if taken.len() <= LISTED {
+        return format!("accepted are {}", taken.join(", "));
+    }
+    format!("accepted are the time, inputs and outputs of the FMU by their names, as {}", taken[..2].join(", "))
+}
+
+impl Column {
+    /// The headers that are accepted, for messages.
+    pub(super) fn headers(&self) -> String {
+        let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
+        let units: Vec<&str> = std::iter::once(self.unit.name).chain(others).collect();
+        let alone = if self.unit_required { String::new() } else { format!("{} or ", self.name) };
+        format!("{alone}{} [{}]", self.name, units.join(" or "))
+    }
+
+    /// The unit that a header says of this quantity; `None` where it is another quantity's header.
+    fn unit_of<'a>(&self, header: &'a str) -> Option<Said<'a>> {
+        let rest = header.strip_prefix(self.name.as_str())?;
+        if rest.is_empty() {
+            return Some(Said::Nothing);
+        }
+        if let (name, Some(symbol)) = split(header)
+            && name == self.name
+        {
+            // Several columns that nothing separates are none.
+            return if symbol.contains(['[', ']']) { None } else { Some(Said::Symbol(symbol)) };
+        }
+        let spelled = rest.strip_prefix('_')?;
+        let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
+        std::iter::once(self.unit.name)
+            .chain(others)
+            .find(|symbol| spell(symbol) == spelled || *symbol == canonical(spelled))
+            .map(Said::Symbol)
+    }
+}
+
+/// Unit given in a header.
+enum Said<'a> {
+    Nothing,
+    Symbol(&'a str),
+}
+
+/// A unit as part of a name: `m_per_s` for `m/s`.
+fn spell(symbol: &str) -> String {
+    symbol.replace('/', "_per_").replace('.', "_").replace(['(', ')'], "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The quantity of a header of a record, `-` of an ignored one with its candidates.
+    fn meant(header: &str) -> String {
+        let time = Column::optional("time", &scene::variables::units::SECOND);
+        let columns = Column::record();
+        let known: Vec<&Column> = std::iter::once(&time).chain(&columns).collect();
+        match find(header, &known) {
+            Ok(Match::Known(column, unit) | Match::Meant(column, unit)) => format!("{} {unit}", column.name),
+            Ok(Match::Unknown(candidates)) => format!("-{candidates}"),
+            Err(told) => told,
+        }
+    }
+
+    #[test]
+    fn names_of_rigs_are_mapped_by_word_and_unit() {
+        for (header, name) in [
+            ("Time (s)", "time s"),
+            ("Friction force [N]", "friction_force N"),
+            ("Frictional Force (kN)", "friction_force kN"),
+            ("FrictionForce / N", "friction_force N"),
+            ("Friction [Nm]", "friction_torque Nm"),
+            ("Wear [um]", "wear_depth um"),
+            ("wear (µm)", "wear_depth µm"),
+            ("Pin wear [mm3]", "wear_volume_punch mm3"),
+            ("Temp. [degC]", "contact_temperature degC"),
+            ("Temp. [°C]", "contact_temperature °C"),
+            ("Disc temp. [°C]", "strip.mean_temperature °C"),
+            ("COF", "friction_coefficient 1"),
+            ("COF [-]", "friction_coefficient -"),
+            ("µ", "friction_coefficient 1"),
+            ("Speed [rpm]", "angular_velocity rpm"),
+            ("Speed (m/s)", "sliding_velocity m/s"),
+            ("Normal Load [N]", "normal_load N"),
+            ("Fn [N]", "normal_load N"),
+            ("friction_force_kN", "friction_force kN"),
+        ] {
+            assert_eq!(meant(header), name, "{header}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_sure_is_left_with_its_candidates_and_a_slip_is_refused() {
+        assert_eq!(meant("Humidity [%]"), "-");
+        assert_eq!(meant("Force [N]"), "-");
+        assert_eq!(meant("Wear [mg]"), "- (wear_mass_punch or wear_mass_strip?)");
+        assert!(meant("Load").starts_with("- (with a unit it may be normal_load [N"), "{}", meant("Load"));
+        assert!(meant("Temp. 2 [degC]").starts_with('-'));
+        assert!(meant("normal_laod [N]").ends_with("; did you mean normal_load?"), "{}", meant("normal_laod [N]"));
+        assert!(meant("wear_dept [um]").contains("did you mean wear_depth?"));
+    }
+}
