@@ -1,11 +1,13 @@
-"""Wear coefficient and exponent of a pin from pin-on-disk records, with confidence intervals, through the model.
+"""Parameters of a scene from records of tests, with confidence intervals, through the model.
 
     python fit.py --output results
 """
 
 import argparse
+import csv
 import json
 import sys
+import time
 import warnings
 from pathlib import Path
 
@@ -13,25 +15,46 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from sliding_contact import Scene, wear_law  # noqa: E402  (the backend is chosen first)
+from sliding_contact import Scene, fit  # noqa: E402  (the backend is chosen first)
 
 HERE = Path(__file__).resolve().parent
+PAUSE = {True: 1.0, False: 60.0}  # s, between lines of progress, on a terminal and elsewhere
+
+
+class Progress:
+    """Lines on the error stream, the first after a second."""
+
+    def __init__(self):
+        self.next = time.monotonic() + 1.0
+
+    def __call__(self, text):
+        if time.monotonic() >= self.next:
+            self.next = time.monotonic() + PAUSE[sys.stderr.isatty()]
+            print(text, file=sys.stderr, flush=True)
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--scene", default="pin_on_disk", help="a shipped scene or a scene file of a pin on a disk")
-    parser.add_argument("--output", type=Path, required=True, help="folder for the picture")
-    parser.add_argument("--records", type=Path, default=HERE / "records" / "pin_on_disk.csv", help="CSV of tests")
-    parser.add_argument(
-        "--exponents", nargs="*", choices=tuple(wear_law.EXPONENTS), default=["pressure"], help="which to fit; others stay 1"
-    )
+    parser.add_argument("--scene", default="pin_on_disk", help="a shipped scene or a scene file of the tests")
+    parser.add_argument("--output", type=Path, required=True, help="folder for picture and result")
+    parser.add_argument("--records", type=Path, nargs="+", default=[HERE / "records" / "pin_on_disk.csv"], help="end values or histories of tests")
+    parser.add_argument("--parameters", nargs="+", default=[fit.COEFFICIENT, fit.PRESSURE_EXPONENT], help="names of variables")
+    parser.add_argument("--set", nargs="+", default=[], help="KEY=VALUE of the scene")
     parser.add_argument("--confidence", type=float, default=0.95)
+    parser.add_argument("--draw", type=int, default=0, help="scenes of a design that has the joint distribution of the parameters")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     options = parser.parse_args()
-    if not 0.0 < options.confidence < 1.0:
-        parser.error("--confidence must lie between 0 and 1")
+    if options.draw < 0:
+        parser.error(f"--draw {options.draw} must be 0 or more")
     return options
+
+
+def write_design(path, scene, drawn):
+    """A design for `cargo fmu batch`, a row for every draw."""
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{name} [{scene.unit(name)}]" for name in drawn])
+        writer.writerows([repr(float(value)) for value in row] for row in zip(*drawn.values()))
 
 
 def main():
@@ -39,24 +62,24 @@ def main():
     # Each once, without the line of the package that raised it.
     warnings.simplefilter("once")
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
-    picture = options.output / "wear_law.svg"
-    scene = Scene.load(options.scene)
-    found = scene.fit(options.records, tuple(options.exponents), options.confidence)
+    picture, result = options.output / "fit.svg", options.output / "fit.json"
+    scene = Scene.load(options.scene).set(dict(own.split("=", 1) for own in options.set))
+    found = scene.fit([str(own) for own in options.records], options.parameters, options.confidence, progress=Progress())
     options.output.mkdir(parents=True, exist_ok=True)
     found.plot(picture)
-    if not options.json:
-        print(f"{found}\n  Written: {picture}")
-        return
-    rows = {
-        name: {"value": value, "low": low, "high": high, "unit": scene.unit(name)}
-        for name, value, low, high in zip(found.names, found.values, *found.intervals)
-    }
-    details = {"confidence": found.confidence, "scatter": found.scatter, "tests": found.model.records.load.size}
-    print(json.dumps({"parameters": rows, **details, "runs": found.runs, "files": [str(picture)]}, indent=2))
+    files = [picture, result]
+    if options.draw:
+        files.append(options.output / "draws.csv")
+        write_design(files[-1], scene, found.draw(options.draw))
+    record = {**found.record(), "files": [str(file) for file in files]}
+    result.write_text(json.dumps(record, indent=2) + "\n")
+    print(json.dumps(record, indent=2) if options.json else f"{found}\n  Written: {', '.join(record['files'])}")
 
 
 if __name__ == "__main__":
     try:
         main()
+    except KeyboardInterrupt:
+        sys.exit("interrupted; nothing is written")
     except (ValueError, RuntimeError, OSError) as error:
         sys.exit(f"error: {error}")

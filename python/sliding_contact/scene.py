@@ -20,7 +20,7 @@ from ._units import Value, converted, count, literal, seconds, split, tables, wi
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
 
 if TYPE_CHECKING:
-    from .wear_law import Fit, Records
+    from .fit import Fit
 
 
 #: A time, in seconds or with its unit as "20 ms".
@@ -291,19 +291,23 @@ class Scene:
 
     def fit(
         self,
-        records: Union[str, "os.PathLike[str]", "Records"],
-        exponents: Union[str, Sequence[str]] = ("pressure",),
+        records: Any,
+        parameters: Union[str, Sequence[str]] = ("punch.wear_coefficient", "punch.wear_pressure_exponent"),
         confidence: float = 0.95,
+        *,
+        scatter: Optional[Mapping[str, float]] = None,
+        progress: Optional[Callable[[str], object]] = None,
     ) -> "Fit":
-        """Fits the wear law of the punch to worn volumes: coefficient and exponents with confidence intervals; needs scipy.
+        """Fits parameters to end values or histories of wear, friction and temperature, with confidence intervals; needs scipy.
 
-        `records`: a CSV file with the columns load [N], speed [m/s], distance [m], volume [mm3], in any unit of theirs.
+        `records`: a file or a table, or a list of them. With the columns load [N], speed [m/s] and distance [m] they are end values of tests, as of
+        volume [mm3]; with time [s] a history: its inputs are driven and its outputs compared. `parameters`: names of variables; one that the
+        records do not determine keeps the scene's value, from which the fit begins. `scatter`: known standard deviations of measured outputs.
+        `progress` is called with a line before every iteration.
         """
-        from . import wear_law
+        from . import fit
 
-        own = records if isinstance(records, wear_law.Records) else wear_law.Records.read(records)
-        fitted = (exponents,) if isinstance(exponents, str) else tuple(exponents)
-        return wear_law.fit(wear_law.Model(self, own), fitted, confidence)
+        return fit.fit(fit.Model(self, records), parameters, confidence, scatter, progress)
 
     def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.

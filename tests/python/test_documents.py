@@ -10,7 +10,7 @@ import pytest
 
 from conftest import ROOT
 
-MODULES = ("sliding_contact", "sliding_contact._units", "sliding_contact.scene", "sliding_contact.results", "sliding_contact.host", "sliding_contact.wear_law")
+MODULES = ("sliding_contact", "sliding_contact._units", "sliding_contact.scene", "sliding_contact.results", "sliding_contact.host", "sliding_contact.fit")
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
 

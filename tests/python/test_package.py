@@ -16,11 +16,11 @@ import pytest
 
 import sliding_contact
 from conftest import ROOT, STOP, needed
-from sliding_contact import Error, Scene, SceneWarning, StepFailed, fmu, host, scenes, wear_law
+from sliding_contact import Error, Scene, SceneWarning, StepFailed, fit, fmu, host, scenes
 
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
 
-TESTS = wear_law.Records([5.0, 10.0, 20.0, 40.0], [0.1] * 4, [1000.0] * 4, [1e-10, 2e-10, 4e-10, 8e-10])
+TESTS = fit.Records([5.0, 10.0, 20.0, 40.0], [0.1] * 4, [1000.0] * 4, [1e-10, 2e-10, 4e-10, 8e-10])
 
 
 def command(folder, *arguments):
@@ -159,26 +159,19 @@ def test_what_only_python_can_get_wrong_is_refused():
         (lambda: scene.simulate(STOP, step=np.complex128(1)), "step = (1+0j) is complex"),
         (lambda: scene.simulate(STOP, at=np.array([1j])), "at = 1j is complex"),
         (lambda: result.compare({"time [s]": [0, 1j], "contact_temperature [degC]": 20}), "measured: the column 'time [s]' = 1j is complex"),
-        (lambda: wear_law.Records([1.0 + 2j], [1.0], [1.0], [1.0]), "records: load has the complex number (1+2j)"),
+        (lambda: fit.Records([1.0 + 2j], [1.0], [1.0], [1.0]), "records: load has the complex number (1+2j)"),
         (lambda: host.Schedule(("normal_load",), [0.0], [[1j]]), "schedule: values has the complex number 1j"),
         (lambda: scene.set(["punch.width"]), "set takes a dictionary"),
         (lambda: scene.set({"punch.width [kN]": 3}), "wrong unit \"kN\"; accepted are m, mm"),
         (lambda: scene.set({"punch.width [mm]": "3 mm"}), "punch.width [mm] = '3 mm': the name has the unit already"),
         (lambda: scene[3], "3 is no name of a variable"),
         (lambda: Scene.load(3), "3 is no scene; accepted are the path of a scene file and the names clutch, disc_brake"),
-        (lambda: scene.fit(3), "records: int is no file"),
-        (lambda: scene.fit(TESTS, ("load",)), "exponents = ['load']: accepted are pressure, velocity, each once"),
-        (lambda: scene.fit(TESTS, ("pressure", "pressure")), "accepted are pressure, velocity, each once"),
-        (lambda: scene.fit(TESTS, confidence=95), "confidence = 95 must be above 0 and below 1"),
-        (lambda: wear_law.Records([1.0, 2.0], [1.0], [1.0, 1.0], [1.0, 1.0]), "records: speed has 1 values, load 2"),
-        (lambda: wear_law.Records([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]), "records: volume[1] = -1 must be a finite number above 0"),
         (lambda: result["contact_temprature"], "no input or output 'contact_temprature'"),
         (lambda: result["contact_temperature [bar]"], "wrong unit"),
         (lambda: result.profiles, "solver.fidelity"),
         (lambda: scene["punch.widht"], "no variable"),
         (lambda: result.plot("stop.jpg"), "stop.jpg: .svg, .pdf, .png are drawn, not .jpg"),
         (lambda: fmu("disc_break"), "disc_brake"),
-        (lambda: scene.fit("nothing.csv", exponents=["load"]), "nothing.csv"),
     ):
         with pytest.raises((Error, OSError)) as raised:
             wrong()
@@ -220,7 +213,7 @@ def test_arrays_of_no_dimension_are_numbers(tmp_path):
     constant = {**STOP, "normal_load [kN]": np.array(4)}
     one, other = (scene.simulate(inputs, step=step) for inputs, step in ((constant, np.array(0.1)), ({**STOP, "normal_load [kN]": 4}, 0.1)))
     assert np.array_equal(one["contact_temperature"], other["contact_temperature"])
-    assert wear_law.Records(np.array(1.0), [1.0], [1.0], [1.0]).load.tolist() == [1.0]
+    assert fit.Records(np.array(1.0), [1.0], [1.0], [1.0]).load.tolist() == [1.0]
     mixed = {**STOP, "normal_load [kN]": [np.array(0), np.float32(8), 8, 0]}
     assert np.array_equal(scene.simulate(mixed)["wear_depth"], scene.simulate(STOP)["wear_depth"])
 
@@ -577,12 +570,10 @@ def test_the_version_is_that_of_the_sources():
 
 
 def test_records_of_wear_are_read_in_any_unit(tmp_path):
-    from sliding_contact import wear_law
-
     si, other = tmp_path / "si.csv", tmp_path / "other.csv"
     si.write_text("load_N,speed_m_per_s,distance_m,volume_mm3\n10,0.1,1000,0.5\n20,0.2,2000,1.5\n")
     other.write_text("# bench\nvolume [m3],distance [km],load [kN],speed [mm/s]\n5e-10,1,0.01,100\n1.5e-9,2,0.02,200\n")
-    first, second = wear_law.Records.read(si), wear_law.Records.read(other)
+    first, second = fit.Records.read(si), fit.Records.read(other)
     for name in ("load", "speed", "distance", "volume"):
         assert getattr(first, name) == pytest.approx(getattr(second, name), rel=1e-14), name
     assert first.volume == pytest.approx([5e-10, 1.5e-9])
@@ -596,7 +587,7 @@ def test_records_of_wear_are_read_in_any_unit(tmp_path):
     ):
         si.write_text(text)
         with pytest.raises(Error, match=re.escape(told)):
-            wear_law.Records.read(si)
+            fit.Records.read(si)
 
 
 def test_a_scene_is_the_numbers_that_its_fmu_starts_with():
@@ -625,12 +616,12 @@ def test_an_unstable_steady_state_says_so():
 
 
 def test_a_fit_runs_the_scene_as_it_is():
-    parameters = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
+    parameters = {fit.COEFFICIENT: 1.2e-14, fit.PRESSURE_EXPONENT: 1.3}
     for settings in ({"solver.fidelity": "lumped"}, {"solver.fidelity": "line", "solver.cells": 5, "solver.tolerance": 1e-2}):
         scene = Scene.load("pin_on_disk").set(settings)
-        model = wear_law.Model(scene, TESTS)
+        model = fit.Model(scene, TESTS)
         own = scene.copy().set(parameters)
-        for load, volume in zip(TESTS.load, model.volumes(parameters)):
+        for load, volume in zip(TESTS.load, model.predict(parameters)):
             run = own.simulate({"time [s]": [0, 1e4], "sliding_velocity [m/s]": 0.1, "normal_load [N]": load}, step=200.0)
             assert volume == run["wear_volume_punch"][-1], settings
         assert settings["solver.fidelity"] in str(model)

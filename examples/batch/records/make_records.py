@@ -8,9 +8,9 @@ scene with the truth below, times exp(normal noise).
 
 import numpy as np
 
-from sliding_contact import Scene, wear_law
+from sliding_contact import Scene, fit
 
-TRUTH = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
+TRUTH = {fit.COEFFICIENT: 1.2e-14, fit.PRESSURE_EXPONENT: 1.3}
 SCATTER = 0.10  # of ln(volume): about what repeated tests show
 LOADS = (2.5, 5.0, 10.0, 20.0, 40.0)  # N
 DISTANCES = (300.0, 1000.0)  # m
@@ -27,7 +27,7 @@ def scene():
 
 def conditions():
     table = [(load, SPEED, distance, 1.0) for load in LOADS for distance in DISTANCES for _ in range(REPETITIONS)]
-    return wear_law.Records(*np.array(table).T)
+    return fit.Records(*np.array(table).T)
 
 
 def noise(seed):
@@ -36,7 +36,7 @@ def noise(seed):
 
 def main():
     tests = conditions()
-    volumes = wear_law.Model(scene(), tests).volumes(TRUTH) * np.exp(noise(SEED))
+    volumes = fit.Model(scene(), tests).predict(TRUTH) * np.exp(noise(SEED))
     print("# Synthetic: made by make_records.py, which holds the truth. Steel pin on a steel disk, conditions around ASTM G99.")
     print("load [N],speed [m/s],distance [m],volume [mm3]")
     for load, speed, distance, volume in zip(tests.load, tests.speed, tests.distance, volumes):

@@ -81,9 +81,9 @@ pub enum Request {
         name: String,
         unit: String,
     },
-    /// Records of wear tests, in SI units.
+    /// Records of tests in SI units: end values, or a history with the times and every output as arrays.
     Records {
-        path: PathBuf,
+        records: Source,
     },
     /// The SI value of a text with a unit, as `80 km/h`; of a difference without the zero of units that have one.
     Quantity {
@@ -174,10 +174,7 @@ impl Request {
         let value = match self {
             Self::Names { scenes } => json!(shipped::names(&scenes)),
             Self::Unit { name, unit } => conversion(&name, &unit)?,
-            Self::Records { path } => {
-                let Records { load, speed, distance, volume } = Records::read(&path)?;
-                json!({ "load": load, "speed": speed, "distance": distance, "volume": volume })
-            }
+            Self::Records { records } => return tests(&records),
             Self::Quantity { name, text, difference } => {
                 let (unit, absolute) = unit_of(&name)?;
                 let value = quantity::text(&text, unit, absolute && !difference);
@@ -267,6 +264,43 @@ fn with_text(mut record: Value, table: String, warnings: &[String]) -> Value {
 fn with_warnings(mut record: Value, warnings: &[String]) -> Value {
     record["scene_warnings"] = json!(warnings);
     record
+}
+
+/// End values of tests, or a history: what has a time is one.
+fn tests(source: &Source) -> Result<Answer> {
+    let reading = Reading::default();
+    let success = |record: &Value, arrays| {
+        Ok(Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None })
+    };
+    let history = match source.measured() {
+        Ok(table) => table,
+        Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
+        Err(_) => {
+            let Records { load, speed, distance, values, notes } = match source {
+                Source::File { path } => Records::read(path, &reading)?,
+                Source::Text { text, name } => Records::parse(text.as_bytes(), Path::new(name), &reading)?,
+            };
+            // JSON has no NaN.
+            let gaps = |values: Vec<f64>| -> Vec<Option<f64>> {
+                values.into_iter().map(|value| value.is_finite().then_some(value)).collect()
+            };
+            let values: Map<String, Value> =
+                values.into_iter().map(|(name, values)| (name, json!(gaps(values)))).collect();
+            let record =
+                json!({ "load": load, "speed": speed, "distance": distance, "values": values, "notes": notes });
+            return success(&record, Vec::new());
+        }
+    };
+    let is_output = |name: &&String| lookup_causality(name).is_some_and(|causality| causality != Causality::Input);
+    let outputs: Vec<&String> = history.names.iter().filter(is_output).collect();
+    let mut arrays = vec![history.times.clone()];
+    arrays.extend(outputs.iter().filter_map(|name| history.column(name)).map(Iterator::collect));
+    let name = history.path.file_stem().unwrap_or(history.path.as_os_str()).to_string_lossy();
+    success(&json!({ "outputs": outputs, "notes": history.notes, "name": name }), arrays)
+}
+
+fn lookup_causality(name: &str) -> Option<Causality> {
+    TABLE.iter().find(|row| row.name == name).map(|row| row.causality)
 }
 
 /// A simulation: summary, and as arrays the times, every variable, and the profiles: times, positions, then pressure, temperature and

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +18,15 @@ from component import Component
 
 BATCH = ROOT / "examples" / "batch"
 sys.path.insert(0, str(BATCH))
+sys.path.append(str(ROOT / "tests" / "python"))
 
 # `cargo fmu test --slow` puts the Python package on the path.
 pytest.importorskip("sliding_contact")
 
 import design as designs  # noqa: E402
+import intervals  # noqa: E402
 import schedules  # noqa: E402
-from sliding_contact import Scene, host, wear_law  # noqa: E402
+from sliding_contact import Scene, fit, host  # noqa: E402
 
 INPUTS = ("sliding_velocity", "normal_load")
 OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_energy", "limit_reached")
@@ -42,11 +43,6 @@ def needed(variable):
 def brake(fmus):
     with host.Fmu(fmus("disc_brake").folder) as fmu:
         yield fmu
-
-
-@pytest.fixture(scope="module")
-def pin():
-    return Scene.load("pin_on_disk")
 
 
 @pytest.fixture(scope="module")
@@ -133,15 +129,15 @@ def truth():
 
 def test_the_fit_of_the_records_finds_their_truth():
     pin = truth().scene()
-    records = wear_law.Records.read(BATCH / "records" / "pin_on_disk.csv")
-    found = wear_law.fit(wear_law.Model(pin, records))
+    records = fit.Records.read(BATCH / "records" / "pin_on_disk.csv")
+    found = fit.fit(fit.Model(pin, records))
     for name, value, low, high in zip(found.names, found.values, *found.intervals):
         exact = truth().TRUTH[name]
         assert low < exact < high, name
         assert (high - low) / value < 0.15, "an interval that says something"
     assert found.scatter == pytest.approx(truth().SCATTER, rel=0.3)
     # The committed records equal those of the script.
-    made = wear_law.Model(pin, records).volumes(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
+    made = fit.Model(pin, records).predict(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
     assert records.volume == pytest.approx(made, rel=1e-3)
 
 
@@ -151,31 +147,12 @@ def line(name, tolerance):
 
 def records_of(loads, repetitions, speed, distance):
     load = np.repeat(loads, repetitions)
-    return wear_law.Records(load, np.full(load.size, speed), np.full(load.size, distance), np.ones(load.size))
+    return fit.Records(load, np.full(load.size, speed), np.full(load.size, distance), np.ones(load.size))
 
 
-# The critical speeds are 0.38 m/s of the pin and 3.1 m/s of the brake.
-@pytest.mark.parametrize(
-    "scene, tests",
-    [
-        (lambda: Scene.load("pin_on_disk").set("solver.fidelity", "lumped"), records_of((2.5, 10.0, 40.0), 4, 0.1, 300.0)),
-        (lambda: line("disc_brake", 1e-2), records_of((1000.0, 2000.0, 4000.0), 4, 10.0, 30.0)),
-    ],
-    ids=["below the critical speed", "above it"],
-)
-def test_intervals_hold_the_truth_as_often_as_they_say(scene, tests):
-    exact = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
-    clean = wear_law.Model(scene(), tests).volumes(exact)
-
-    def holds(seed):
-        volume = clean * np.exp(np.random.default_rng(seed).normal(0.0, 0.1, clean.size))
-        drawn = wear_law.Records(tests.load, tests.speed, tests.distance, volume)
-        low, high = wear_law.fit(wear_law.Model(scene(), drawn)).intervals
-        return (low < list(exact.values())) & (list(exact.values()) < high)
-
-    # The library computes without the interpreter's lock.
-    with ThreadPoolExecutor() as pool:
-        inside = sum(np.array(held, int) for held in pool.map(holds, range(100)))
+@pytest.mark.parametrize("case", intervals.CASES)
+def test_intervals_hold_the_truth_as_often_as_they_say(case):
+    inside = intervals.inside(case, 100)
     assert np.all((inside >= 90) & (inside <= 99)), inside
 
 
@@ -184,20 +161,13 @@ def test_intervals_are_those_of_a_straight_line(speed, distance, tolerance):
     """ln V is nearly linear in ln load, below the critical speed and above, where hot spots are denser under less load."""
     tests = records_of((5.0, 20.0), 3, speed, distance)
     scene = line("pin_on_disk", tolerance)
-    exact = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
+    exact = {fit.COEFFICIENT: 1.2e-14, fit.PRESSURE_EXPONENT: 1.3}
     noise = np.random.default_rng(3).normal(0.0, 0.1, tests.load.size)
-    volume = wear_law.Model(scene, tests).volumes(exact) * np.exp(noise)
-    found = wear_law.fit(wear_law.Model(scene, wear_law.Records(tests.load, tests.speed, tests.distance, volume)))
+    volume = fit.Model(scene, tests).predict(exact) * np.exp(noise)
+    found = fit.fit(fit.Model(scene, fit.Records(tests.load, tests.speed, tests.distance, volume)))
     load = np.log(tests.load)
     expected = found.scatter / np.sqrt(np.sum((load - load.mean()) ** 2))
     assert np.sqrt(found.covariance[1, 1]) == pytest.approx(expected, rel=0.3)
-
-
-def test_records_that_cannot_tell_are_refused(pin):
-    one = np.ones(6)
-    records = wear_law.Records(10.0 * one, 0.1 * one, 1000.0 * one, 1e-10 * one)
-    with pytest.raises(ValueError, match="more than one load"):
-        wear_law.fit(wear_law.Model(pin, records))
 
 
 # Runs of whole batches, in processes of their own.

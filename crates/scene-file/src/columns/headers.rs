@@ -121,7 +121,7 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
 
 /// Name and unit of a header: `Force [N]`, `Force (N)`, `Force / N`.
 pub(super) fn split(header: &str) -> (&str, Option<&str>) {
-    let pair = |open, close| Some(header.strip_suffix(close)?.split_once(open)?);
+    let pair = |open, close| header.strip_suffix(close)?.split_once(open);
     match pair('[', ']').or_else(|| pair('(', ')')).or_else(|| header.split_once(" / ")) {
         Some((name, symbol)) => (name.trim_end(), Some(symbol.trim())),
         None => (header, None),
