@@ -444,7 +444,7 @@ fn a_wrong_argument_is_refused_with_what_is_accepted() {
         (&["disc_brake", "--step", "1 km"], &["--step", "accepted are s, min, h, ms"]),
         (&["disc_brake", "--step", "1 ns"], &["--step"]),
         (&["disc_brake", "--step", "1e-9"], &["9.300e10 communication steps", "2e6"]),
-        (&["disc_brake", "-i", "in.csv", "--at", "3"], &["--at 3 s", "0 s to 2.5 s"]),
+        (&["disc_brake", "-i", "in.csv", "--at", "3"], &["at = 3 s", "0 s to 2.5 s"]),
         (&["disc_brake", "-i", "in.csv", "--at", "soon"], &["--at", "soon"]),
         (&["disc_brake", "-o", "out.xlsx"], &[".csv or .parquet is written, not .xlsx"]),
         (&["disc_brake", "-o", "in.csv/out.csv"], &["--output in.csv/out.csv", "in.csv is no folder"]),
