@@ -3,7 +3,6 @@
 use ::steady::thermal::{instability, nominal_half_strokes};
 use anyhow::{Context, Result, anyhow, bail};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::tracked::tracked_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
 
@@ -104,7 +103,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     let warm = !options.cold && is_resolved(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
     let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
-    let cycled = if tracked { tracked_scene(&scene) } else { sliding_scene(&scene) };
+    let cycled = if tracked { scene.clone() } else { sliding_scene(&scene) };
     let operators = LineOperators::with_heat(&cycled, warm, steady::run_in)
         .map_err(|error| anyhow!(error))
         .with_context(|| format!("the scene {name}"))?;

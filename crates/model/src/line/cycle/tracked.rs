@@ -22,7 +22,7 @@ use crate::line::operators::LineOperators;
 use crate::lumped::conditions::Tunables;
 use crate::{Inputs, StepFailure};
 use numerics::maximum::maximum;
-use scene::{Scene, Scheme};
+use scene::Scene;
 use std::sync::Arc;
 
 /// Largest and smallest ratio of successive jump lengths.
@@ -64,11 +64,6 @@ pub struct TrackedCycles {
     accumulated: f64,
     /// Proposed length of the next jump.
     length: f64,
-}
-
-/// The scene for cycles on a worn track.
-pub fn tracked_scene(scene: &Scene) -> Scene {
-    Scene { scheme: Scheme::Monolithic, ..scene.clone() }
 }
 
 impl TrackedCycles {
