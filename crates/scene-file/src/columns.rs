@@ -175,6 +175,16 @@ impl Table {
         Some(self.values.iter().skip(at).step_by(self.names.len()).copied())
     }
 
+    /// Times and values of a measured quantity, where the file has it: without gaps, and of a time in two rows the first alone, as a run has
+    /// at that time the value before the jump.
+    pub fn points(&self, name: &str) -> Option<Vec<(f64, f64)>> {
+        let is_behind_jump = |row: usize| row > 0 && self.times[row] == self.times[row - 1];
+        let points = self.times.iter().copied().zip(self.column(name)?).enumerate();
+        Some(
+            points.filter(|(row, (_, value))| value.is_finite() && !is_behind_jump(*row)).map(|(_, own)| own).collect(),
+        )
+    }
+
     /// Without the columns of these names.
     pub fn without(&self, names: &[&str]) -> Self {
         let kept: Vec<usize> = (0..self.names.len()).filter(|at| !names.contains(&self.names[*at].as_str())).collect();
@@ -685,6 +695,8 @@ mod tests {
         assert_eq!(read.times, [0.0, 1.0, 1.0, 2.0]);
         assert!(wear[..3].iter().all(|wear| wear.is_nan()) && wear[3] == 4e-6, "{wear:?}");
         assert!(read.column("contact_temperature").unwrap().nth(1).unwrap().is_nan());
+        assert_eq!(read.points("contact_temperature").unwrap(), [(0.0, 293.15), (2.0, 303.15)]);
+        assert_eq!(read.points("wear_depth").unwrap(), [(2.0, 4e-6)]);
     }
 
     #[test]

@@ -81,7 +81,7 @@ pub enum Request {
         name: String,
         unit: String,
     },
-    /// Records of tests in SI units: end values, or a history with the times and every output as arrays.
+    /// Records of tests in SI units: end values, or a history with times and values of every output as arrays.
     Records {
         records: Source,
     },
@@ -292,8 +292,8 @@ fn tests(source: &Source) -> Result<Answer> {
     };
     let is_output = |name: &&String| row_of(name).is_ok_and(|row| row.causality != Causality::Input);
     let outputs: Vec<&String> = history.names.iter().filter(is_output).collect();
-    let mut arrays = vec![history.times.clone()];
-    arrays.extend(outputs.iter().filter_map(|name| history.column(name)).map(Iterator::collect));
+    let points = outputs.iter().filter_map(|name| history.points(name));
+    let arrays = points.flat_map(|points| <[Vec<f64>; 2]>::from(points.into_iter().unzip())).collect();
     let name = history.path.file_stem().unwrap_or(history.path.as_os_str()).to_string_lossy();
     success(&json!({ "outputs": outputs, "notes": history.notes, "name": name }), arrays)
 }

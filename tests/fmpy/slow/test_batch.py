@@ -150,7 +150,8 @@ def records_of(loads, repetitions, speed, distance):
     return fit.Records(load, np.full(load.size, speed), np.full(load.size, distance), np.ones(load.size))
 
 
-@pytest.mark.parametrize("case", intervals.CASES)
+# All six cases take the better part of an hour: `python tests/python/intervals.py`.
+@pytest.mark.parametrize("case", ["lumped, below, end values", "line, above, end values"])
 def test_intervals_hold_the_truth_as_often_as_they_say(case):
     inside = intervals.inside(case, 100)
     assert np.all((inside >= 90) & (inside <= 99)), inside

@@ -76,10 +76,7 @@ pub fn compare(table: &columns::Table, recording: &Recording) -> Result<Vec<Meas
         );
     }
     let compared = table.names.iter().filter_map(|name| {
-        let (channel, values) = (recording.channel(name)?, table.column(name)?);
-        // Gaps are no points.
-        let all: Vec<(f64, f64)> =
-            table.times.iter().copied().zip(values).filter(|(_, value)| value.is_finite()).collect();
+        let (channel, all) = (recording.channel(name)?, table.points(name)?);
         let points: Vec<(f64, f64)> = all.iter().copied().filter(|(time, _)| (first..=last).contains(time)).collect();
         let apart = |&(time, value): &(f64, f64)| (time, interpolated(&recording.times, &channel.values, time) - value);
         let deviations: Vec<(f64, f64)> = points.iter().map(apart).collect();
