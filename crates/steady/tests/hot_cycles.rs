@@ -509,10 +509,13 @@ fn a_body_with_a_property_table_is_refused_by_name() {
     let named = |text: String| {
         assert!(text.contains("strip.property_table.points = 2") && text.contains("constants alone"), "{text}");
     };
-    named(hot(&scene).err().expect("a state with heat").to_string());
+    let Err(error) = hot(&scene) else { panic!("a state with heat") };
+    named(error.to_string());
     let operators = LineOperators::with_heat(&sliding_scene(&scene), true, steady::run_in).unwrap();
-    let map = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::WITH_HEAT);
-    named(map.err().expect("cycles with heat").to_string());
+    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::WITH_HEAT) else {
+        panic!("cycles with heat")
+    };
+    named(error.to_string());
     // Without heat nothing depends on them.
     let cells = cells_for(&scene, scene.cells).unwrap();
     let bodies = compliances(&scene, &cells).unwrap();

@@ -30,8 +30,9 @@ use scene::ThermalBoundary;
 /// Cached step sizes per factor of two.
 const PER_OCTAVE: f64 = 8.0;
 
-/// Cached propagators of each body: eight factors of two, for a factor of four in kd and the parts of a step.
-const CACHED: usize = 64;
+/// Cached propagators of a body with a table, 1 MB: sixteen factors of two, as steps after a jump of the inputs are a thousandth of the
+/// longest ones.
+const CACHED: usize = 128;
 
 /// Attempts of a step with other temperatures in its middle.
 pub const ATTEMPTS: usize = 3;
@@ -93,10 +94,12 @@ fn step_of(number: i32) -> f64 {
 }
 
 impl Nodes {
-    fn new() -> Nodes {
+    /// Memory for a body; none for one of constants.
+    fn of(body: &BodyOperators) -> Nodes {
+        let capacity = if body.properties.is_some() { CACHED } else { 0 };
         let empty = Node { propagator: None, at_rest: [1.0; MAX_FLASH_STATES] };
         Nodes {
-            cache: KeyedCache::new(std::iter::repeat_n(empty, CACHED)),
+            cache: KeyedCache::new(std::iter::repeat_n(empty, capacity)),
             latest: (0, [usize::MAX; 4]),
             between: Between { plain: [0.0; 4], by_step: [0.0; 4], scales: Scales::ONE, is_flux: [false; PORTS] },
         }
@@ -144,7 +147,7 @@ impl PropertyPropagators {
     pub fn of(operators: &LumpedOperators) -> Option<Box<PropertyPropagators>> {
         let follows = bodies(operators).iter().any(|body| body.properties.is_some());
         follows.then(|| {
-            let nodes = [Nodes::new(), Nodes::new()];
+            let nodes = bodies(operators).map(Nodes::of);
             let constant = KeyedCache::new(std::iter::repeat_n(None, CACHED_STEPS));
             Box::new(PropertyPropagators { nodes, constant, step: Propagators::empty(), is_complete: false })
         })
