@@ -61,6 +61,11 @@ impl Column {
         TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result()).filter_map(of).collect()
     }
 
+    /// The column of the numbers of trips, which a file of inputs may have beside [`Column::inputs`].
+    pub fn trip() -> Self {
+        Self::optional("trip", &ONE)
+    }
+
     /// The headers that are accepted, for messages.
     fn headers(&self) -> String {
         let others = quantity::units(self.unit, self.absolute).map(|display| display.name);

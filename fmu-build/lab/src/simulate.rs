@@ -86,7 +86,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     let packaged = &file.packaged;
-    let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &Column::inputs())).transpose()?;
+    let inputs = arguments
+        .inputs
+        .as_deref()
+        .map(|path| columns::read(path, &[Column::inputs(), vec![Column::trip()]].concat()))
+        .transpose()?;
     let trajectory = Trajectory::new(&file, inputs, arguments.step)?;
     let record = arguments.measured.as_deref().map(measured::read).transpose()?;
     let (first, last) = trajectory.span();
