@@ -44,6 +44,7 @@ def main():
     recording = simulation.drive(options.fmu, drive.signals(), options.step)
     summary = report.summarise(recording, drive)
     level = simulation.level(description)
+    trips = report.of_trips(recording, drive, road_load.read_trips(options.cycle))
     columns = {level: summary}
     if not options.one_level and level in ("auto", "lumped"):
         lines = simulation.drive_lines(options.fmu, drive.signals(), options.step)
@@ -73,12 +74,14 @@ def main():
     if options.json:
         levels = {heading: column.as_dictionary() for heading, column in columns.items()}
         files = [str(path) for path in paths]
-        print(json.dumps({"level": level, **summary.as_dictionary(), "levels": levels, **stopping, "files": files}, indent=2), file=results)
+        print(json.dumps({"level": level, **summary.as_dictionary(), "levels": levels, "trips": trips, **stopping, "files": files}, indent=2), file=results)
     else:
         print(title, file=results)
         print(report.table(columns), file=results)
         for text in report.comparison(columns):
             print(f"  {text}", file=results)
+        if trips:
+            print(report.trips_table(trips), file=results)
         if stopping:
             print(stops.table(stopping), file=results)
         print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)

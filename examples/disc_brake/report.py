@@ -89,6 +89,39 @@ def differences(summary, finer):
     return found
 
 
+def of_trips(recording, drive, trips):
+    """Temperatures, masses and distance of the trips (number, start, end) of a drive, one dictionary each."""
+    time, found = recording["time"], []
+    travelled = np.concatenate(([0.0], np.cumsum(0.5 * (drive.speed[1:] + drive.speed[:-1]) * np.diff(drive.time)))) / 1e3
+    worn = recording["wear_mass_punch"] + recording["wear_mass_strip"]
+    for number, start, end in trips:
+        within = (time >= start) & (time <= end)
+        over = {name: float(np.interp(end, time, mass) - np.interp(start, time, mass)) * 1e6
+                for name, mass in (("worn", worn), ("airborne", recording["wear_mass_airborne"]))}
+        found.append({
+            "trip": number,
+            "distance_km": float(np.interp(end, drive.time, travelled) - np.interp(start, drive.time, travelled)),
+            "contact_temperature_peak_degC": float(recording["contact_temperature_max"][within].max()) - ZERO_CELSIUS,
+            "disc_temperature_start_degC": float(np.interp(start, time, recording["strip.mean_temperature"])) - ZERO_CELSIUS,
+            "disc_temperature_peak_degC": float(recording["strip.mean_temperature"][within].max()) - ZERO_CELSIUS,
+            "stops": stops(drive.speed[(drive.time >= start) & (drive.time <= end)]),
+            "worn_mass_mg": over["worn"],
+            "airborne_mass_mg": over["airborne"],
+        })
+    return found
+
+
+def trips_table(trips):
+    """One line of text for every trip."""
+    lines = ["  trip      km  stops  contact, peak  disc, start and peak, degC  worn, mg/km  of it airborne"]
+    for trip in trips:
+        distance = trip["distance_km"] if trip["distance_km"] > 0.0 else math.nan
+        lines.append(f"  {trip['trip']:4} {trip['distance_km']:7.2f} {trip['stops']:6} {trip['contact_temperature_peak_degC']:14.1f} "
+                     f"{trip['disc_temperature_start_degC']:16.1f} {trip['disc_temperature_peak_degC']:10.1f} "
+                     f"{trip['worn_mass_mg'] / distance:12.3g} {trip['airborne_mass_mg'] / distance:15.3g}")
+    return "\n".join(lines)
+
+
 # Part of a temperature's rise by which half the cells may differ where the line counts as converged.
 CONVERGED = 0.01
 

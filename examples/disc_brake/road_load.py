@@ -74,18 +74,29 @@ class Drive:
 
 
 def read_cycle(path):
-    """Reads the columns `time_s, speed_m_per_s`, which `cargo fmu run --cycle` makes of others, and checks that time
-    increases."""
+    """Reads the columns `time_s, speed_m_per_s` and `trip`, if there are trips, which `cargo fmu run --cycle` makes of others, and
+    checks that time increases."""
     with open(path, encoding="utf-8") as file:
         header = file.readline().strip()
-    if header != "time_s,speed_m_per_s":
+    if header.removesuffix(",trip") != "time_s,speed_m_per_s":
         raise ValueError(f"{path}: the columns must be time_s,speed_m_per_s, not {header}; cargo fmu run --cycle converts units")
-    time, speed = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    time, speed = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1), unpack=True)
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ValueError(f"{path}: time_s must increase from row to row")
     if not np.all(np.isfinite(speed)) or np.any(speed < 0.0):
         raise ValueError(f"{path}: speed_m_per_s must be finite and not negative")
     return time - time[0], speed
+
+
+def read_trips(path):
+    """Number of every trip of a cycle and the times [s] of its first row and of that of the next trip; none without a column `trip`."""
+    with open(path, encoding="utf-8") as file:
+        if not file.readline().strip().endswith(",trip"):
+            return []
+    time, trip = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 2), unpack=True)
+    first = [0, *(np.flatnonzero(np.diff(trip)) + 1)]
+    ends = [*time[first[1:]], time[-1]]
+    return [(int(trip[row]), float(time[row] - time[0]), float(end - time[0])) for row, end in zip(first, ends)]
 
 
 def brake_force(time, speed, car):

@@ -32,8 +32,9 @@ pub struct Arguments {
     /// Drive an .fmu that is there already instead of packaging the scene.
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     fmu: Option<PathBuf>,
-    /// Drive cycle of the brakes: udds (the default), hwfet or the path of a CSV file with the columns time and speed, each
-    /// with its unit in the header: "time [s], speed [km/h]", or time_s, speed_m_per_s.
+    /// Drive cycle of the brakes: udds (the default), hwfet, us06, wltc_3b or the path of a CSV file with the columns time and
+    /// speed, each with its unit in the header: "time [s], speed [km/h]", or time_s, speed_m_per_s; and, if it has trips, the column trip
+    /// with their numbers.
     #[arg(long)]
     cycle: Option<String>,
     /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.

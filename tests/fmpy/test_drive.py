@@ -137,6 +137,23 @@ def test_a_cycle_in_other_columns_is_refused(tmp_path):
         road_load.read_cycle(cycle)
 
 
+def test_trips_divide_a_drive(recording, tmp_path):
+    drive, table = recording
+    cycle = tmp_path / "trips.csv"
+    rows = [f"{time:.17g},{speed:.17g},{1 if time < 600.0 else 2}" for time, speed in zip(drive.time, drive.speed)]
+    cycle.write_text("\n".join(["time_s,speed_m_per_s,trip", *rows]) + "\n")
+    assert np.array_equal(road_load.read_cycle(cycle)[1], drive.speed)
+    spans = road_load.read_trips(cycle)
+    assert spans == [(1, 0.0, 600.0), (2, 600.0, drive.time[-1])]
+    trips, whole = report.of_trips(table, drive, spans), report.summarise(table, drive)
+    for name in ("worn_mass_mg", "airborne_mass_mg", "distance_km", "stops"):
+        assert sum(trip[name] for trip in trips) == pytest.approx(whole.as_dictionary()[name], rel=1e-9)
+    assert max(trip["contact_temperature_peak_degC"] for trip in trips) == pytest.approx(whole.contact_temperature_peak_degC)
+    assert trips[1]["disc_temperature_start_degC"] > trips[0]["disc_temperature_start_degC"] + 5.0
+    assert len(report.trips_table(trips).splitlines()) == 3
+    assert road_load.read_trips(ROOT / "examples" / "data" / "us06.csv") == []
+
+
 def test_a_scene_that_is_no_brake_is_refused(tmp_path):
     command = [sys.executable, ROOT / "examples" / "disc_brake" / "drive.py", "--fmu", file_of("pin_on_disk"),
                "--cycle", ROOT / "examples" / "data" / "udds.csv", "--output", tmp_path]

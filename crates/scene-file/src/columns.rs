@@ -87,6 +87,11 @@ impl Column {
         let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
         rows.filter_map(Self::of).map(|column| Self { gaps: true, ..column }).collect()
     }
+
+    /// The column of the numbers of trips, which a file of inputs may have beside [`Column::inputs`].
+    pub fn trip() -> Self {
+        Self::optional("trip", &ONE)
+    }
 }
 
 /// What is meant by headers, and whether those that mean nothing are refused.

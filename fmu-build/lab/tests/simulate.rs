@@ -201,6 +201,34 @@ fn worn_mass_is_stated_over_the_distance_and_over_the_stops() {
 }
 
 #[test]
+fn trips_divide_temperatures_and_masses_and_one_stop_is_one() {
+    let folder = Folder::new("trips");
+    let rows = "time [s],sliding_velocity [m/s],normal_load [N],trip\n0,5,2000,1\n2,0,2000,1\n3,0,0,2\n5,4,2000,2\n8,4,2000,2\n";
+    folder.file("in.csv", rows);
+    let run = ["disc_brake", "-i", "in.csv", "--set", "solver.fidelity=lumped"];
+    let result = folder.json(&run);
+    let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
+    let trips = result["trips"].as_array().unwrap();
+    let of = |trip: usize, name: &str| trips[trip][name].as_f64().unwrap();
+    assert_eq!(trips.len(), 2);
+    assert_eq!([of(0, "end"), of(1, "start"), of(1, "end")], [3.0, 3.0, 8.0]);
+    for (name, whole) in [
+        ("worn_mass", end("wear_mass_punch") + end("wear_mass_strip")),
+        ("airborne_mass", end("wear_mass_airborne")),
+        ("sliding_distance", end("sliding_distance")),
+    ] {
+        assert!(((of(0, name) + of(1, name)) / whole - 1.0).abs() < 1e-12, "{name}");
+    }
+    // Triangles of 5 and 4 m, then 12 m; the disc of the second trip starts as that of the first ends.
+    assert!((of(0, "sliding_distance") - 5.0).abs() < 1e-9 && (of(1, "sliding_distance") - 16.0).abs() < 1e-9);
+    assert!(of(1, "strip_mean_temperature_start") > of(0, "strip_mean_temperature_start"));
+    let hottest = of(0, "contact_temperature_max").max(of(1, "contact_temperature_max"));
+    assert_eq!(hottest, result["variables"]["contact_temperature_max"]["maximum"].as_f64().unwrap());
+    let table = folder.run(&run).1;
+    assert!(table.contains("mg in 1 stop\n") && table.contains("trip 1 ") && table.contains("trip 2 "), "{table}");
+}
+
+#[test]
 fn a_run_does_not_deviate_from_its_own_record_and_an_offset_is_told() {
     let folder = Folder::new("measured");
     folder.file("in.csv", STOP);

@@ -1,4 +1,5 @@
 //! Drive cycles of a car: read by the names of their columns, in any unit, and checked before anything is driven.
+//! A column `trip` divides the cycle.
 
 use crate::columns::{self, Column, Reading, Table};
 use crate::output::would_replace;
@@ -51,7 +52,10 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     }
     let path = Path::new(name);
     if !path.is_file() {
-        bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display());
+        bail!(
+            "--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet, us06, wltc_3b",
+            folder.display()
+        );
     }
     let table = read(path)?;
     let result = output.join(path.file_stem().unwrap_or_default()).with_extension("csv");
@@ -73,7 +77,12 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
 
 fn read(path: &Path) -> Result<Table> {
     let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
-    let table = columns::read(path, &[speed], &Reading::default())?;
+    let table = columns::read(path, &[speed, Column::trip()], &Reading::default())?;
+    if let Some((trip, line)) =
+        table.column("trip").into_iter().flatten().zip(&table.lines).find(|(trip, _)| trip.fract() != 0.0)
+    {
+        bail!("{}, line {line}: trip {trip} must be a whole number", path.display());
+    }
     if table.times.len() < 2 {
         bail!("{}: a cycle needs at least two rows", path.display());
     }
@@ -94,14 +103,15 @@ fn read(path: &Path) -> Result<Table> {
 fn warnings(table: &Table) -> Vec<String> {
     let file = table.path.display();
     let mut warnings = Vec::new();
-    if let Some(at) = table.values.iter().position(|&speed| speed > UNUSUAL_SPEED) {
-        let (line, speed) = (table.lines[at], table.values[at]);
+    let speeds: Vec<f64> = table.column("speed").into_iter().flatten().collect();
+    if let Some(at) = speeds.iter().position(|&speed| speed > UNUSUAL_SPEED) {
+        let (line, speed) = (table.lines[at], speeds[at]);
         warnings.push(format!(
             "{file}, line {line}: {speed} m/s is {:.0} km/h, above {UNUSUAL_SPEED} m/s; is the unit in the header right?",
             3.6 * speed
         ));
     }
-    let acceleration = |at: usize| (table.values[at] - table.values[at - 1]) / (table.times[at] - table.times[at - 1]);
+    let acceleration = |at: usize| (speeds[at] - speeds[at - 1]) / (table.times[at] - table.times[at - 1]);
     if let Some(at) = (1..table.times.len()).find(|&at| acceleration(at).abs() > UNUSUAL_ACCELERATION) {
         warnings.push(format!(
             "{file}, line {}: the speed changes by {:.3} m/s2, more than the {UNUSUAL_ACCELERATION} m/s2 that tyres give; are \
@@ -115,9 +125,12 @@ fn warnings(table: &Table) -> Vec<String> {
 
 /// The cycle in SI units, numbers as the shortest texts that are read back as the same.
 fn text(table: &Table) -> String {
-    let mut text = String::from("time_s,speed_m_per_s\n");
-    for (time, speed) in table.times.iter().zip(&table.values) {
-        let _ = writeln!(text, "{time},{speed}");
+    let column = |name| table.column(name).map(Iterator::collect::<Vec<f64>>);
+    let (speeds, trips) = (column("speed").unwrap_or_default(), column("trip"));
+    let mut text = format!("time_s,speed_m_per_s{}\n", if trips.is_some() { ",trip" } else { "" });
+    for (row, (time, speed)) in table.times.iter().zip(&speeds).enumerate() {
+        let trip = trips.as_ref().map_or_else(String::new, |trips| format!(",{}", trips[row]));
+        let _ = writeln!(text, "{time},{speed}{trip}");
     }
     text
 }
@@ -144,6 +157,17 @@ mod tests {
     }
 
     #[test]
+    fn semicolons_separate_and_trips_stay() {
+        let text_of = |name, own| text(&cycle(name, own).unwrap());
+        let expected = "time_s,speed_m_per_s,trip\n0,0,1\n0.5,10,2\n";
+        assert_eq!(text_of("semicolons", "# WLTP\ntime [s];trip;speed [km/h]\n0;1;0\n0,5;2;36\n"), expected);
+        assert_eq!(text_of("commas", "time [s],speed [km/h],trip\n0,0,1\n0.5,36,2\n"), expected);
+        assert_eq!(text_of("two", "time [s];speed [km/h]\n0;0\n1;1,8\n"), "time_s,speed_m_per_s\n0,0\n1,0.5\n");
+        let half = cycle("half", "time [s],speed [km/h],trip\n0,0,1\n1,36,1.5\n").unwrap_err().to_string();
+        assert!(half.contains("line 3: trip 1.5 must be a whole number"), "{half}");
+    }
+
+    #[test]
     fn a_speed_without_unit_or_of_no_car_is_refused() {
         let told = |name, text| format!("{:#}", cycle(name, text).unwrap_err());
         assert!(told("bare", "time,speed\n0,0\n1,50\n").contains("\"speed\" does not say its unit"));
@@ -161,7 +185,7 @@ mod tests {
         assert!(
             told("jump", "time_s,speed_m_per_s\n0,20\n1,7\n").contains("line 3: the speed changes by -13.000 m/s2")
         );
-        for name in ["udds", "hwfet"] {
+        for name in ["udds", "hwfet", "us06", "wltc_3b"] {
             let own = file(name, Path::new("unused")).unwrap();
             assert!(own.path().is_file() && warnings(&read(own.path()).unwrap()).is_empty(), "{name}");
         }

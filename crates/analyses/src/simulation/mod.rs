@@ -7,6 +7,7 @@ pub mod quantity;
 mod run;
 mod summary;
 mod trajectory;
+mod trips;
 
 pub use figure::{Figure, Panel, Series};
 pub use run::{Channel, Profiles, Progress, Recording, energy_residual, run};

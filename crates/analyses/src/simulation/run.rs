@@ -63,6 +63,8 @@ pub struct Recording {
     pub internal_steps: (u64, u64),
     /// Wall-clock time of initialisation and of the steps, s.
     pub seconds: [f64; 2],
+    /// Numbers of trips and their first times, s, where the inputs have them.
+    pub trips: Vec<(f64, f64)>,
     /// Slip by which the distance is too long, where elastic displacement is neglected and the run reverses.
     pub neglected_slip: Option<NeglectedSlip>,
     /// The reason why the run ended early.
@@ -208,6 +210,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
             .collect(),
         internal_steps: (0, 0),
         seconds: [begin.elapsed().as_secs_f64(), 0.0],
+        trips: trajectory.trips.clone(),
         neglected_slip: None,
         failure: None,
     };

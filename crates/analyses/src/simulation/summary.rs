@@ -4,6 +4,7 @@ use super::measured::Measured;
 use super::neglected_slip::{NeglectedSlip, counted};
 use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
+use super::trips::{Trip, number_of, trips};
 use crate::largest;
 use serde_json::{Map, Value, json};
 
@@ -178,6 +179,7 @@ impl Summary<'_> {
         .to_vec();
         lines.retain(|(name, _)| name != "airborne particles" || self.last("wear_mass_airborne") > 0.0);
         lines.extend(self.measured.iter().map(|own| (format!("deviation of {}", own.name), deviation(own))));
+        lines.extend(trips(recording).iter().map(|trip| (format!("trip {}", number_of(trip.number)), trip.text())));
         lines.extend(recording.neglected_slip.iter().map(|slip| ("elastic slip, neglected".to_owned(), slip.text())));
         let warnings = &recording.warnings;
         lines.extend(warnings.iter().map(|(time, text)| (format!("warning at {}", seconds(*time)), text.clone())));
@@ -239,6 +241,7 @@ impl Summary<'_> {
             "estimated_error": self.last("estimated_error"),
             "neglected_slip": recording.neglected_slip.as_ref().map(NeglectedSlip::record),
             "wear_mass": self.masses(),
+            "trips": trips(recording).iter().map(Trip::record).collect::<Vec<_>>(),
             "variables": recording.channels.iter().map(course).collect::<Map<String, Value>>(),
             "profiles": recording.profiles.iter().map(profiles).collect::<Vec<_>>(),
             "measured": self.measured.iter().map(measured).collect::<Vec<_>>(),

@@ -28,6 +28,8 @@ pub struct Trajectory {
     pub times: Vec<f64>,
     /// Values of an input at the times.
     pub inputs: Vec<(ValueReference, Vec<f64>)>,
+    /// Numbers of the trips into which a column `trip` divides the times, and the times of their first rows, s.
+    pub trips: Vec<(f64, f64)>,
     /// Longest communication step, s.
     pub step: f64,
     /// Whether steps are shorter where the inputs need it: not where a step is given.
@@ -88,7 +90,14 @@ impl Trajectory {
             }
             inputs.push((input, values));
         }
+        let mut trips: Vec<(f64, f64)> = Vec::new();
+        for (trip, time) in table.column("trip").into_iter().flatten().zip(&table.times) {
+            if trips.last().is_none_or(|(last, _)| *last != trip) {
+                trips.push((trip, *time));
+            }
+        }
         Ok(Self {
+            trips,
             description: format!("{file}, {} rows{}", table.times.len(), left_out(&table.left_out)),
             step: step.unwrap_or_else(|| division::longest(&table.times)),
             follows: step.is_none(),
@@ -113,7 +122,16 @@ impl Trajectory {
         let nominal = conditions.inputs(step.unwrap_or(file.packaged.experiment.step))?;
         let Inputs { description, times, values, step } = nominal;
         let inputs = nominal::NAMES.map(reference).into_iter().zip(values).collect();
-        Ok(Self { description, file: None, times, inputs, step, follows: false, observed: Vec::new() })
+        Ok(Self {
+            description,
+            file: None,
+            times,
+            inputs,
+            trips: Vec::new(),
+            step,
+            follows: false,
+            observed: Vec::new(),
+        })
     }
 
     /// Takes the times of a record as communication points, of more than [`OBSERVED`] every second, third and so on.
@@ -245,6 +263,7 @@ mod tests {
             file: None,
             times: vec![1.0, 3.0, 3.5],
             inputs,
+            trips: Vec::new(),
             step,
             follows: false,
             observed: Vec::new(),
