@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Callable, Optional, Sequence
 
 from ._errors import Error, writing
+from ._numbers import number
 from .results import Simulation, StepFailed
 from .scene import Scene, scenes
 
@@ -31,6 +32,7 @@ class Option:
     help: str
     value: str = ""  #: what stands for the value in the help; empty: a switch
     repeated: bool = False
+    several: bool = False  #: one or more of a positional one
     default: Optional[str] = None
     choices: tuple[str, ...] = ()
 
@@ -42,6 +44,8 @@ class Option:
             return
         if self.choices:
             settings["choices"] = self.choices
+        if self.several:
+            settings["nargs"] = "+"
         if self.repeated:
             settings.update(action="append", default=[])
         elif self.default is not None:
@@ -78,6 +82,10 @@ def _print(arguments: Arguments, result: Any) -> None:
 
 def _progress(part: float) -> None:
     print(f"\r{100.0 * part:3.0f} %", end="", file=sys.stderr, flush=True)
+
+
+def _told(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _write(result: Simulation, path: str) -> None:
@@ -132,7 +140,8 @@ def _cycles(arguments: Arguments) -> None:
 
 
 def _fit(arguments: Arguments) -> None:
-    fit = _scene(arguments).fit(arguments.records, tuple(arguments.exponents.split(",")), float(arguments.confidence))
+    parameters = [name for name in arguments.parameters.split(",") if name]
+    fit = _scene(arguments).fit(arguments.records, parameters, number("confidence", arguments.confidence), progress=_told)
     if arguments.plot is not None:
         fit.plot(arguments.plot)
     print(fit)
@@ -208,12 +217,12 @@ COMMANDS = (
     ),
     Command(
         "fit",
-        "fit the wear law of the punch to measured volumes, with confidence intervals; needs scipy",
+        "fit parameters to end values or histories of tests, with confidence intervals; needs scipy",
         (
-            Option(("records",), "tests (CSV): load [N], speed [m/s], distance [m], volume [mm3], in any unit of theirs"),
+            Option(("records",), "end values of tests (load [N], speed [m/s], distance [m], volume [mm3]) or histories (time [s], ...), as CSV", several=True),
             Option(("--scene",), "scene of the tests", "SCENE", default="pin_on_disk"),
             SET,
-            Option(("--exponents",), "exponents to fit, with commas: pressure, velocity", "NAMES", default="pressure"),
+            Option(("--parameters",), "what is fitted, with commas", "NAMES", default="punch.wear_coefficient,punch.wear_pressure_exponent"),
             Option(("--confidence",), "probability that the intervals hold the values", "NUMBER", default="0.95"),
             PLOT,
         ),

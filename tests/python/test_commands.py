@@ -46,6 +46,20 @@ def test_results_are_those_of_the_scene(tmp_path):
         assert json.loads(ran(tmp_path, *arguments, "--json").stdout) == result.record, arguments
 
 
+def test_a_fit_is_that_of_the_scene(tmp_path):
+    pytest.importorskip("scipy")
+    tests = [(5, 1.0e-1), (5, 1.1e-1), (10, 2.1e-1), (10, 2.3e-1), (20, 4.3e-1), (20, 4.5e-1)]
+    rows = "".join(f"{load},0.1,1000,{volume}\n" for load, volume in tests)
+    (tmp_path / "tests.csv").write_text("load [N],speed [m/s],distance [m],volume [mm3]\n" + rows)
+    arguments = ["tests.csv", "--set", "solver.fidelity=lumped", "--parameters", "punch.wear_coefficient"]
+    run = ran(tmp_path, "fit", *arguments)
+    assert run.returncode == 0, run.stderr
+    own = Scene.load("pin_on_disk").set({"solver.fidelity": "lumped"}).fit(tmp_path / "tests.csv", ["punch.wear_coefficient"])
+    assert run.stdout.rstrip() == str(own).rstrip() and "punch.wear_coefficient" in run.stdout
+    run = ran(tmp_path, "fit", *arguments, "--confidence", "95")
+    assert run.returncode == 1 and "confidence = 95" in run.stderr and "Traceback" not in run.stderr
+
+
 def test_an_fmu_in_one_line(tmp_path):
     pytest.importorskip("fmpy")
     run = ran(tmp_path, "package", "disc_brake", "--set", "punch.width=80 mm")
