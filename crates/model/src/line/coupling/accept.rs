@@ -140,7 +140,7 @@ impl ThermalCoupling {
     /// Updates the thermal state by the step whose stages are solved; `velocity` is the sliding velocity at its end, m/s. The
     /// first part of a communication step leaves its initial body states in `kept`, from which they can be restored.
     pub fn accept(
-        &self,
+        &mut self,
         operators: &LineOperators,
         friction: &FrictionLaw,
         stages: &ContactStages,
@@ -148,23 +148,20 @@ impl ThermalCoupling {
         kept: Option<&mut HeatState>,
         velocity: f64,
     ) {
-        let (heat, step) = (self, self.step);
+        let (step, heat) = (self.step, self);
         let Some(state) = &mut line.heat else { return };
         let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
         let (per_rise, per_change) = (1.0 / (GAMMA * step), 1.0 / ((1.0 - GAMMA) * step));
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
-        let before = kept.map(|kept| {
-            std::mem::swap(&mut kept.bodies, &mut state.bodies);
-            &kept.bodies
-        });
+        let before = kept.map_or(&mut heat.before, |kept| &mut kept.bodies);
+        std::mem::swap(before, &mut state.bodies);
         for side in 0..2 {
-            if let Some(own) = &heat.bodies[side] {
-                let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
-                let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
-                match before {
-                    Some(before) => own.advance_to(&before[side], body, around, first, end),
-                    None => own.advance_from_end(body, around, first, end),
-                }
+            let flux = [0, 1].map(|stage| &heat.flux[stage][side][..]);
+            let around = &heat.surroundings[side];
+            let (own, work) = (heat.bodies[side].as_ref(), heat.work[side].as_mut());
+            if let (Some(own), Some(work)) = (own, work) {
+                let Some(end) = heat.ends[side].take() else { unreachable!("a step that is accepted is solved") };
+                own.advance(end, (&before[side], &mut state.bodies[side]), around, flux, work);
             }
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
             for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
@@ -172,15 +169,18 @@ impl ThermalCoupling {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
-            if let (0, false, Some(own)) = (side, heat.contact_parts[1].is_whole(), &heat.bodies[side]) {
+            if let (0, false, Some(own), Some(work)) =
+                (side, heat.contact_parts[1].is_whole(), &heat.bodies[side], &mut heat.work[side])
+            {
                 // The mean of whole cells, not of their parts in contact.
-                let (body, around) = (&state.bodies[side], &heat.surroundings[side]);
+                let body = &state.bodies[side];
                 own.temperature_at_frozen_state(
                     body,
                     around,
                     &state.flux[side],
                     velocity,
                     &mut state.temperature[side],
+                    work,
                 );
             }
         }

@@ -10,7 +10,7 @@ use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
 use crate::line::trajectory::{StageConditions, StageMotion};
-use conduction::line::Stage;
+use conduction::line::{First, Stage};
 use contact::wear::line::{Coefficient, StageError, WearTerm};
 use numerics::maximum::maximum;
 
@@ -34,7 +34,7 @@ const ACCELERATED_FROM: usize = 1;
 pub struct Prepared<'a>(pub(super) &'a mut ThermalCoupling);
 
 /// Step whose first stage is solved.
-pub struct FirstSolved<'a>(&'a mut ThermalCoupling);
+pub struct FirstSolved<'a>(&'a mut ThermalCoupling, [Option<First>; 2]);
 
 /// Step both of whose stages are solved.
 pub struct Solved<'a>(pub(super) &'a mut ThermalCoupling);
@@ -52,7 +52,7 @@ impl<'a> Prepared<'a> {
         motion: StageMotion,
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
-        heat.begin(Stage::First, state);
+        let firsts = heat.begin_first(state);
         // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
         for (i, (closed, p)) in heat.iterate.closed.iter_mut().zip(pressure).enumerate() {
@@ -62,7 +62,7 @@ impl<'a> Prepared<'a> {
         heat.contacts[0].set_status(stages.contact.status());
         heat.iterate.take_mean_temperature(&state.temperature, given.reference);
         heat.solve_stage(Stage::First, given, stages, moment, motion)?;
-        Ok(FirstSolved(heat))
+        Ok(FirstSolved(heat, firsts))
     }
 }
 
@@ -79,7 +79,7 @@ impl<'a> FirstSolved<'a> {
         motion: StageMotion,
     ) -> Result<Solved<'a>, StageError> {
         let (heat, state) = (self.0, state_of(given));
-        heat.begin(Stage::End, state);
+        heat.begin_end(self.1, state);
         heat.predict_end(state, [&given.state.pressure, &stages.first.pressure]);
         let [first, end] = &mut heat.contacts;
         end.set_status(first.status());

@@ -13,7 +13,6 @@ use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
 use scene::{self, Geometry, HeatResolution, Scene};
-use std::sync::Mutex;
 
 /// Finest tolerance of a reduction.
 const FINEST: f64 = 2e-5;
@@ -38,8 +37,8 @@ pub fn can_be_resolved(scene: &Scene) -> bool {
 /// Prototypes of punch and strip, copied for every instance of a scene.
 #[derive(Debug)]
 pub struct Bodies {
-    // Bodies own their workspace, so threads copy them instead of sharing them.
-    prototypes: [Option<Mutex<Box<dyn ThermalBody>>>; 2],
+    /// Shared by the threads; each prepares steps of its own, in a copy.
+    pub prototypes: [Option<Box<dyn ThermalBody>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
     /// Decay rates of their modes, 1/s: bodies with the same rates have the same state layout.
@@ -87,28 +86,10 @@ impl Bodies {
     ) -> Bodies {
         let cooled = scene.punch_cooled_area() / (scene.depth * scene.count);
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
-        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
+        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates(0.0)));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
         let error = of_the_mean.zip(error_weights).map(|(error, share)| share.accounted * error).fold(0.0, maximum);
-        Bodies {
-            prototypes: bodies.map(|body| body.map(Mutex::new)),
-            states,
-            rates,
-            waves,
-            cooled_length: [cooled, free],
-            error,
-        }
-    }
-
-    /// Independent copies of the bodies, each with its own workspace.
-    pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
-        self.prototypes.each_ref().map(|body| {
-            body.as_ref().map(|body| match body.lock() {
-                Ok(body) => body.clone(),
-                // Nothing is ever written through the lock.
-                Err(poisoned) => poisoned.into_inner().clone(),
-            })
-        })
+        Bodies { prototypes: bodies, states, rates, waves, cooled_length: [cooled, free], error }
     }
 }
 
