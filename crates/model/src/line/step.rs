@@ -234,15 +234,16 @@ impl Line {
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
-        let bound = scene.tolerance * operators.displacement_scale * mean;
-        let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
+        let [of_wear, of_heat] = [operators.budget.steps.whole, operators.budget.steps.line_heat]
+            .map(|part| part * operators.displacement_scale * mean);
+        let wear = if estimate == 0.0 { 0.0 } else { estimate / of_wear };
         match solved {
             Some(mut solved) if solved.is_controlled(path.length()) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
-                Outcome::Tried(maximum(wear, solved.error(operators, bound)))
+                Outcome::Tried(maximum(wear, solved.error(operators, of_heat)))
             }
             _ => Outcome::Tried(wear),
         }

@@ -21,10 +21,6 @@ const FADE_VALIDITY: f64 = 0.1;
 /// Error, in units of the tolerance, below which a bound suffices.
 const SMALL: f64 = 0.15;
 
-/// Part of the tolerance that the estimates of temperature and distortion may reach. Where edges of the contact move, the error of the steps
-/// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
-const PART_OF_TOLERANCE: f64 = 0.5;
-
 /// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
 /// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
 /// internal steps.
@@ -80,11 +76,11 @@ impl Solved<'_> {
             rise = maximum(rise, largest(&heat.temperature[1][side]));
         }
         let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
-        allowance * maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        allowance * maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise))
     }
 
-    /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
-    /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
+    /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
+    /// `bound` is that of the displacement, in m. Where the error is small, an upper bound of it.
     pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
         let (most, faces) = (self.bound_of_error(operators, bound), self.error_of_faces(operators, bound));
         if most < SMALL {
@@ -121,7 +117,7 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        let cells = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
+        let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise));
         maximum(cells, faces)
     }
 
@@ -132,7 +128,7 @@ impl Solved<'_> {
         let [error, of_faces, moved] = heat.errors_of_faces(touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
         let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
-        maximum(moved / bound, error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        maximum(moved / bound, error / (operators.budget.steps.line_heat * rise))
     }
 }
 

@@ -17,13 +17,6 @@ use numerics::maximum::maximum;
 /// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
 
-/// Remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which friction and wear
-/// depend, at which the iteration ends: as a part of the step's tolerance, and its bounds. Fluxes and heat balance are exact at
-/// any remaining error.
-const PART: f64 = 1e-3;
-const LEAST: f64 = 1e-9;
-const MOST: f64 = 1e-6;
-
 /// Admissible relative error of the temperatures of both surfaces over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
 
@@ -145,7 +138,8 @@ struct Change {
 /// Convergence of a stage.
 #[derive(Clone, Copy, Debug)]
 struct Convergence {
-    /// Admissible remaining error.
+    /// Admissible remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which
+    /// friction and wear depend. Fluxes and heat balance are exact at any remaining error.
     enough: f64,
     pressure: RemainingError,
     interface: RemainingError,
@@ -155,9 +149,8 @@ struct Convergence {
 }
 
 impl Convergence {
-    fn new(tolerance: f64) -> Convergence {
+    fn new(enough: f64) -> Convergence {
         let [pressure, interface, contact_temperature] = [RemainingError::default(); 3];
-        let enough = (PART * tolerance).clamp(LEAST, MOST);
         Convergence { enough, pressure, interface, contact_temperature, accelerated: None }
     }
 
@@ -203,7 +196,7 @@ impl ThermalCoupling {
         }
         let stribeck = given.friction.stribeck(motion.velocity);
         let mut slip = moment.slip(stribeck);
-        let mut convergence = Convergence::new(operators.scene.tolerance);
+        let mut convergence = Convergence::new(operators.budget.iteration.line_stage);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
         self.iterate.added.fill(false);

@@ -12,6 +12,7 @@ use crate::line::Line;
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
+use crate::tolerance::ToleranceBudget;
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};
@@ -139,6 +140,7 @@ impl CycleMap {
         }
         // Every step is accepted, so that the cycle is a smooth function of its start.
         operators.scene.tolerance = ANY_STEP;
+        operators.budget = ToleranceBudget::new(ANY_STEP);
         let scene = &operators.scene;
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,

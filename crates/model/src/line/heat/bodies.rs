@@ -4,6 +4,7 @@
 
 use crate::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::lumped::operators::moving_source;
+use crate::tolerance::ToleranceBudget;
 use conduction::lateral::Lateral;
 use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
@@ -13,13 +14,6 @@ use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
 use scene::{self, Geometry, HeatResolution, Scene};
-
-/// Finest tolerance of a reduction.
-const FINEST: f64 = 2e-5;
-
-/// Part of the tolerance for the error of the punch's mean temperature, at fluxes of every frequency. The strip has an error
-/// measure of its own, for all Fourier modes together.
-const PUNCH_PART: f64 = 0.25;
 
 /// Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
 const EXPECTED: f64 = 1.5;
@@ -58,9 +52,9 @@ impl Bodies {
     /// The reason for which a body cannot be built, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
-        let whole = scene.tolerance.max(FINEST);
-        let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
-            .map(|part| (part * scene.tolerance).max(FINEST));
+        let reduction = ToleranceBudget::of(scene).reduction;
+        let of_the_mean = reduction.punch_mean(error_weights[0].tolerance);
+        let (whole, tolerance) = (reduction.whole(), reduction.strip(error_weights[1].tolerance));
         let duration = scene.nominal_duration;
         let punch = punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
             .map_err(|error| format!("punch: {error}"))?
