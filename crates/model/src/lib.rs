@@ -16,6 +16,7 @@ pub mod lumped;
 pub mod plan;
 pub mod run_error;
 pub mod step_control;
+pub mod tolerance;
 
 /// Inputs of the component in the order of the variable table.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -7,7 +7,7 @@ use super::driver::Driven;
 use super::{Problem, known};
 use conduction::line::punch::{mate::reduce_mate, reduce};
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::{PartedRing, RadialBands};
 use scene::Scene;
@@ -83,7 +83,7 @@ fn parted(mate: bool) -> Result<f64, String> {
     let (mut temperature, mut distortion) = (vec![0.0; CELLS], vec![0.0; CELLS]);
     // Long against the time of conduction along the ring.
     heat.prepare(1e6, [0.0; 2]);
-    heat.advance(&mut state, &around, &flux, &flux);
+    heat.step(&mut state, &around, &flux, &flux);
     heat.free_response(&state, &around, Stage::End, &flux, &mut temperature, &mut distortion);
     let influence = &heat.influence(Stage::End).temperature;
     let at = |cell: usize| temperature[cell] + (0..CELLS).map(|j| influence[(cell, j)] * flux[j]).sum::<f64>();

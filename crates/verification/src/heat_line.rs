@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use scene::FarBoundary;
@@ -301,10 +301,17 @@ fn oscillating(all: &mut Vec<Problem>) {
                 let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
                 for index in 0..64 * periods {
                     body.prepare(step, [velocity(index), velocity(index + 1)]);
-                    body.advance(&mut state, &air, &flux, &flux);
+                    body.step(&mut state, &air, &flux, &flux);
                 }
                 let mut temperature = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(&state, &air, &flux, velocity(64 * periods), &mut temperature);
+                body.temperature_at_frozen_state(
+                    &state,
+                    &air,
+                    &flux,
+                    velocity(64 * periods),
+                    &mut temperature,
+                    &mut body.workspace(),
+                );
                 Ok(cells.point_value(&temperature, 0.0))
             }),
             bound: 1e-4,

@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::line::punch::reduce;
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody};
+use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
 use scene::Scene;
@@ -64,7 +64,7 @@ impl Reduced {
                 self.distortion[i] += influence.distortion[(i, j)] * flux;
             }
         }
-        self.heat.advance(&mut self.state, &around, first, end);
+        self.heat.step(&mut self.state, &around, first, end);
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::Problem;
 use conduction::line::punch;
-use conduction::line::{GAMMA, Stage, Surroundings, ThermalBody};
+use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::Scene;
 use scene::variables::{STARTS, find};
@@ -101,7 +101,7 @@ impl Course {
                     *value += (0..CELLS).map(|j| influence[(i, j)] * end[j]).sum::<f64>();
                 }
             }
-            body.advance(&mut state, &air, &first, &end);
+            body.step(&mut state, &air, &first, &end);
         }
         let half = CELLS / 2..CELLS;
         Ok(half.map(|i| cells.widths()[i] * temperature[i]).sum::<f64>() / (0.5 * WIDTH))

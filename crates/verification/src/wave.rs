@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 7.4, 10.
 
-use conduction::line::{Stage, Surroundings, ThermalBody};
+use conduction::line::{SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
 use exact::instability;
 use model::Inputs;
@@ -183,7 +183,7 @@ impl WaveContact {
     pub fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
-        let [body, _] = operators.heat.as_ref().ok_or("the contact line carries no heat")?.copies();
+        let [body, _] = operators.heat.as_ref().ok_or("the contact line carries no heat")?.prototypes.clone();
         let body = body.ok_or("the punch conducts no heat")?;
         let [punch, _] = compliances(&operators.scene, &operators.cells).map_err(|error| error.to_string())?;
         Ok(LinearWave {
@@ -303,7 +303,7 @@ impl LinearWave {
             let flux = self.heat * self.amplitude;
             fluxes[index] = self.cosine.iter().map(|c| flux * c).collect();
         }
-        self.body.advance(&mut self.state, &air, &fluxes[0], &fluxes[1]);
+        self.body.step(&mut self.state, &air, &fluxes[0], &fluxes[1]);
     }
 
     /// Amplitude over the mean pressure.
@@ -330,12 +330,12 @@ pub struct SplitWave {
 impl SplitWave {
     /// A wave from rest.
     pub fn new(mut wave: LinearWave) -> SplitWave {
-        let rates = wave.body.decay_rates();
+        let rates = wave.body.decay_rates(0.0);
         // Resolves the fastest state: no input is lost to rounding.
         let step = 1.0 / rates.iter().copied().fold(0.0, f64::max);
         let mut inputs = wave.state.clone();
         wave.body.prepare(step, [0.0; 2]);
-        wave.body.advance(&mut inputs, &Surroundings::default(), &wave.cosine, &wave.cosine);
+        wave.body.step(&mut inputs, &Surroundings::default(), &wave.cosine, &wave.cosine);
         for (input, rate) in inputs.iter_mut().zip(&rates) {
             *input *= if *rate > 0.0 { -rate / (-rate * step).exp_m1() } else { 1.0 / step };
         }
@@ -352,7 +352,14 @@ impl SplitWave {
         }
         let fluxes: Vec<f64> = wave.cosine.iter().map(|c| flux * c).collect();
         let mut distortion = fluxes.clone();
-        wave.body.distortion_at_frozen_state(&wave.state, &Surroundings::default(), &fluxes, 0.0, &mut distortion);
+        wave.body.distortion_at_frozen_state(
+            &wave.state,
+            &Surroundings::default(),
+            &fluxes,
+            0.0,
+            &mut distortion,
+            &mut wave.body.workspace(),
+        );
         *moved = 2.0 / fluxes.len() as f64 * wave.cosine.iter().zip(&distortion).map(|(c, u)| c * u).sum::<f64>();
     }
 

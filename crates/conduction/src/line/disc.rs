@@ -21,7 +21,10 @@
 //! Theory: docs/theory.md, section 4.7.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, FACES, FaceInfluence, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::{
+    Account, End, FACES, FaceInfluence, First, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody,
+    Workspace,
+};
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
@@ -178,33 +181,26 @@ impl Weights {
     }
 }
 
-impl ThermalBody for DiscHeat {
-    fn cells(&self) -> usize {
-        self.source.ratio.len()
+impl DiscHeat {
+    /// Adds the free response of the source at a stage to the temperatures of the cells.
+    fn add_source(&self, source: &[f64], stage: Stage, known: &[f64], temperature: &mut [f64]) {
+        let left = source.iter().zip(&self.stage(stage).weights).enumerate();
+        Self::add(
+            temperature,
+            left.map(|(k, (state, weights))| weights.decay * state + weights.known * known[k / MAX_FLASH_STATES]),
+        );
     }
+}
 
-    fn states(&self) -> usize {
-        self.source_states() + self.ring.states()
+impl ThermalBody for DiscHeat {
+    fn workspace(&self) -> Workspace {
+        self.ring.workspace()
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
         let (source, ring) = state.split_at_mut(self.source_states());
         self.ring.uniform(rise, ring);
         source.fill(0.0);
-    }
-
-    fn decay_rates(&self) -> Vec<f64> {
-        self.decay_rates_while_sliding(0.0)
-    }
-
-    fn decay_rates_while_sliding(&self, velocity: f64) -> Vec<f64> {
-        let Source { flash, ratio } = &*self.source;
-        let of_the_cell = |ratio: &f64| {
-            let square = ratio * ratio;
-            let sliding = flash.sliding_rate(square * velocity.abs());
-            std::array::from_fn::<f64, MAX_FLASH_STATES, _>(|k| (flash.rates[k] + sliding) / square)
-        };
-        ratio.iter().flat_map(of_the_cell).chain(self.ring.decay_rates()).collect()
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
@@ -218,37 +214,79 @@ impl ThermalBody for DiscHeat {
         &self.stage(stage).influence
     }
 
-    fn free_response(
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
+        self.ring.face_influence(stage, face, influence, work);
+    }
+
+    fn first(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
-        stage: Stage,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
+        deviation: &[f64],
+        [temperature, distortion]: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> First {
         let (ring, source) = self.split(state);
-        let faces = self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
-        let weights = &self.stage(stage).weights;
-        let left = source.iter().zip(weights).enumerate();
-        Self::add(
-            temperature,
-            left.map(|(k, (state, weights))| weights.decay * state + weights.known * known[k / MAX_FLASH_STATES]),
-        );
-        faces
+        let first = self.ring.first(ring, surroundings, deviation, [&mut *temperature, distortion], work);
+        self.add_source(source, Stage::First, deviation, temperature);
+        first
     }
 
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
-        self.ring.face_influence(stage, face, influence);
+    fn end(
+        &self,
+        first: First,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        [temperature, distortion]: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> End {
+        let (ring, source) = self.split(state);
+        let end = self.ring.end(first, ring, surroundings, flux, [&mut *temperature, distortion], work);
+        self.add_source(source, Stage::End, flux, temperature);
+        end
     }
 
-    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let (source, ring) = state.split_at_mut(self.source_states());
-        self.ring.advance(ring, surroundings, first, end);
-        for (k, (state, weights)) in source.iter_mut().zip(&self.stage(Stage::End).weights).enumerate() {
+    fn advance(
+        &self,
+        end: End,
+        (before, after): (&[f64], &mut [f64]),
+        surroundings: &Surroundings,
+        flux: [&[f64]; 2],
+        work: &mut Workspace,
+    ) {
+        let (ring_before, source_before) = self.split(before);
+        let (source, ring) = after.split_at_mut(self.source_states());
+        self.ring.advance(end, (ring_before, ring), surroundings, flux, work);
+        let states = source.iter_mut().zip(source_before).zip(&self.stage(Stage::End).weights);
+        for (k, ((state, before), weights)) in states.enumerate() {
             let i = k / MAX_FLASH_STATES;
-            *state = weights.decay * *state + weights.known * first[i] + weights.own * end[i];
+            *state = weights.decay * before + weights.known * flux[0][i] + weights.own * flux[1][i];
         }
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+impl Observed for DiscHeat {
+    fn cells(&self) -> usize {
+        self.source.ratio.len()
+    }
+
+    fn states(&self) -> usize {
+        self.source_states() + self.ring.states()
+    }
+
+    fn decay_rates(&self, velocity: f64) -> Vec<f64> {
+        let Source { flash, ratio } = &*self.source;
+        let of_the_cell = |ratio: &f64| {
+            let square = ratio * ratio;
+            let sliding = flash.sliding_rate(square * velocity.abs());
+            std::array::from_fn::<f64, MAX_FLASH_STATES, _>(|k| (flash.rates[k] + sliding) / square)
+        };
+        ratio.iter().flat_map(of_the_cell).chain(self.ring.decay_rates(velocity)).collect()
     }
 
     fn temperature_at_frozen_state(
@@ -258,9 +296,10 @@ impl ThermalBody for DiscHeat {
         flux: &[f64],
         velocity: f64,
         temperature: &mut [f64],
+        work: &mut Workspace,
     ) {
         let (ring, source) = self.split(state);
-        self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature);
+        self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature, work);
         Self::add(temperature, source.iter().copied());
     }
 
@@ -271,8 +310,9 @@ impl ThermalBody for DiscHeat {
         flux: &[f64],
         velocity: f64,
         distortion: &mut [f64],
+        work: &mut Workspace,
     ) {
-        self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion);
+        self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion, work);
     }
 
     fn cooled_temperature(
@@ -281,8 +321,13 @@ impl ThermalBody for DiscHeat {
         surroundings: &Surroundings,
         flux: &[f64],
         velocity: f64,
+        work: &mut Workspace,
     ) -> [f64; FACES] {
-        self.ring.cooled_temperature(self.split(state).0, surroundings, flux, velocity)
+        self.ring.cooled_temperature(self.split(state).0, surroundings, flux, velocity, work)
+    }
+
+    fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        self.ring.far_temperature(self.split(state).0, surroundings, flux)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
@@ -297,16 +342,8 @@ impl ThermalBody for DiscHeat {
         self.ring.account(self.split(state).0)
     }
 
-    fn error(&self) -> f64 {
-        self.ring.error()
-    }
-
     fn error_of_the_mean(&self) -> f64 {
         self.ring.error_of_the_mean()
-    }
-
-    fn boxed(&self) -> Box<dyn ThermalBody> {
-        Box::new(self.clone())
     }
 }
 
@@ -314,6 +351,7 @@ impl ThermalBody for DiscHeat {
 mod tests {
     use super::*;
     use crate::lateral::Lateral;
+    use crate::line::SingleStep;
     use crate::line::punch::mate::reduce_mate;
     use crate::moving_source::{MovingSource, Path};
     use crate::slab::{CoolingPort, Slab};
@@ -370,7 +408,7 @@ mod tests {
         for i in 0..5 {
             temperature[i] += (0..5).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
         }
-        disc.advance(state, &around, flux, flux);
+        disc.step(state, &around, flux, flux);
         temperature
     }
 
@@ -388,9 +426,11 @@ mod tests {
                 &flux,
                 velocity,
                 &mut ring,
+                &mut disc.workspace(),
             );
             let mut held = vec![0.0; 5];
-            disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held);
+            let work = &mut disc.workspace();
+            disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held, work);
             for i in 0..5 {
                 let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
                 assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");

@@ -33,6 +33,7 @@ pub mod reduced;
 pub mod strip;
 #[cfg(test)]
 mod tests;
+mod workspace;
 
 use crate::properties::Scales;
 use contact_parts::ContactParts;
@@ -40,6 +41,7 @@ use nalgebra::DMatrix;
 use std::fmt::Debug;
 
 pub use numerics::sdirk::GAMMA;
+pub use workspace::{SingleStep, Workspace};
 
 /// Cache size in entries of an N x N matrix over all cached steps, unless fewer than [`LEAST_STEPS`] fit.
 const CACHED_NUMBERS: usize = 400_000;
@@ -207,39 +209,32 @@ pub struct Account {
     pub far: f64,
 }
 
-/// One heat-conducting body. Implementations share their operators (`Arc`) and own only what depends on the step, so a clone
-/// is cheap. No call allocates after the first `prepare`.
-pub trait ThermalBody: Debug + Send {
-    /// Number of cells N.
-    fn cells(&self) -> usize;
+/// The free response of the first stage is evaluated. [`ThermalBody::first`] makes one, and [`ThermalBody::end`] takes it.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct First {
+    /// Mean temperatures of the cooled faces in it, K above the reference.
+    pub faces: [f64; FACES],
+}
 
-    /// Length of the state vector; all zero is the body at the reference temperature.
-    fn states(&self) -> usize;
+/// The free response at the end of the step is evaluated. [`ThermalBody::end`] makes one, and [`ThermalBody::advance`] takes it.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct End {
+    /// Mean temperatures of the cooled faces in it, K above the reference.
+    pub faces: [f64; FACES],
+}
+
+/// One heat-conducting body and its steps: [`prepare`](ThermalBody::prepare), [`first`](ThermalBody::first),
+/// [`end`](ThermalBody::end), [`advance`](ThermalBody::advance). Implementations share their operators (`Arc`) and own only what
+/// depends on the step size, so a clone is cheap. What a stage leaves for the next is in the caller's [`Workspace`], one for each
+/// body. No call allocates after the first `prepare`, except `workspace` and `boxed`.
+pub trait ThermalBody: Observed + Debug + Send + Sync {
+    /// Memory for steps and observations of this body.
+    fn workspace(&self) -> Workspace;
 
     /// State of a body at the uniform temperature `rise` (K) above the reference.
     fn uniform(&self, rise: f64, state: &mut [f64]);
-
-    /// Decay rates (1/s, >= 0) of the leading, temperature-like entries of the state; the entries behind them are the heat
-    /// account. Empty if not available.
-    fn decay_rates(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Decay rates while the contact slides at a velocity (m/s), for bodies in which they depend on it.
-    fn decay_rates_while_sliding(&self, _velocity: f64) -> Vec<f64> {
-        self.decay_rates()
-    }
-
-    /// Validity radius of a linearization in the sliding velocity, m/s: a smaller difference hardly changes the direct
-    /// feedthrough.
-    fn velocity_validity(&self) -> f64 {
-        f64::INFINITY
-    }
-
-    /// Whether heat can enter through parts of the cells alone.
-    fn divides_cells(&self) -> bool {
-        false
-    }
 
     /// Sets the parts of the cells through which the fluxes of both stages enter in the steps prepared from now on, and whose mean
     /// temperatures the influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
@@ -266,52 +261,79 @@ pub trait ThermalBody: Debug + Send {
     }
 
     /// Responses of `stage` to the fluxes into a cooled face, which is not one of prescribed temperature.
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence);
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace);
 
-    /// Free response: temperature and distortion of the N cells at `stage` for zero fluxes of that stage into cells and cooled
-    /// faces, from the state at the start of the step, the surroundings and `known`, W/m2: in the first stage the deviation e of
-    /// the flux at the start from that of the stage, at the end the fluxes of the first stage. Returns the mean temperatures of
-    /// the cooled faces.
-    fn free_response(
+    /// Free response of the first stage: temperature and distortion of the N cells for zero fluxes of that stage into cells and
+    /// cooled faces, from the state at the start of the step, the surroundings and the deviation e (W/m2) of the fluxes at the start
+    /// from those of the stage.
+    fn first(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
-        stage: Stage,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES];
+        deviation: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> First;
 
-    /// [`ThermalBody::free_response`] at the end, valid directly after that of the first stage with the same state and
-    /// surroundings: reuses their common part.
-    fn free_response_at_end(
+    /// The same at the end of the step, after the first stage with the fluxes `flux` into the cells; state, surroundings up to that
+    /// stage and workspace are those of `first`.
+    fn end(
         &self,
+        first: First,
         state: &[f64],
         surroundings: &Surroundings,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        self.free_response(state, surroundings, Stage::End, known, temperature, distortion)
+        flux: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> End;
+
+    /// State after the step, from the one before it, by the fluxes of both stages; those of the first, the state before, the
+    /// surroundings up to the first stage and the workspace are those of `end`.
+    fn advance(
+        &self,
+        end: End,
+        state: (&[f64], &mut [f64]),
+        surroundings: &Surroundings,
+        flux: [&[f64]; 2],
+        work: &mut Workspace,
+    );
+
+    /// A copy with weights of its own.
+    fn boxed(&self) -> Box<dyn ThermalBody>;
+}
+
+impl Clone for Box<dyn ThermalBody> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
+/// What is known of a body and seen of its state. At frozen state a flux acts through the direct feedthrough only, and surroundings
+/// are those of the end of a step.
+pub trait Observed {
+    /// Number of cells N.
+    fn cells(&self) -> usize;
+
+    /// Length of the state vector; all zero is the body at the reference temperature.
+    fn states(&self) -> usize;
+
+    /// Decay rates (1/s, >= 0) of the leading, temperature-like entries of the state while the contact slides at `velocity` (m/s);
+    /// the entries behind them are the heat account.
+    fn decay_rates(&self, velocity: f64) -> Vec<f64>;
+
+    /// Validity radius of a linearization in the sliding velocity, m/s: a smaller difference hardly changes the direct
+    /// feedthrough.
+    fn velocity_validity(&self) -> f64 {
+        f64::INFINITY
     }
 
-    /// Propagates the state over the prepared step with the fluxes of both stages.
-    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]);
-
-    /// [`ThermalBody::advance`], valid directly after the free response at the end with the same state, surroundings and
-    /// fluxes `first`: reuses its result.
-    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        self.advance(state, surroundings, first, end);
+    /// Whether heat can enter through parts of the cells alone.
+    fn divides_cells(&self) -> bool {
+        false
     }
 
-    /// [`ThermalBody::advance_from_end`] from the state `before`, which is unchanged, to the state `after`.
-    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        after.copy_from_slice(before);
-        self.advance_from_end(after, surroundings, first, end);
-    }
-
-    /// Output map at frozen state: temperature (K above the reference) of the N cells for the flux `flux`, which acts
-    /// through the direct feedthrough only, at the sliding velocity `velocity` (m/s).
+    /// Temperature (K above the reference) of the N cells at frozen state for the fluxes `flux` at the sliding velocity `velocity`
+    /// (m/s).
     fn temperature_at_frozen_state(
         &self,
         state: &[f64],
@@ -319,9 +341,10 @@ pub trait ThermalBody: Debug + Send {
         flux: &[f64],
         velocity: f64,
         temperature: &mut [f64],
+        work: &mut Workspace,
     );
 
-    /// Distortion of the N cells at frozen state, m into the body; arguments as in [`ThermalBody::temperature_at_frozen_state`].
+    /// Distortion of the N cells at frozen state, m into the body.
     fn distortion_at_frozen_state(
         &self,
         state: &[f64],
@@ -329,16 +352,21 @@ pub trait ThermalBody: Debug + Send {
         flux: &[f64],
         velocity: f64,
         distortion: &mut [f64],
+        work: &mut Workspace,
     );
 
-    /// Mean temperatures of the cooled faces at frozen state; arguments as in [`ThermalBody::temperature_at_frozen_state`].
+    /// Mean temperatures of the cooled faces at frozen state.
     fn cooled_temperature(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
         flux: &[f64],
         velocity: f64,
+        work: &mut Workspace,
     ) -> [f64; FACES];
+
+    /// Mean temperature of the far face at frozen state.
+    fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;
 
     /// Heat flows at frozen state, W/m: to the air beside the contact (without the flux `cooling`), and the total out of the
     /// far face.
@@ -350,20 +378,6 @@ pub trait ThermalBody: Debug + Send {
     /// Heat account; exact for the exact propagation of the states.
     fn account(&self, state: &[f64]) -> Account;
 
-    /// Relative error of the reduction at the contact line, computed when the body was made.
-    fn error(&self) -> f64;
-
-    /// Relative error of the reduction for the mean contact temperature.
-    fn error_of_the_mean(&self) -> f64 {
-        self.error()
-    }
-
-    /// A copy with weights of its own.
-    fn boxed(&self) -> Box<dyn ThermalBody>;
-}
-
-impl Clone for Box<dyn ThermalBody> {
-    fn clone(&self) -> Self {
-        (**self).boxed()
-    }
+    /// Relative error of the reduction for the mean contact temperature, computed when the body was made.
+    fn error_of_the_mean(&self) -> f64;
 }

@@ -11,10 +11,12 @@
 //! Theory: docs/theory.md, section 4.15.
 
 use super::contact_parts::ContactParts;
-use super::{Account, Boundary, FACES, FaceInfluence, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::workspace::{Memory, Workspace};
+use super::{
+    Account, Boundary, End, FACES, FaceInfluence, First, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody,
+};
 use crate::properties::{Properties, Scales};
 use nalgebra::DMatrix;
-use std::cell::RefCell;
 use std::sync::Arc;
 
 /// Entries of the state vector behind those of the body of constants: the absolute temperature of the reference (K; 0 before any step), and
@@ -48,8 +50,14 @@ pub struct PropertyBody {
     /// Surface influence matrices of both stages, through the parts in contact and through whole cells.
     influence: [SurfaceInfluence; 2],
     of_whole: [SurfaceInfluence; 2],
-    /// Scaled fluxes.
-    scratch: RefCell<[Vec<f64>; 2]>,
+    /// Zero fluxes into the cells.
+    no_flux: Vec<f64>,
+}
+
+/// The flux of the body of constants, in `own`.
+fn scaled<'a>(own: &'a mut [f64], flux: &[f64], factor: f64) -> &'a [f64] {
+    own.iter_mut().zip(flux).for_each(|(own, flux)| *own = factor * flux);
+    own
 }
 
 impl PropertyBody {
@@ -59,7 +67,7 @@ impl PropertyBody {
         let (mut uniform, nothing) = (vec![0.0; states], vec![0.0; states]);
         constant.uniform(1.0, &mut uniform);
         let capacity = constant.account(&uniform).stored - constant.account(&nothing).stored;
-        uniform[constant.decay_rates().len()..].fill(0.0);
+        uniform[constant.decay_rates(0.0).len()..].fill(0.0);
         let uniform_mean = constant.mean_temperature(&uniform);
         let matrices = |count: usize| {
             let zeros = || DMatrix::zeros(count, count);
@@ -76,7 +84,7 @@ impl PropertyBody {
             reference: 0.0,
             influence: [matrices(cells), matrices(cells)],
             of_whole: [matrices(divided), matrices(divided)],
-            scratch: RefCell::new([vec![0.0; cells], vec![0.0; cells]]),
+            no_flux: vec![0.0; cells],
             constant,
         }
     }
@@ -101,11 +109,6 @@ impl PropertyBody {
             first: self.boundary(&of.first, flux),
             end: self.boundary(&of.end, flux),
         }
-    }
-
-    fn scaled<'a>(&self, own: &'a mut Vec<f64>, flux: &[f64], factor: f64) -> &'a [f64] {
-        own.iter_mut().zip(flux).for_each(|(own, flux)| *own = factor * flux);
-        own
     }
 
     /// Properties at the mean temperature of a state; the constants before any step.
@@ -156,12 +159,9 @@ impl PropertyBody {
 }
 
 impl ThermalBody for PropertyBody {
-    fn cells(&self) -> usize {
-        self.constant.cells()
-    }
-
-    fn states(&self) -> usize {
-        self.constant.states() + ENTRIES
+    fn workspace(&self) -> Workspace {
+        let zeros = || vec![0.0; self.constant.cells()];
+        Workspace(Memory::Scaled(Box::new((self.constant.workspace(), [zeros(), zeros()]))))
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
@@ -169,22 +169,6 @@ impl ThermalBody for PropertyBody {
         let (own, behind) = state.split_at_mut(count);
         self.constant.uniform(rise, own);
         behind.fill(0.0);
-    }
-
-    fn decay_rates(&self) -> Vec<f64> {
-        self.constant.decay_rates()
-    }
-
-    fn decay_rates_while_sliding(&self, velocity: f64) -> Vec<f64> {
-        self.constant.decay_rates_while_sliding(velocity)
-    }
-
-    fn velocity_validity(&self) -> f64 {
-        self.scales.pace * self.constant.velocity_validity()
-    }
-
-    fn divides_cells(&self) -> bool {
-        self.constant.divides_cells()
     }
 
     fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
@@ -211,82 +195,86 @@ impl ThermalBody for PropertyBody {
         if self.constant.divides_cells() { &self.of_whole[stage as usize] } else { self.influence(stage) }
     }
 
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
-        self.constant.face_influence(stage, face, influence);
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
+        self.constant.face_influence(stage, face, influence, work.scaled().0);
         let factor = self.scales.flux;
         let FaceInfluence { temperature, distortion, faces, mean, by_cell } = influence;
         let numbers = temperature.iter_mut().chain(distortion).chain(faces).chain(by_cell).chain([mean]);
         numbers.for_each(|number| *number *= factor);
     }
 
-    fn free_response(
+    fn first(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
-        stage: Stage,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        let [own, _] = &mut *self.scratch.borrow_mut();
-        let (factor, state) = (self.scales.flux, self.split(state).0);
-        let known = self.scaled(own, known, factor);
-        self.constant.free_response(state, &self.around(surroundings, factor), stage, known, temperature, distortion)
+        deviation: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> First {
+        let (work, [own, _]) = work.scaled();
+        let factor = self.scales.flux;
+        let around = self.around(surroundings, factor);
+        self.constant.first(self.split(state).0, &around, scaled(own, deviation, factor), response, work)
     }
 
-    fn free_response_at_end(
+    fn end(
         &self,
+        first: First,
         state: &[f64],
         surroundings: &Surroundings,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        let [own, _] = &mut *self.scratch.borrow_mut();
-        let (factor, state) = (self.scales.flux, self.split(state).0);
-        let known = self.scaled(own, known, factor);
-        self.constant.free_response_at_end(state, &self.around(surroundings, factor), known, temperature, distortion)
+        flux: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> End {
+        let (work, [own, _]) = work.scaled();
+        let factor = self.scales.flux;
+        let around = self.around(surroundings, factor);
+        self.constant.end(first, self.split(state).0, &around, scaled(own, flux, factor), response, work)
     }
 
-    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let count = state.len() - ENTRIES;
-        let (before, mean) = (self.constant.account(&state[..count]), self.constant.mean_temperature(&state[..count]));
-        {
-            let [own_first, own_end] = &mut *self.scratch.borrow_mut();
-            let factor = self.scales.flux;
-            let around = self.around(surroundings, factor);
-            let fluxes = (self.scaled(own_first, first, factor), self.scaled(own_end, end, factor));
-            self.constant.advance(&mut state[..count], &around, fluxes.0, fluxes.1);
-        }
-        self.settle(state, before, mean);
-    }
-
-    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let count = state.len() - ENTRIES;
-        let (before, mean) = (self.constant.account(&state[..count]), self.constant.mean_temperature(&state[..count]));
-        {
-            let [own_first, own_end] = &mut *self.scratch.borrow_mut();
-            let factor = self.scales.flux;
-            let around = self.around(surroundings, factor);
-            let fluxes = (self.scaled(own_first, first, factor), self.scaled(own_end, end, factor));
-            self.constant.advance_from_end(&mut state[..count], &around, fluxes.0, fluxes.1);
-        }
-        self.settle(state, before, mean);
-    }
-
-    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let count = before.len() - ENTRIES;
-        let (account, mean) =
-            (self.constant.account(&before[..count]), self.constant.mean_temperature(&before[..count]));
-        after[count..].copy_from_slice(&before[count..]);
-        {
-            let [own_first, own_end] = &mut *self.scratch.borrow_mut();
-            let factor = self.scales.flux;
-            let around = self.around(surroundings, factor);
-            let fluxes = (self.scaled(own_first, first, factor), self.scaled(own_end, end, factor));
-            self.constant.advance_to(&before[..count], &mut after[..count], &around, fluxes.0, fluxes.1);
-        }
+    fn advance(
+        &self,
+        end: End,
+        (before, after): (&[f64], &mut [f64]),
+        surroundings: &Surroundings,
+        [first, last]: [&[f64]; 2],
+        work: &mut Workspace,
+    ) {
+        let (work, [of_first, of_end]) = work.scaled();
+        let (own, behind) = self.split(before);
+        let (account, mean) = (self.constant.account(own), self.constant.mean_temperature(own));
+        let factor = self.scales.flux;
+        let flux = [scaled(of_first, first, factor), scaled(of_end, last, factor)];
+        let count = own.len();
+        after[count..].copy_from_slice(behind);
+        self.constant.advance(end, (own, &mut after[..count]), &self.around(surroundings, factor), flux, work);
         self.settle(after, account, mean);
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+impl Observed for PropertyBody {
+    fn cells(&self) -> usize {
+        self.constant.cells()
+    }
+
+    fn states(&self) -> usize {
+        self.constant.states() + ENTRIES
+    }
+
+    fn decay_rates(&self, velocity: f64) -> Vec<f64> {
+        self.constant.decay_rates(velocity)
+    }
+
+    fn velocity_validity(&self) -> f64 {
+        self.scales.pace * self.constant.velocity_validity()
+    }
+
+    fn divides_cells(&self) -> bool {
+        self.constant.divides_cells()
     }
 
     fn temperature_at_frozen_state(
@@ -296,11 +284,13 @@ impl ThermalBody for PropertyBody {
         flux: &[f64],
         velocity: f64,
         temperature: &mut [f64],
+        work: &mut Workspace,
     ) {
-        let [own, _] = &mut *self.scratch.borrow_mut();
+        let (work, [own, _]) = work.scaled();
         let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), self.scaled(own, flux, factor));
-        self.constant.temperature_at_frozen_state(self.split(state).0, &around, flux, velocity / pace, temperature);
+        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
+        let state = self.split(state).0;
+        self.constant.temperature_at_frozen_state(state, &around, flux, velocity / pace, temperature, work);
     }
 
     fn distortion_at_frozen_state(
@@ -310,11 +300,13 @@ impl ThermalBody for PropertyBody {
         flux: &[f64],
         velocity: f64,
         distortion: &mut [f64],
+        work: &mut Workspace,
     ) {
-        let [own, _] = &mut *self.scratch.borrow_mut();
+        let (work, [own, _]) = work.scaled();
         let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), self.scaled(own, flux, factor));
-        self.constant.distortion_at_frozen_state(self.split(state).0, &around, flux, velocity / pace, distortion);
+        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
+        let state = self.split(state).0;
+        self.constant.distortion_at_frozen_state(state, &around, flux, velocity / pace, distortion, work);
     }
 
     fn cooled_temperature(
@@ -323,18 +315,27 @@ impl ThermalBody for PropertyBody {
         surroundings: &Surroundings,
         flux: &[f64],
         velocity: f64,
+        work: &mut Workspace,
     ) -> [f64; FACES] {
-        let [own, _] = &mut *self.scratch.borrow_mut();
+        let (work, [own, _]) = work.scaled();
         let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), self.scaled(own, flux, factor));
-        self.constant.cooled_temperature(self.split(state).0, &around, flux, velocity / pace)
+        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
+        self.constant.cooled_temperature(self.split(state).0, &around, flux, velocity / pace, work)
+    }
+
+    fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        let factor = self.scales_of(state).flux;
+        let (own, around) = (self.split(state).0, self.around(surroundings, factor));
+        // Linear in the flux.
+        let [without, with] = [&self.no_flux, flux].map(|flux| self.constant.far_temperature(own, &around, flux));
+        without + factor * (with - without)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
-        let [own, _] = &mut *self.scratch.borrow_mut();
         let factor = self.scales_of(state).flux;
-        let (around, flux) = (self.around(surroundings, factor), self.scaled(own, flux, factor));
-        self.constant.flows(self.split(state).0, &around, flux).map(|flow| flow / factor)
+        let (own, around) = (self.split(state).0, self.around(surroundings, factor));
+        let [without, with] = [&self.no_flux, flux].map(|flux| self.constant.flows(own, &around, flux));
+        std::array::from_fn(|k| without[k] / factor + (with[k] - without[k]))
     }
 
     fn mean_temperature(&self, state: &[f64]) -> f64 {
@@ -348,24 +349,16 @@ impl ThermalBody for PropertyBody {
         Account { received, stored, ambient, far }
     }
 
-    fn error(&self) -> f64 {
-        self.constant.error()
-    }
-
     fn error_of_the_mean(&self) -> f64 {
         self.constant.error_of_the_mean()
-    }
-
-    fn boxed(&self) -> Box<dyn ThermalBody> {
-        Box::new(self.clone())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::GAMMA;
     use super::super::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
     use super::super::tests::at_stage;
+    use super::super::{GAMMA, SingleStep};
     use super::*;
     use elasticity::{Base, Cells, Material};
     use scene::FarBoundary;
@@ -414,7 +407,7 @@ mod tests {
                     |(body, state)| {
                         body.prepare(length, velocity);
                         let found = at_stage(body, state, &around, (Stage::End, held), [&first, &end]);
-                        body.advance(state, &around, &first, &end);
+                        body.step(state, &around, &first, &end);
                         found
                     },
                 );
@@ -441,7 +434,7 @@ mod tests {
             let flux: Vec<f64> = cells.centres().iter().map(|x| 1e6 * (1.0 + 30.0 * x + 0.02 * 40.0)).collect();
             let seen = |body: &dyn ThermalBody, state: &[f64]| {
                 let mut seen = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(state, &around, &flux, 0.7, &mut seen);
+                body.temperature_at_frozen_state(state, &around, &flux, 0.7, &mut seen, &mut body.workspace());
                 seen
             };
             let [one, other] = [seen(hot.as_ref(), &states[0]), seen(&cold, &states[1])];

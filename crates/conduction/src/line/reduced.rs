@@ -20,15 +20,16 @@ mod weights;
 pub(super) use weights::{first_moment, mean_decay};
 
 use super::contact_parts::ContactParts;
+use super::workspace::Memory;
 use super::{
-    Account, Boundary, FACES, FaceInfluence, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity,
+    Account, Boundary, End, FACES, FaceInfluence, First, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings,
+    ThermalBody, Workspace, cache_capacity,
 };
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
 use numerics::dense;
 use patterns::Patterns;
-use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use weights::{StageWeights, Weights};
@@ -128,10 +129,18 @@ pub(super) struct ReducedOperators {
     pub heat_capacity: f64,
     /// Number of leading states that belong to modes; the others give the quasi-static modes first-order dynamics.
     pub own: usize,
-    /// See [`ThermalBody::error`].
+    /// See [`ReducedHeat::error`].
     pub error: f64,
-    /// See [`ThermalBody::error_of_the_mean`].
+    /// See [`Observed::error_of_the_mean`].
     pub mean_error: f64,
+}
+
+/// Memory of the steps of a reduced body.
+#[derive(Clone, Debug)]
+pub struct StepMemory {
+    scratch: Scratch,
+    /// States at the end of the step without its own fluxes, which the free response there leaves for the propagation.
+    carried: Vec<f64>,
 }
 
 /// A reduced body with the weights of its last step sizes.
@@ -139,9 +148,8 @@ pub(super) struct ReducedOperators {
 pub struct ReducedHeat {
     operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
-    scratch: RefCell<Scratch>,
-    /// Workspace between a free response and the propagation from it.
-    face_scratch: RefCell<Scratch>,
+    /// For preparations.
+    scratch: Scratch,
     /// By the bits of the step. It has no memory until the first step.
     weights: KeyedCache<u64, Weights>,
     /// Of both stages.
@@ -153,16 +161,21 @@ impl ReducedHeat {
         let sorted = modes::sort(&mut operators);
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
-        let [scratch, face_scratch] = [0; 2].map(|_| RefCell::new(modes.scratch()));
+        let scratch = modes.scratch();
         let patterns = [Patterns::new(&operators, &modes), Patterns::new(&operators, &modes)];
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, face_scratch, weights: KeyedCache::new([]), patterns }
+        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
     /// most one per cell, and four entries for the heat account.
     pub fn own_states(&self) -> usize {
         self.operators.own
+    }
+
+    /// Relative error of the reduction at the contact line, computed when the body was made.
+    pub fn error(&self) -> f64 {
+        self.operators.error
     }
 
     /// Whether modes are even or odd and stored on half of the cells.
@@ -186,10 +199,10 @@ impl ReducedHeat {
             *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate()));
         }
         let slot = weights.get_or_compute(step.to_bits(), |weights| {
-            operators.fill(modes, weights, step, scratch.get_mut());
+            operators.fill(modes, weights, step, scratch);
         });
         for (patterns, stage) in patterns.iter_mut().zip(&mut weights[slot].stages) {
-            patterns.change_influence(operators, modes, stage, scratch.get_mut());
+            patterns.change_influence(operators, modes, stage, scratch);
         }
     }
 
@@ -284,13 +297,31 @@ impl ReducedOperators {
     }
 }
 
-impl ThermalBody for ReducedHeat {
-    fn cells(&self) -> usize {
-        self.operators.widths.len()
+impl ReducedHeat {
+    /// Free response of a stage from the fluxes `known` before it; leaves the states in the scratch.
+    fn respond(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        (stage, known): (Stage, &[f64]),
+        [temperature, distortion]: [&mut [f64]; 2],
+        scratch: &mut Scratch,
+    ) -> [f64; FACES] {
+        let operators = &*self.operators;
+        let around = surroundings.without_fluxes_at(stage, operators.held);
+        self.carry(scratch, state, &around, stage, known);
+        let ports = around.at(stage).ports();
+        let faces = operators.faces().map(|face| dot(&face.states, &scratch.values) + dot(&face.ports, &ports));
+        self.observe(scratch, &ports, Some(&mut *temperature), Some(distortion));
+        self.patterns[stage as usize].show(&scratch.surface, temperature);
+        faces
     }
+}
 
-    fn states(&self) -> usize {
-        self.operators.states() + TALLIES
+impl ThermalBody for ReducedHeat {
+    fn workspace(&self) -> Workspace {
+        let carried = vec![0.0; self.operators.states()];
+        Workspace(Memory::Reduced(Box::new(StepMemory { scratch: self.modes.scratch(), carried })))
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
@@ -300,14 +331,6 @@ impl ThermalBody for ReducedHeat {
         }
         tallies.fill(0.0);
         tallies[Tally::FarTemperature as usize] = rise;
-    }
-
-    fn decay_rates(&self) -> Vec<f64> {
-        self.operators.rate.clone()
-    }
-
-    fn divides_cells(&self) -> bool {
-        !self.operators.part_areas.is_empty()
     }
 
     fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
@@ -329,28 +352,9 @@ impl ThermalBody for ReducedHeat {
         &self.stage(stage).influence
     }
 
-    fn free_response(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        stage: Stage,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
-        let around = surroundings.without_fluxes_at(stage, operators.held);
-        self.carry(scratch, state, &around, stage, known);
-        let ports = around.at(stage).ports();
-        let faces = operators.faces().map(|face| dot(&face.states, &scratch.values) + dot(&face.ports, &ports));
-        self.observe(scratch, &ports, Some(&mut *temperature), Some(distortion));
-        self.patterns[stage as usize].show(&scratch.surface, temperature);
-        faces
-    }
-
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
         let (operators, weights, patterns) = (&*self.operators, self.stage(stage), &self.patterns[stage as usize]);
-        let (scratch, port) = (&mut *self.face_scratch.borrow_mut(), [COOLING, FAR][face]);
+        let (scratch, port) = (&mut work.reduced().scratch, [COOLING, FAR][face]);
         for ((value, input), own) in scratch.values.iter_mut().zip(&operators.input[port]).zip(&weights.by_face) {
             *value = input * own;
         }
@@ -367,21 +371,49 @@ impl ThermalBody for ReducedHeat {
         patterns.add_by_cell(&scratch.heat, &mut influence.by_cell);
     }
 
-    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
-        self.carry(&mut self.scratch.borrow_mut(), state, &around, Stage::End, first);
-        self.advance_from_end(state, surroundings, first, end);
+    fn first(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        deviation: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> First {
+        let scratch = &mut work.reduced().scratch;
+        First { faces: self.respond(state, surroundings, (Stage::First, deviation), response, scratch) }
     }
 
-    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+    fn end(
+        &self,
+        _first: First,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> End {
+        let StepMemory { scratch, carried } = work.reduced();
+        let faces = self.respond(state, surroundings, (Stage::End, flux), response, scratch);
+        std::mem::swap(&mut scratch.values, carried);
+        End { faces }
+    }
+
+    fn advance(
+        &self,
+        _end: End,
+        (before, after): (&[f64], &mut [f64]),
+        surroundings: &Surroundings,
+        [first, end]: [&[f64]; 2],
+        work: &mut Workspace,
+    ) {
         let (operators, step) = (&*self.operators, self.weights().step);
         let (mean, last) = (surroundings.mean(), surroundings.end);
         let ports = mean.ports();
-        let (states, tallies) = state.split_at_mut(operators.states());
-        // The scratch holds the states without the last fluxes, from the preceding free response.
-        let (scratch, weights) = (&mut *self.scratch.borrow_mut(), self.stage(Stage::End));
+        let (states, tallies) = after.split_at_mut(operators.states());
+        tallies.copy_from_slice(&before[operators.states()..]);
+        let (StepMemory { scratch, carried }, weights) = (work.reduced(), self.stage(Stage::End));
         self.heat(end, Stage::End, scratch);
-        states.copy_from_slice(&scratch.values);
+        states.copy_from_slice(carried);
         self.modes.add_heat(&scratch.heat, &weights.own, states);
         let far = if operators.held { 0.0 } else { last.far };
         for (input, flux) in [(&operators.input[COOLING], last.cooling), (&operators.input[FAR], far)] {
@@ -406,6 +438,28 @@ impl ThermalBody for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = last.far;
     }
 
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+impl Observed for ReducedHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.states() + TALLIES
+    }
+
+    fn decay_rates(&self, _velocity: f64) -> Vec<f64> {
+        self.operators.rate.clone()
+    }
+
+    fn divides_cells(&self) -> bool {
+        !self.operators.part_areas.is_empty()
+    }
+
     fn temperature_at_frozen_state(
         &self,
         state: &[f64],
@@ -413,8 +467,9 @@ impl ThermalBody for ReducedHeat {
         flux: &[f64],
         _velocity: f64,
         temperature: &mut [f64],
+        work: &mut Workspace,
     ) {
-        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        let (operators, scratch) = (&*self.operators, &mut work.reduced().scratch);
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.end.ports(), Some(temperature), None);
         dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
@@ -427,8 +482,9 @@ impl ThermalBody for ReducedHeat {
         flux: &[f64],
         _velocity: f64,
         distortion: &mut [f64],
+        work: &mut Workspace,
     ) {
-        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        let (operators, scratch) = (&*self.operators, &mut work.reduced().scratch);
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.end.ports(), None, Some(distortion));
         if self.modes.distorts() {
@@ -442,9 +498,15 @@ impl ThermalBody for ReducedHeat {
         surroundings: &Surroundings,
         flux: &[f64],
         _velocity: f64,
+        _work: &mut Workspace,
     ) -> [f64; FACES] {
         let (operators, ports) = (&*self.operators, surroundings.end.ports());
         operators.faces().map(|face| face.of(&state[..operators.states()], flux, &ports))
+    }
+
+    fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        let operators = &*self.operators;
+        operators.far_face.of(&state[..operators.states()], flux, &surroundings.end.ports())
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
@@ -473,16 +535,8 @@ impl ThermalBody for ReducedHeat {
         }
     }
 
-    fn error(&self) -> f64 {
-        self.operators.error
-    }
-
     fn error_of_the_mean(&self) -> f64 {
         self.operators.mean_error
-    }
-
-    fn boxed(&self) -> Box<dyn ThermalBody> {
-        Box::new(self.clone())
     }
 }
 

@@ -52,14 +52,16 @@ pub use depth::dilatation;
 pub use depth::{Depth, Expansion};
 pub use properties::{Resolution, SlidingPath, StripProperties};
 
-use super::{Account, FACES, FaceInfluence, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use super::workspace::Memory;
+use super::{
+    Account, End, FACES, FaceInfluence, First, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody, Workspace,
+};
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
 use numerics::dense;
 use operators::StripOperators;
-use scratch::Scratch;
+pub(super) use scratch::Scratch;
 use stage_response::RANK;
-use std::cell::RefCell;
 use std::sync::Arc;
 use step::{OWN, StageWeights, Step};
 
@@ -80,18 +82,14 @@ const TAIL: usize = 4;
 pub struct StripHeat {
     operators: Arc<StripOperators>,
     step: Step,
-    scratch: RefCell<Scratch>,
 }
 
 impl Clone for StripHeat {
     fn clone(&self) -> Self {
         // Before the first step there is nothing to copy: zero pages of the operating system are not touched until they
         // are used.
-        let (step, scratch) = match self.step.length.is_nan() {
-            true => (Step::new(&self.operators), RefCell::new(Scratch::new(&self.operators))),
-            false => (self.step.clone(), self.scratch.clone()),
-        };
-        StripHeat { operators: self.operators.clone(), step, scratch }
+        let step = if self.step.length.is_nan() { Step::new(&self.operators) } else { self.step.clone() };
+        StripHeat { operators: self.operators.clone(), step }
     }
 }
 
@@ -102,14 +100,19 @@ impl StripHeat {
     /// A property outside its range, named with its limit.
     pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
         let operators = StripOperators::new(properties, cells, resolution)?;
-        let (step, scratch) = (Step::new(&operators), Scratch::new(&operators));
-        Ok(StripHeat { operators: Arc::new(operators), step, scratch: RefCell::new(scratch) })
+        let step = Step::new(&operators);
+        Ok(StripHeat { operators: Arc::new(operators), step })
     }
 
     /// Computes the table of the direct feedthrough for velocities up to `velocity` (m/s). Nodes for faster sliding are
     /// computed by the first step that uses them; results are the same either way.
     pub fn expect(&self, velocity: f64) {
         self.operators.table.expect(velocity);
+    }
+
+    /// Relative error of the reduction at the contact line, computed when the body was made.
+    pub fn error(&self) -> f64 {
+        self.operators.error
     }
 
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
@@ -229,12 +232,8 @@ fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
 }
 
 impl ThermalBody for StripHeat {
-    fn cells(&self) -> usize {
-        self.operators.widths.len()
-    }
-
-    fn states(&self) -> usize {
-        self.operators.mean_states() + 2 * self.operators.rate.len() + self.rates_given_back() + TAIL
+    fn workspace(&self) -> Workspace {
+        Workspace(Memory::Strip(Box::new(Scratch::new(&self.operators))))
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
@@ -251,7 +250,79 @@ impl ThermalBody for StripHeat {
         state[tail] = self.account(state).stored;
     }
 
-    fn decay_rates(&self) -> Vec<f64> {
+    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare(&self.operators, step, velocity);
+    }
+
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.step.stage(stage).current_response().influence
+    }
+
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, _work: &mut Workspace) {
+        self.respond_to_face(stage, face, influence);
+    }
+
+    fn first(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        deviation: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> First {
+        let (scratch, cooling) = (work.strip(), surroundings.deviation.cooling);
+        scratch.first.iter_mut().zip(deviation).for_each(|(value, deviation)| *value = deviation - cooling);
+        self.deviate_given_back(scratch, state);
+        let around = surroundings.without_fluxes_at(Stage::First, self.operators.held);
+        First { faces: self.base_from(scratch, state, &around, Stage::First, response) }
+    }
+
+    fn end(
+        &self,
+        _first: First,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        response: [&mut [f64]; 2],
+        work: &mut Workspace,
+    ) -> End {
+        let scratch = work.strip();
+        self.effective(scratch, surroundings, Stage::First, flux);
+        let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
+        End { faces: self.base_from(scratch, state, &around, Stage::End, response) }
+    }
+
+    fn advance(
+        &self,
+        _end: End,
+        (before, after): (&[f64], &mut [f64]),
+        surroundings: &Surroundings,
+        flux: [&[f64]; 2],
+        work: &mut Workspace,
+    ) {
+        let operators = &*self.operators;
+        let (mean, tail) = (operators.mean_states(), before.len() - TAIL - self.rates_given_back());
+        after[..mean].copy_from_slice(&before[..mean]);
+        after[tail..].copy_from_slice(&before[tail..]);
+        let (re, im) = operators.wave_states(before);
+        self.advance_by(work.strip(), [re, im], after, surroundings, flux);
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+impl Observed for StripHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.mean_states() + 2 * self.operators.rate.len() + self.rates_given_back() + TAIL
+    }
+
+    fn decay_rates(&self, _velocity: f64) -> Vec<f64> {
         let operators = &*self.operators;
         let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
         mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
@@ -268,88 +339,6 @@ impl ThermalBody for StripHeat {
         INDIFFERENT * operators.diffusivity * shortest
     }
 
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare(&self.operators, step, velocity);
-    }
-
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.step.stage(stage).current_response().influence
-    }
-
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
-        self.respond_to_face(stage, face, influence);
-    }
-
-    fn free_response(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        stage: Stage,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        let scratch = &mut *self.scratch.borrow_mut();
-        match stage {
-            Stage::First => {
-                let cooling = surroundings.deviation.cooling;
-                scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - cooling);
-                self.deviate_given_back(scratch, state);
-            }
-            Stage::End => {
-                self.project_first(scratch, state, surroundings);
-                self.effective(scratch, surroundings, Stage::First, known);
-            }
-        }
-        let around = surroundings.without_fluxes_at(stage, self.operators.held);
-        self.base_from(scratch, state, &around, stage, [temperature, distortion])
-    }
-
-    fn free_response_at_end(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        known: &[f64],
-        temperature: &mut [f64],
-        distortion: &mut [f64],
-    ) -> [f64; FACES] {
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.effective(scratch, surroundings, Stage::First, known);
-        let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
-        self.base_from(scratch, state, &around, Stage::End, [temperature, distortion])
-    }
-
-    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let operators = &*self.operators;
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.project_first(scratch, state, surroundings);
-        self.effective(scratch, surroundings, Stage::First, first);
-        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-        if operators.robin_correction.is_some() {
-            self.wave_amplitudes(scratch, state, &self.step.end);
-            self.add_known_flux(scratch, &self.step.end);
-            let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-            let around = surroundings.without_fluxes_at(Stage::End, operators.held);
-            let [level, _] = self.mean_levels(state, &around, &self.step.end, fluxes);
-            self.project(scratch, Stage::End, level);
-        }
-        self.advance_in_place(scratch, state, surroundings, [first, end]);
-    }
-
-    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.advance_in_place(scratch, state, surroundings, [first, end]);
-    }
-
-    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let operators = &*self.operators;
-        let (mean, tail) = (operators.mean_states(), before.len() - TAIL - self.rates_given_back());
-        after[..mean].copy_from_slice(&before[..mean]);
-        after[tail..].copy_from_slice(&before[tail..]);
-        let (re, im) = operators.wave_states(before);
-        self.advance_by(&mut self.scratch.borrow_mut(), [re, im], after, surroundings, [first, end]);
-    }
-
     fn temperature_at_frozen_state(
         &self,
         state: &[f64],
@@ -357,9 +346,10 @@ impl ThermalBody for StripHeat {
         flux: &[f64],
         velocity: f64,
         temperature: &mut [f64],
+        work: &mut Workspace,
     ) {
         let operators = &*self.operators;
-        let scratch = &mut *self.scratch.borrow_mut();
+        let scratch = work.strip();
         self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
@@ -375,13 +365,14 @@ impl ThermalBody for StripHeat {
         flux: &[f64],
         velocity: f64,
         distortion: &mut [f64],
+        work: &mut Workspace,
     ) {
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.expands {
             return;
         }
-        let scratch = &mut *self.scratch.borrow_mut();
+        let scratch = work.strip();
         self.held_amplitudes(scratch, state, true);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
@@ -396,16 +387,21 @@ impl ThermalBody for StripHeat {
         surroundings: &Surroundings,
         flux: &[f64],
         velocity: f64,
+        work: &mut Workspace,
     ) -> [f64; FACES] {
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
-        let mean = &self.operators.mean;
-        let [everywhere, base] = [&mean.contact_temperature, &mean.base_temperature]
-            .map(|observed| self.held_observation(observed, state, surroundings, entering));
-        let mut seen = std::mem::take(&mut self.scratch.borrow_mut().seen);
-        self.temperature_at_frozen_state(state, surroundings, flux, velocity, &mut seen);
+        let surface = &self.operators.mean.contact_temperature;
+        let everywhere = self.held_observation(surface, state, surroundings, entering);
+        let mut seen = std::mem::take(&mut work.strip().seen);
+        self.temperature_at_frozen_state(state, surroundings, flux, velocity, &mut seen, work);
         let beside = self.beside(everywhere, &seen);
-        self.scratch.borrow_mut().seen = seen;
-        [beside, base]
+        work.strip().seen = seen;
+        [beside, self.far_temperature(state, surroundings, flux)]
+    }
+
+    fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
+        self.held_observation(&self.operators.mean.base_temperature, state, surroundings, entering)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
@@ -431,11 +427,7 @@ impl ThermalBody for StripHeat {
         Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
     }
 
-    fn error(&self) -> f64 {
+    fn error_of_the_mean(&self) -> f64 {
         self.operators.error
-    }
-
-    fn boxed(&self) -> Box<dyn ThermalBody> {
-        Box::new(self.clone())
     }
 }

@@ -1,9 +1,9 @@
 //! What tests of several bodies share: the stages of a step with fluxes into cells and cooled faces.
 
-use super::{Boundary, FACES, FaceInfluence, GAMMA, Stage, Surroundings, ThermalBody};
+use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Surroundings, ThermalBody};
 
 /// Temperatures and distortion of the cells and temperatures of the cooled faces at a stage of the prepared step; `known` as in
-/// [`ThermalBody::free_response`], `own` the fluxes of the stage into the cells.
+/// [`SingleStep::free_response`], `own` the fluxes of the stage into the cells.
 pub fn at_stage(
     body: &dyn ThermalBody,
     state: &[f64],
@@ -24,7 +24,7 @@ pub fn at_stage(
         if face == 1 && held {
             continue;
         }
-        body.face_influence(stage, face, &mut by_face);
+        body.face_influence(stage, face, &mut by_face, &mut body.workspace());
         (0..FACES).for_each(|other| faces[other] += by_face.faces[other] * flux);
         faces[face] += by_face.by_cell.iter().zip(own).map(|(rise, flux)| rise * flux).sum::<f64>();
         for i in 0..count {

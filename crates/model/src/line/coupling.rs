@@ -31,7 +31,7 @@ use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
 use accept::LEAST_PART;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{Surroundings, ThermalBody};
+use conduction::line::{End, Surroundings, ThermalBody, Workspace};
 use contact::wear::line::WearingContact;
 use faces::Faces;
 use growth_guard::GrowthGuard;
@@ -134,6 +134,9 @@ pub struct ThermalCoupling {
     // Operators.
     /// Punch and strip; `None`: an insulator.
     pub bodies: [Option<Box<dyn ThermalBody>>; 2],
+    /// Memory of their steps, and their states before the last one.
+    pub work: [Option<Workspace>; 2],
+    before: [Vec<f64>; 2],
     /// Contact problem of either stage, with the thermal compliance of the stage added to its compliance.
     pub contacts: [WearingContact; 2],
     /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
@@ -165,6 +168,8 @@ pub struct ThermalCoupling {
     pub flux: [[Vec<f64>; 2]; 2],
     /// Temperatures of punch and strip, K above the reference.
     pub temperature: [[Vec<f64>; 2]; 2],
+    /// Free responses at the end of the step, from which the bodies advance when it is accepted.
+    ends: [Option<End>; 2],
     /// Friction heat, W/m2.
     pub friction: [Vec<f64>; 2],
     // Stage under way.
@@ -186,8 +191,9 @@ impl ThermalCoupling {
         let strip = &operators.scene.strip;
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
-        let mut bodies = bodies.copies();
-        // The first preparation allocates the workspaces, so that no step does.
+        let before = bodies.states.map(|states| vec![0.0; states]);
+        let mut bodies = bodies.prototypes.clone();
+        // The first preparation allocates the weights, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
         let (duration, width) = (operators.scene.nominal_duration, 2.0 * operators.cells.half_width() / count as f64);
@@ -203,7 +209,9 @@ impl ThermalCoupling {
                 half_resistance,
                 times: [shortest, duration],
             },
+            work: bodies.each_ref().map(|body| body.as_ref().map(|own| own.workspace())),
             bodies,
+            before,
             contacts: [operators.contact(), operators.contact()],
             partitions: PartitionCache::new(&if divides { partition().with_parts() } else { partition() }, count),
             installed: [usize::MAX; 2],
@@ -221,6 +229,7 @@ impl ThermalCoupling {
             exact: [false; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
+            ends: [None, None],
             friction: pair(),
             iterate: Iterate::new(count),
             kinetic_coefficient: vec![0.0; count],

@@ -52,7 +52,6 @@ impl Line {
         let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
         let (mut ambient, mut far, mut external) = (0.0, [0.0; 2], [0.0; 2]);
         let neighbours = self.neighbours(inputs);
-        let velocity = inputs.velocity(operators.scene.mean_radius);
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
                 let [air, face] = own.flows(&state.bodies[side], &around[side], &state.flux[side]);
@@ -61,8 +60,7 @@ impl Line {
                 let (body, path, area) = self.path(side);
                 if path > 0.0 {
                     // The flux of the last step is in the heat flow of the face; it follows the neighbour's temperature instantly.
-                    let (body, flux) = (&state.bodies[side], &state.flux[side]);
-                    let t = own.cooled_temperature(body, &around[side], flux, velocity)[FAR];
+                    let t = own.far_temperature(&state.bodies[side], &around[side], &state.flux[side]);
                     external[side] = area * path * (t - neighbours[side]);
                     far[side] += external[side] - area * state.external[side][0];
                 }
@@ -157,8 +155,7 @@ impl Line {
             faces[side] = all * (then[1] - now[1]);
             let (body, path, area) = self.path(side);
             if path > 0.0 {
-                let velocity = inputs.velocity(self.operators.scene.mean_radius);
-                let of = |around| own.cooled_temperature(&state.bodies[side], around, &state.flux[side], velocity)[FAR];
+                let of = |around| own.far_temperature(&state.bodies[side], around, &state.flux[side]);
                 external[side] = area * path * (of(&moved) - of(around) - conditions.neighbours[side].derivative);
                 faces[side] += external[side];
             }

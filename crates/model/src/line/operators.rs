@@ -7,6 +7,7 @@ use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
+use crate::tolerance::ToleranceBudget;
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::wear::rocking::rocking_limit;
@@ -58,6 +59,8 @@ pub struct Nonuniformity {
 pub struct LineOperators {
     /// Scene from which the operators were built.
     pub scene: Scene,
+    /// What its errors may reach of its tolerance.
+    pub budget: ToleranceBudget,
     /// Operators of the lumped level: heat, friction and everything else that depends on the mean pressure.
     pub mean: Arc<lumped::operators::LumpedOperators>,
     /// Conducting bodies of resolved heat; `None`: lumped heat.
@@ -201,6 +204,7 @@ impl LineOperators {
             shared_depth: scene.depth * scene.count,
             pivot: (rotates && scene.geometry == Geometry::Line).then_some(scene.pivot_height),
             scene: scene.clone(),
+            budget: ToleranceBudget::of(scene),
             mean,
             cells,
             torque_weights: weights.iter().zip(&radius_ratio).map(|(weight, ratio)| weight * ratio).collect(),

@@ -234,8 +234,9 @@ impl Line {
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
-        let bound = scene.tolerance * operators.displacement_scale * mean;
-        let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
+        let [of_wear, of_heat] = [operators.budget.steps.whole, operators.budget.steps.line_heat]
+            .map(|part| part * operators.displacement_scale * mean);
+        let wear = if estimate == 0.0 { 0.0 } else { estimate / of_wear };
         match solved {
             Some(mut solved) if solved.is_controlled(path.length()) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
@@ -243,7 +244,7 @@ impl Line {
                     return Outcome::RejectedByGrowthGuard;
                 }
                 let of_properties = solved.error_of_properties(&given);
-                Outcome::Tried(maximum(wear, solved.error(operators, bound)).max(of_properties))
+                Outcome::Tried(maximum(wear, solved.error(operators, of_heat)).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

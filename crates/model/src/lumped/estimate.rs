@@ -66,7 +66,7 @@ impl Stepper<'_> {
                 * (body.wear_factor * self.tunables.wear_acceleration)
         });
         let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
-        if third == 0.0 { 0.0 } else { third / (5.0 * self.operators.scene.tolerance * scale) }
+        if third == 0.0 { 0.0 } else { third / (self.operators.budget.steps.lumped_wear * scale) }
     }
 }
 

@@ -277,7 +277,7 @@ impl Stepper<'_> {
                 .max(0.1 * into_punch[0].abs().max(into_punch[1].abs()))
                 .max(0.02 * state.peak_flux)
                 .max(operators.least_flux);
-            let allowed = 2.0 * operators.scene.tolerance * scale;
+            let allowed = operators.budget.steps.lumped_flux * scale;
             error = f64::INFINITY;
             if CONSTANT {
                 let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
@@ -314,7 +314,7 @@ impl Stepper<'_> {
                 let exchange = jump.abs() / (resistance * allowance);
                 error = if CONSTANT { exchange + other_heat } else { 2.0 * exchange + 4.0 * other_heat } / allowed;
                 if !CONSTANT && operators.flash.is_some() {
-                    error = maximum(error, self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
+                    error = maximum(error, self.flash.error(into_strip, operators.budget.steps.whole, state.peak_rise));
                 }
                 if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
@@ -323,7 +323,7 @@ impl Stepper<'_> {
         }
         if cools && operators.strip.air[BESIDE].emissivity > 0.0 {
             let left = surface.left(&strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
-            if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
+            if left.is_nan() || left > operators.budget.iteration.lumped_radiation * (1e-3 + state.peak_rise) {
                 return None;
             }
         }
@@ -339,7 +339,7 @@ impl Stepper<'_> {
             let slope = cooling_slope(air, reference, t, middle.forced);
             let hot = surface.temperature(into_strip);
             let rise = state.peak_rise.max(LEAST_RISE).max(hot[0].abs()).max(hot[1].abs());
-            let own_error = cooling_error(residual, slope, own, [own, mean]) / (operators.scene.tolerance * rise);
+            let own_error = cooling_error(residual, slope, own, [own, mean]) / (operators.budget.steps.whole * rise);
             error = maximum(error, own_error);
             if error.is_nan() || error > 1.0 {
                 return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
@@ -364,7 +364,7 @@ impl Stepper<'_> {
             for (body, [first, last]) in [(&operators.punch, rates[0]), (&operators.strip, rates[1])] {
                 // Twice the change bounds the third difference evaluated in the general form.
                 let scale = first.max(last).max(0.02 * state.peak_wear).max(body.least_wear);
-                if 2.0 * (last - first).abs() > 10.0 * operators.scene.tolerance * scale {
+                if 2.0 * (last - first).abs() > 2.0 * operators.budget.steps.lumped_wear * scale {
                     return None;
                 }
             }

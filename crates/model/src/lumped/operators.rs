@@ -4,6 +4,7 @@
 
 use super::air::{Air, BESIDE, FACES, FAR};
 use crate::growth::PerturbationGrowth;
+use crate::tolerance::ToleranceBudget;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
@@ -148,6 +149,8 @@ impl FastPathBounds {
 pub struct LumpedOperators {
     /// Scene from which the operators were built.
     pub scene: Scene,
+    /// What its errors may reach of its tolerance.
+    pub budget: ToleranceBudget,
     /// Of the punch.
     pub punch: BodyOperators,
     /// Of the strip.
@@ -269,6 +272,7 @@ impl LumpedOperators {
             tangential_stiffness,
             series_stiffness,
             scene: scene.clone(),
+            budget: ToleranceBudget::of(scene),
         };
         operators.fast_path = operators.allows_fast_path();
         operators
@@ -299,13 +303,8 @@ pub fn moving_source(scene: &Scene) -> Option<Flash> {
 fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flash> {
     (scene.coverage() < 1.0 - 1e-9).then(|| {
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene));
-        Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene))
+        Flash::new(&source, scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole())
     })
-}
-
-/// Tolerance of the model reduction of the bodies: a few states are not more accurate, and the time step does not require it.
-fn reduction_tolerance(scene: &Scene) -> f64 {
-    scene.tolerance.max(2e-5)
 }
 
 /// Shortest stroke relative to the contact's length that leaves fresh material to slide on: below, the source is at rest.
@@ -407,7 +406,8 @@ fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
 /// Reduced conduction model of the punch; `None` for an insulator.
 fn punch_heat(scene: &Scene, area: f64) -> Option<ReducedBody> {
     let conducts = scene.punch.conductivity > 0.0;
-    conducts.then(|| punch_slab(scene, area).reduce(scene.nominal_duration, reduction_tolerance(scene)))
+    conducts
+        .then(|| punch_slab(scene, area).reduce(scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole()))
 }
 
 /// Reference area of the strip's conduction problem (m2), the fraction of it that the contact covers, and its cooled area (m2).
@@ -460,7 +460,7 @@ fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<Re
         return None;
     }
     let (slab, coverage) = strip_slab(scene, area, length, endless);
-    let mut heat = slab.reduce(scene.nominal_duration, reduction_tolerance(scene));
+    let mut heat = slab.reduce(scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole());
     let count = heat.count;
     for weight in &mut heat.input[0][..count] {
         *weight *= coverage;

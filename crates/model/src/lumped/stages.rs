@@ -309,7 +309,7 @@ impl Stages {
             partition
         };
         let defect = 0.5 * (exchange + heat);
-        defect / (2.0 * operators.scene.tolerance * scale)
+        defect / (operators.budget.steps.lumped_flux * scale)
     }
 
     /// Scale of errors of the flux, W/m2.
@@ -330,7 +330,7 @@ impl Stages {
         constant: bool,
     ) -> f64 {
         let operators = stepper.operators;
-        let tolerance = stepper.operators.scene.tolerance;
+        let steps = &stepper.operators.budget.steps;
         let middle = &conditions[2];
         let between = |values: [f64; 2]| BASIS[1][0] * values[0] + BASIS[1][1] * values[1];
         let pressure =
@@ -383,9 +383,9 @@ impl Stages {
         // The residual overestimates the error of the mean flux, for which the Radau quadrature has two orders more. Changes
         // during the step persist after it, hence the larger factor.
         let defect = if constant { exchange + defect } else { 2.0 * exchange + 4.0 * defect };
-        let mut error = defect / (2.0 * tolerance * scale);
+        let mut error = defect / (steps.lumped_flux * scale);
         if !constant && operators.flash.is_some() {
-            error = maximum(error, stepper.flash.error(strip.flux[0], tolerance, state.peak_rise));
+            error = maximum(error, stepper.flash.error(strip.flux[0], steps.whole, state.peak_rise));
         }
         // At constant conditions only the temperature can change the wear rate.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;

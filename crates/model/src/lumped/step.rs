@@ -23,7 +23,6 @@ impl Stepper<'_> {
     /// step (error at most 1) is written to `state`, otherwise the state is unchanged.
     pub fn attempt(&mut self, state: &mut LumpedState, conditions: &[Conditions; 4], constant: bool) -> Attempt {
         let operators = self.operators;
-        let scene = &operators.scene;
         let step = self.propagators.step;
         let (first, last) = (&conditions[1], &conditions[3]);
         let ambient = [first.ambient, last.ambient];
@@ -53,7 +52,7 @@ impl Stepper<'_> {
         }
         let mut stages = Stages::new(self, state, conditions, &punch, &strip);
         // Far below the resolution of the error estimate across the small resistance of the interface.
-        let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
+        let enough = operators.budget.iteration.lumped_stage * (1e-3 + state.peak_rise);
         let mut converged = false;
         let cools = punch.cools() || strip.cools();
         if cools {
@@ -103,7 +102,7 @@ impl Stepper<'_> {
                 let [own, face] = body.cooling_error(own, state.reference, &around);
                 (wrong, rise) = (wrong + own, maximum(rise, face));
             }
-            error = maximum(error, wrong / (scene.tolerance * rise));
+            error = maximum(error, wrong / (operators.budget.steps.whole * rise));
         }
         if let Some(properties) = self.properties.as_deref_mut() {
             let ends = [punch.mean_at_end(&state.punch), strip.mean_at_end(&state.strip)];

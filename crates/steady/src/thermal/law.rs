@@ -160,7 +160,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
     let made = Bodies::new(&scene, cells).map_err(SteadyError::Heat)?;
-    let mut bodies = made.copies();
+    let mut bodies = made.prototypes.clone();
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));

@@ -12,7 +12,7 @@ use super::partition::ActivePartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
-use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, Stage, Surroundings, ThermalBody};
+use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, SingleStep, Stage, Surroundings, ThermalBody};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
@@ -76,7 +76,7 @@ pub(super) fn solve(
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
     let made = Bodies::new(scene, cells).map_err(SteadyError::Heat)?;
-    let mut bodies = made.copies();
+    let mut bodies = made.prototypes.clone();
     let velocity = cold.strokes[0].velocity;
     let step = FOR_EVER * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [velocity; 2]));
@@ -179,7 +179,7 @@ impl Problem<'_> {
                 let mut by_face = FaceInfluence::new(count);
                 for (face, flux) in [(BESIDE, cooling), (FAR, if held { 0.0 } else { far })] {
                     if flux != 0.0 {
-                        body.face_influence(Stage::End, face, &mut by_face);
+                        body.face_influence(Stage::End, face, &mut by_face, &mut body.workspace());
                         base.iter_mut().zip(&by_face.temperature).for_each(|(t, rise)| *t += flux * rise);
                         moved.iter_mut().zip(&by_face.distortion).for_each(|(moved, own)| *moved += flux * own);
                     }
@@ -228,7 +228,7 @@ impl Problem<'_> {
         let states = std::array::from_fn(|side| match &self.bodies[side] {
             Some(body) => {
                 let mut state = vec![0.0; body.states()];
-                body.advance(&mut state, &surroundings[side], &flux[side], &flux[side]);
+                body.step(&mut state, &surroundings[side], &flux[side], &flux[side]);
                 state
             }
             None => Vec::new(),
@@ -323,11 +323,12 @@ impl Problem<'_> {
         let mut temperatures = [0.0; 2 * FACES];
         for (side, body) in self.bodies.iter().enumerate() {
             let Some(body) = body else { continue };
+            let mut work = body.workspace();
             let held = [&self.scene().punch, &self.scene().strip][side].far_is_prescribed();
             let used = &used[FACES * side..FACES * (side + 1)];
             let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
             let (state, around) = (&found.states[side], &found.surroundings[side]);
-            let found_at = body.cooled_temperature(state, around, &found.flux[side], self.velocity());
+            let found_at = body.cooled_temperature(state, around, &found.flux[side], self.velocity(), &mut work);
             // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R:
             // response to unit fluxes, at fixed fluxes of the contact.
             let mut matrix = nalgebra::Matrix2::identity();
@@ -336,8 +337,8 @@ impl Problem<'_> {
                 flux[face] = 1.0;
                 let unit = Surroundings::constant(Boundary::default().with_fluxes(flux, held));
                 let mut state = vec![0.0; body.states()];
-                body.advance(&mut state, &unit, &zero, &zero);
-                let resistance = body.cooled_temperature(&state, &unit, &zero, self.velocity());
+                body.step(&mut state, &unit, &zero, &zero);
+                let resistance = body.cooled_temperature(&state, &unit, &zero, self.velocity(), &mut work);
                 for (other, resistance) in resistance.into_iter().enumerate() {
                     matrix[(other, face)] += resistance * slope[face];
                 }

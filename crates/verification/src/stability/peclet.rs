@@ -11,7 +11,7 @@
 use super::reversal::{AGREEMENT, PATH, steps, strip};
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact, implicit_euler};
-use conduction::line::ThermalBody;
+use conduction::line::Observed;
 use exact::reference::{ClosedPath, LayerBase};
 
 /// Summary of the map.

@@ -13,7 +13,7 @@
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
@@ -81,7 +81,7 @@ pub fn steps(
             let values: Vec<f64> = (0..flux.len())
                 .map(|i| base[i] + (0..flux.len()).map(|j| influence[(i, j)] * flux[j]).sum::<f64>())
                 .collect();
-            strip.advance(state, &air, &flux, &flux);
+            strip.step(state, &air, &flux, &flux);
             cells.integral(&values) / (2.0 * cells.half_width())
         })
         .collect()

@@ -2,7 +2,7 @@ mod parts;
 
 use super::super::contact_parts::ContactParts;
 use super::super::tests::{at_stage, in_two_parts};
-use super::super::{Account, Boundary, FaceInfluence, GAMMA, Stage, Surroundings, ThermalBody};
+use super::super::{Account, Boundary, FaceInfluence, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use super::*;
 use exact::unreduced_punch::Unreduced;
 use parts::in_part;
@@ -61,7 +61,7 @@ impl Run {
         let stage = (Stage::End, self.heat.holds_far_face());
         (self.temperature, self.distortion, _) =
             at_stage(&self.heat, &self.state, &self.surroundings, stage, [first, end]);
-        self.heat.advance(&mut self.state, &self.surroundings, first, end);
+        self.heat.step(&mut self.state, &self.surroundings, first, end);
     }
 }
 
@@ -157,13 +157,21 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
         // The output map at frozen state between steps equals the result at the end of the step.
         let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
-        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
+        run.heat.temperature_at_frozen_state(
+            &run.state,
+            &run.surroundings,
+            &spiked,
+            0.0,
+            &mut held,
+            &mut run.heat.workspace(),
+        );
         run.heat.distortion_at_frozen_state(
             &run.state,
             &run.surroundings,
             &spiked,
             0.0,
             &mut distortion_at_frozen_state,
+            &mut run.heat.workspace(),
         );
         assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
         assert!(
@@ -308,7 +316,8 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
-        let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0);
+        let [cooled, _] =
+            run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut run.heat.workspace());
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
@@ -328,7 +337,8 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     run.step(50.0, &[0.0; 9], &[0.0; 9]);
     let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
-    let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0);
+    let [cooled, _] =
+        run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut run.heat.workspace());
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
 }
 
@@ -349,7 +359,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let mut influence = [FaceInfluence::new(9), FaceInfluence::new(9)];
     for stage in [Stage::First, Stage::End] {
         for (face, influence) in influence.iter_mut().enumerate() {
-            run.heat.face_influence(stage, face, influence);
+            run.heat.face_influence(stage, face, influence, &mut run.heat.workspace());
             for (i, width) in cells.widths().iter().enumerate() {
                 let by_cell = influence.temperature[i] * width / areas[face];
                 let apart = (influence.by_cell[i] / by_cell - 1.0).abs();
@@ -362,19 +372,19 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     }
     let early = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::First, false), [&zero, &flux]);
     let late = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
-    run.heat.advance(&mut run.state, &run.surroundings, &flux, &flux);
+    run.heat.step(&mut run.state, &run.surroundings, &flux, &flux);
     for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
         parts.heat.prepare(part * step, [0.0; 2]);
         let (temperature, distortion, faces) =
             at_stage(&parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
-        parts.heat.advance(&mut parts.state, &around, &flux, &flux);
+        parts.heat.step(&mut parts.state, &around, &flux, &flux);
         let (other, moved, others) = if part == GAMMA { &early } else { &late };
         assert!(largest_difference(&temperature, other) < 1e-9, "{part}: {temperature:?} {other:?}");
         assert!(largest_difference(&distortion, moved) < 1e-9 * largest(moved), "{part}");
         assert!(largest_difference(&faces, others) < 1e-9, "{part}: {faces:?} {others:?}");
     }
     assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
-    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &flux, 0.0);
+    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &flux, 0.0, &mut run.heat.workspace());
     assert!(largest_difference(&cooled, &late.2) < 1e-9, "{cooled:?} {late:?}");
 }
 

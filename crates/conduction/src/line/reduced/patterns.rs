@@ -35,9 +35,8 @@ pub struct Patterns {
     feedthrough: Vec<f64>,
     /// Heat to the air and out of the far face in the long run, m.
     passed: [Vec<f64>; 2],
-    /// Workspace: one number per cell, and the states of the step under way while others are in their place.
+    /// Workspace: one number per cell.
     response: Vec<f64>,
-    aside: Vec<f64>,
 }
 
 impl Clone for Patterns {
@@ -52,7 +51,6 @@ impl Clone for Patterns {
             feedthrough: copy(&self.feedthrough),
             passed: self.passed.each_ref().map(copy),
             response: self.response.clone(),
-            aside: self.aside.clone(),
         }
     }
 }
@@ -79,7 +77,6 @@ impl Patterns {
             feedthrough: room(most),
             passed: [room(most), room(most)],
             response: vec![0.0; most],
-            aside: vec![0.0; if most > 0 { operators.rate.len() } else { 0 }],
         }
     }
 
@@ -162,9 +159,7 @@ impl Patterns {
             return;
         }
         stage.contact_parts.copy_from(&self.contact_parts);
-        let Patterns { cells, integrals, areas, feedthrough, response, aside, .. } = self;
-        // Matrices may be made between a free response and the propagation from it.
-        std::mem::swap(&mut scratch.values, aside);
+        let Patterns { cells, integrals, areas, feedthrough, response, .. } = self;
         let count = areas.len();
         let through = &mut stage.through_parts;
         through.temperature.copy_from(&stage.influence.temperature);
@@ -188,6 +183,5 @@ impl Patterns {
                 dense::multiply_add(response, &[1.0], &mut through.distortion.as_mut_slice()[cell * count..][..count]);
             }
         }
-        std::mem::swap(&mut scratch.values, aside);
     }
 }

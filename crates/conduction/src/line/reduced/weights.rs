@@ -25,7 +25,7 @@ pub struct StageWeights {
     /// Weight of inputs that fall from 1 at the start to 0 at the stage, s.
     pub falling: Vec<f64>,
     /// Weight of the modal heat of the fluxes known before the stage (see
-    /// [`free_response`](crate::line::ThermalBody::free_response)), s times Z at the contact.
+    /// [`free_response`](crate::line::SingleStep::free_response)), s times Z at the contact.
     pub known: Vec<f64>,
     /// Weight of the modal heat of the stage's own fluxes, and of its own fluxes into the cooled faces.
     pub own: Vec<f64>,

@@ -7,7 +7,7 @@
 
 use super::scratch::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
-use crate::line::{Boundary, GAMMA, Surroundings, ThermalBody};
+use crate::line::{Boundary, GAMMA, Observed, Surroundings};
 use numerics::dense;
 
 impl StripHeat {

@@ -15,18 +15,6 @@ use crate::reduced::Observation;
 use numerics::dense;
 
 impl StripHeat {
-    /// Stores the projected temperature that drives the Robin correction of the first stage: that of the free response
-    /// of the states and of the known part of the Robin correction, without the fluxes of the contact.
-    pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
-        if self.operators.robin_correction.is_none() {
-            return;
-        }
-        scratch.first.fill(-surroundings.deviation.cooling);
-        self.deviate_given_back(scratch, state);
-        let around = surroundings.without_fluxes_at(Stage::First, self.operators.held);
-        self.known_levels(scratch, state, &around, Stage::First);
-    }
-
     /// Adds to the fluxes in `scratch.first` the deviation of the Robin correction at the start of the step from that
     /// of the first stage: it is linear in time like the fluxes of the contact, with the slope of the step before.
     pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
@@ -59,7 +47,7 @@ impl StripHeat {
 
     /// Stores the projected temperature that drives the Robin correction of a stage, from the amplitudes in the
     /// workspace and the temperature of the mean mode.
-    pub(super) fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
+    fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
         if let Some(robin_correction) = &self.operators.robin_correction {
             let mut projected = robin_correction.project(&scratch.amplitude);
             projected[0] += robin_correction.unit[0] * level;
@@ -199,22 +187,6 @@ impl StripHeat {
         }
     }
 
-    /// [`StripHeat::advance_by`] in place.
-    pub(super) fn advance_in_place(
-        &self,
-        scratch: &mut Scratch,
-        state: &mut [f64],
-        surroundings: &Surroundings,
-        contact: [&[f64]; 2],
-    ) {
-        let mut before = std::mem::take(&mut scratch.before);
-        let (re, im) = self.operators.wave_states(state);
-        before[0].copy_from_slice(re);
-        before[1].copy_from_slice(im);
-        self.advance_by(scratch, [&before[0], &before[1]], state, surroundings, contact);
-        scratch.before = before;
-    }
-
     /// Advances the state over the step with the contact's fluxes of both stages. The total fluxes of the first stage,
     /// their amplitudes and the projected temperature of the Robin correction at the end are in the workspace; `before`
     /// holds the states of the modes at the start of the step, all other states are in `state`.
@@ -246,7 +218,7 @@ impl StripHeat {
     }
 
     /// Surface amplitude of every mode at a stage, from the state alone.
-    pub(super) fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
+    fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
         let operators = &*self.operators;
         let (re, im) = operators.wave_states(state);
         let [factor_re, factor_im] = &weights.factor;
@@ -256,7 +228,7 @@ impl StripHeat {
     }
 
     /// Adds the response of the modes to the flux known before the stage, its amplitudes in `scratch.heat`.
-    pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
+    fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
         let [re, im, moved_re, moved_im] = weights.current_response().carried();
         let Scratch { heat: [heat_re, heat_im], amplitude, moved, .. } = scratch;

@@ -14,8 +14,6 @@ pub struct Scratch {
     /// Even and odd parts of fluxes, and of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub response: [[Vec<f64>; 2]; 2],
-    /// States of the modes before a step in place, real and imaginary parts.
-    pub before: [Vec<f64>; 2],
     /// Workspace of the direct feedthrough at frozen state.
     pub held: [Vec<f64>; 2],
     /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
@@ -41,7 +39,6 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             response: [halves(), halves()],
-            before: [vec![0.0; operators.rate.len()], vec![0.0; operators.rate.len()]],
             held: [vec![0.0; count], vec![0.0; count]],
             heat: parts(),
             heat_end: parts(),

@@ -4,7 +4,7 @@ mod thresholds;
 mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use scene::FarBoundary;
 
@@ -60,7 +60,7 @@ fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, veloc
                 temperature[i] += influence.row(i).sum();
             }
         }
-        body.advance(state, &air, &flux, &flux);
+        body.step(state, &air, &flux, &flux);
     }
     temperature
 }

@@ -21,10 +21,6 @@ const FADE_VALIDITY: f64 = 0.1;
 /// Error, in units of the tolerance, below which a bound suffices.
 const SMALL: f64 = 0.15;
 
-/// Part of the tolerance that the estimates of temperature and distortion may reach. Where edges of the contact move, the error of the steps
-/// falls more slowly than these: it is .3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
-const PART_OF_TOLERANCE: f64 = 0.5;
-
 /// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
 /// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
 /// internal steps.
@@ -80,11 +76,11 @@ impl Solved<'_> {
             rise = maximum(rise, largest(&heat.temperature[1][side]));
         }
         let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
-        allowance * maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        allowance * maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise))
     }
 
-    /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
-    /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
+    /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
+    /// `bound` is that of the displacement, in m. Where the error is small, an upper bound of it.
     pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
         let (most, faces) = (self.bound_of_error(operators, bound), self.error_of_faces(operators, bound));
         if most < SMALL {
@@ -121,7 +117,7 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        let cells = maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE;
+        let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise));
         maximum(cells, faces)
     }
 
@@ -132,7 +128,7 @@ impl Solved<'_> {
         let [error, of_faces, moved] = heat.errors_of_faces(touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
         let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
-        maximum(moved / bound, error / (operators.scene.tolerance * rise)) / PART_OF_TOLERANCE
+        maximum(moved / bound, error / (operators.budget.steps.line_heat * rise))
     }
 }
 
@@ -140,7 +136,7 @@ impl ThermalCoupling {
     /// Updates the thermal state by the step whose stages are solved; `velocity` is the sliding velocity at its end, m/s. The
     /// first part of a communication step leaves its initial body states in `kept`, from which they can be restored.
     pub fn accept(
-        &self,
+        &mut self,
         operators: &LineOperators,
         friction: &FrictionLaw,
         stages: &ContactStages,
@@ -148,23 +144,20 @@ impl ThermalCoupling {
         kept: Option<&mut HeatState>,
         velocity: f64,
     ) {
-        let (heat, step) = (self, self.step);
+        let (step, heat) = (self.step, self);
         let Some(state) = &mut line.heat else { return };
         let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
         let (per_rise, per_change) = (1.0 / (GAMMA * step), 1.0 / ((1.0 - GAMMA) * step));
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
-        let before = kept.map(|kept| {
-            std::mem::swap(&mut kept.bodies, &mut state.bodies);
-            &kept.bodies
-        });
+        let before = kept.map_or(&mut heat.before, |kept| &mut kept.bodies);
+        std::mem::swap(before, &mut state.bodies);
         for side in 0..2 {
-            if let Some(own) = &heat.bodies[side] {
-                let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
-                let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
-                match before {
-                    Some(before) => own.advance_to(&before[side], body, around, first, end),
-                    None => own.advance_from_end(body, around, first, end),
-                }
+            let flux = [0, 1].map(|stage| &heat.flux[stage][side][..]);
+            let around = &heat.surroundings[side];
+            let (own, work) = (heat.bodies[side].as_ref(), heat.work[side].as_mut());
+            if let (Some(own), Some(work)) = (own, work) {
+                let Some(end) = heat.ends[side].take() else { unreachable!("a step that is accepted is solved") };
+                own.advance(end, (&before[side], &mut state.bodies[side]), around, flux, work);
             }
             state.trend[side] = heat.frozen.trend(side, heat.bodies[side].as_deref(), &state.bodies[side], step);
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
@@ -173,15 +166,18 @@ impl ThermalCoupling {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
-            if let (0, false, Some(own)) = (side, heat.contact_parts[1].is_whole(), &heat.bodies[side]) {
+            if let (0, false, Some(own), Some(work)) =
+                (side, heat.contact_parts[1].is_whole(), &heat.bodies[side], &mut heat.work[side])
+            {
                 // The mean of whole cells, not of their parts in contact.
-                let (body, around) = (&state.bodies[side], &heat.surroundings[side]);
+                let body = &state.bodies[side];
                 own.temperature_at_frozen_state(
                     body,
                     around,
                     &state.flux[side],
                     velocity,
                     &mut state.temperature[side],
+                    work,
                 );
             }
         }

@@ -4,46 +4,51 @@
 
 use super::ThermalCoupling;
 use crate::line::heat::state::HeatState;
-use conduction::line::{GAMMA, Stage};
+use conduction::line::{First, GAMMA, Stage};
 use contact::wear::line::StageError;
 use numerics::dense;
 use numerics::maximum::maximum;
 
 impl ThermalCoupling {
-    /// Free response of both bodies: temperature and distortion at the stage for zero flux into its cells.
-    pub(super) fn begin(&mut self, stage: Stage, state: &HeatState) {
-        if stage == Stage::First {
-            self.deviate_faces(state);
-        }
-        for side in 0..2 {
-            let (free_response, distortion) =
-                (&mut self.iterate.free_response[side], &mut self.iterate.free_distortion[side]);
-            match &self.bodies[side] {
-                Some(own) => {
-                    let around = &self.surroundings[side];
-                    let known = &mut self.flux[0][side];
-                    if stage == Stage::First {
-                        let back = -GAMMA * self.step;
-                        known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
-                    }
-                    let faces = match stage {
-                        Stage::End => {
-                            own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
-                        }
-                        Stage::First => {
-                            own.free_response(&state.bodies[side], around, stage, known, free_response, distortion)
-                        }
-                    };
-                    self.faces.set_free(side, faces);
-                }
-                None => {
-                    free_response.fill(self.surroundings[side].at(stage).ambient);
-                    distortion.fill(0.0);
-                }
-            }
-        }
+    /// Free response of both bodies at the first stage: temperature and distortion for zero flux into its cells.
+    pub(super) fn begin_first(&mut self, state: &HeatState) -> [Option<First>; 2] {
+        self.deviate_faces(state);
+        let back = -GAMMA * self.step;
+        let firsts = [0, 1].map(|side| {
+            let response = [&mut self.iterate.free_response[side][..], &mut self.iterate.free_distortion[side]];
+            let around = &self.surroundings[side];
+            let (Some(own), Some(work)) = (&self.bodies[side], &mut self.work[side]) else {
+                follow_ambient(around.first.ambient, response);
+                return None;
+            };
+            let deviation = &mut self.flux[0][side];
+            deviation.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
+            let first = own.first(&state.bodies[side], around, deviation, response, work);
+            self.faces.set_free(side, first.faces);
+            Some(first)
+        });
         if !self.faces.is_empty() {
-            self.begin_faces(stage, state);
+            self.begin_faces(Stage::First, state);
+        }
+        firsts
+    }
+
+    /// The same at the end of the step, after the first stage. The bodies may advance from it.
+    pub(super) fn begin_end(&mut self, mut firsts: [Option<First>; 2], state: &HeatState) {
+        self.ends = [0, 1].map(|side| {
+            let response = [&mut self.iterate.free_response[side][..], &mut self.iterate.free_distortion[side]];
+            let around = &self.surroundings[side];
+            let (Some(own), Some(first), Some(work)) = (&self.bodies[side], firsts[side].take(), &mut self.work[side])
+            else {
+                follow_ambient(around.end.ambient, response);
+                return None;
+            };
+            let end = own.end(first, &state.bodies[side], around, &self.flux[0][side], response, work);
+            self.faces.set_free(side, end.faces);
+            Some(end)
+        });
+        if !self.faces.is_empty() {
+            self.begin_faces(Stage::End, state);
         }
     }
 
@@ -324,6 +329,12 @@ impl ThermalCoupling {
     pub(super) fn distort_by_contact(&mut self) {
         self.partitions[1].add_displacement(self.exact[1], &self.iterate.pressure, &mut self.distortion);
     }
+}
+
+/// Free response of an insulator.
+fn follow_ambient(ambient: f64, [temperature, distortion]: [&mut [f64]; 2]) {
+    temperature.fill(ambient);
+    distortion.fill(0.0);
 }
 
 /// Number of lanes of [`largest`].

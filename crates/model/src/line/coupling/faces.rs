@@ -213,8 +213,8 @@ impl ThermalCoupling {
         let faces = &mut self.faces;
         faces.coupled = false;
         for (k, face) in faces.faces.iter().enumerate() {
-            if let Some(body) = &self.bodies[face.side] {
-                body.face_influence(stage, face.face, &mut faces.influence[k]);
+            if let (Some(body), Some(work)) = (&self.bodies[face.side], &mut self.work[face.side]) {
+                body.face_influence(stage, face.face, &mut faces.influence[k], work);
             }
             faces.flux[s][k] = if is_first { state.cooling[face.side][face.face] } else { faces.flux[0][k] };
         }

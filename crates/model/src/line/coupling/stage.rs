@@ -10,19 +10,12 @@ use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
 use crate::line::trajectory::{StageConditions, StageMotion};
-use conduction::line::Stage;
+use conduction::line::{First, Stage};
 use contact::wear::line::{Coefficient, StageError, WearTerm};
 use numerics::maximum::maximum;
 
 /// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
-
-/// Remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which friction and wear
-/// depend, at which the iteration ends: as a part of the step's tolerance, and its bounds. Fluxes and heat balance are exact at
-/// any remaining error.
-const PART: f64 = 1e-3;
-const LEAST: f64 = 1e-9;
-const MOST: f64 = 1e-6;
 
 /// Admissible relative error of the temperatures of both surfaces over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
@@ -34,7 +27,7 @@ const ACCELERATED_FROM: usize = 1;
 pub struct Prepared<'a>(pub(super) &'a mut ThermalCoupling);
 
 /// Step whose first stage is solved.
-pub struct FirstSolved<'a>(&'a mut ThermalCoupling);
+pub struct FirstSolved<'a>(&'a mut ThermalCoupling, [Option<First>; 2]);
 
 /// Step both of whose stages are solved.
 pub struct Solved<'a>(pub(super) &'a mut ThermalCoupling);
@@ -52,7 +45,7 @@ impl<'a> Prepared<'a> {
         motion: StageMotion,
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
-        heat.begin(Stage::First, state);
+        let firsts = heat.begin_first(state);
         // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
         for (i, (closed, p)) in heat.iterate.closed.iter_mut().zip(pressure).enumerate() {
@@ -62,7 +55,7 @@ impl<'a> Prepared<'a> {
         heat.contacts[0].set_status(stages.contact.status());
         heat.iterate.take_mean_temperature(&state.temperature, given.reference);
         heat.solve_stage(Stage::First, given, stages, moment, motion)?;
-        Ok(FirstSolved(heat))
+        Ok(FirstSolved(heat, firsts))
     }
 }
 
@@ -79,7 +72,7 @@ impl<'a> FirstSolved<'a> {
         motion: StageMotion,
     ) -> Result<Solved<'a>, StageError> {
         let (heat, state) = (self.0, state_of(given));
-        heat.begin(Stage::End, state);
+        heat.begin_end(self.1, state);
         heat.predict_end(state, [&given.state.pressure, &stages.first.pressure]);
         let [first, end] = &mut heat.contacts;
         end.set_status(first.status());
@@ -145,7 +138,8 @@ struct Change {
 /// Convergence of a stage.
 #[derive(Clone, Copy, Debug)]
 struct Convergence {
-    /// Admissible remaining error.
+    /// Admissible remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which
+    /// friction and wear depend. Fluxes and heat balance are exact at any remaining error.
     enough: f64,
     pressure: RemainingError,
     interface: RemainingError,
@@ -155,9 +149,8 @@ struct Convergence {
 }
 
 impl Convergence {
-    fn new(tolerance: f64) -> Convergence {
+    fn new(enough: f64) -> Convergence {
         let [pressure, interface, contact_temperature] = [RemainingError::default(); 3];
-        let enough = (PART * tolerance).clamp(LEAST, MOST);
         Convergence { enough, pressure, interface, contact_temperature, accelerated: None }
     }
 
@@ -203,7 +196,7 @@ impl ThermalCoupling {
         }
         let stribeck = given.friction.stribeck(motion.velocity);
         let mut slip = moment.slip(stribeck);
-        let mut convergence = Convergence::new(operators.scene.tolerance);
+        let mut convergence = Convergence::new(operators.budget.iteration.line_stage);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
         self.iterate.added.fill(false);

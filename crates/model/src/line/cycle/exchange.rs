@@ -16,8 +16,8 @@
 //! Theory: docs/theory.md, section 9.5.
 
 use crate::line::Line;
-use conduction::line::Surroundings;
 use conduction::line::contact_parts::ContactParts;
+use conduction::line::{SingleStep, Surroundings};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 use numerics::interruption::checkpoint;
@@ -56,6 +56,7 @@ impl Exchange {
         let mut within = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
         for (side, body) in heat.bodies.iter_mut().enumerate() {
             let Some(body) = body else { continue };
+            let mut work = body.workspace();
             let mut states = vec![vec![0.0; body.states()]; count];
             let (mut flux, mut warm) = (vec![0.0; count], vec![0.0; count]);
             for (velocity, steps) in strokes {
@@ -65,8 +66,8 @@ impl Exchange {
                     for (cell, state) in states.iter_mut().enumerate() {
                         flux.fill(0.0);
                         flux[cell] = 1.0;
-                        body.advance(state, &around, &flux, &flux);
-                        body.temperature_at_frozen_state(state, &around, &flux, *velocity, &mut warm);
+                        body.step(state, &around, &flux, &flux);
+                        body.temperature_at_frozen_state(state, &around, &flux, *velocity, &mut warm, &mut work);
                         let mut column = within[side].column_mut(cell);
                         column.iter_mut().zip(&warm).for_each(|(mean, t)| *mean += step / period * t);
                     }

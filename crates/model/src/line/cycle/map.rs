@@ -12,6 +12,7 @@ use crate::line::Line;
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
+use crate::tolerance::ToleranceBudget;
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};
@@ -147,6 +148,7 @@ impl CycleMap {
         }
         // Every step is accepted, so that the cycle is a smooth function of its start.
         operators.scene.tolerance = ANY_STEP;
+        operators.budget = ToleranceBudget::new(ANY_STEP);
         let scene = &operators.scene;
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,
@@ -163,9 +165,9 @@ impl CycleMap {
         if let Some(heat) = &line.heat {
             for (size, body) in sizes.iter_mut().zip(&heat.bodies) {
                 let Some(body) = body else { continue };
-                let mut rates = vec![0.0; body.decay_rates().len()];
+                let mut rates = vec![0.0; body.decay_rates(0.0).len()];
                 for (velocity, duration) in sliding {
-                    add(&mut rates, duration / period, &body.decay_rates_while_sliding(velocity));
+                    add(&mut rates, duration / period, &body.decay_rates(velocity));
                 }
                 if rates.is_empty() {
                     return Err(CycleError::Unsuitable("cycles: a thermal body has no decay rates".into()));
@@ -258,7 +260,14 @@ impl CycleMap {
         let mut part = vec![0.0; target.len()];
         for (side, range) in self.heat_ranges().into_iter().enumerate() {
             let (Some(body), Some(state)) = (self.body(side), self.full(side, &heat[range])) else { continue };
-            body.distortion_at_frozen_state(&state, &Surroundings::default(), &vec![0.0; target.len()], 0.0, &mut part);
+            body.distortion_at_frozen_state(
+                &state,
+                &Surroundings::default(),
+                &vec![0.0; target.len()],
+                0.0,
+                &mut part,
+                &mut body.workspace(),
+            );
             target.iter_mut().zip(&part).for_each(|(sum, value)| *sum += value);
         }
     }
@@ -268,7 +277,14 @@ impl CycleMap {
         let mut temperature = vec![0.0; self.operators().count()];
         if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
             let still = vec![0.0; temperature.len()];
-            body.temperature_at_frozen_state(&state, &Surroundings::default(), &still, 0.0, &mut temperature);
+            body.temperature_at_frozen_state(
+                &state,
+                &Surroundings::default(),
+                &still,
+                0.0,
+                &mut temperature,
+                &mut body.workspace(),
+            );
         }
         temperature
     }
@@ -280,7 +296,14 @@ impl CycleMap {
         for (side, values) in temperature.iter_mut().enumerate() {
             if let Some(body) = self.body(side) {
                 let (state, around) = (&heat.bodies[side], &own.surroundings[side]);
-                body.temperature_at_frozen_state(state, around, &heat.flux[side], self.strokes[1].0, values);
+                body.temperature_at_frozen_state(
+                    state,
+                    around,
+                    &heat.flux[side],
+                    self.strokes[1].0,
+                    values,
+                    &mut body.workspace(),
+                );
             }
         }
         temperature

@@ -4,6 +4,7 @@
 
 use crate::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::lumped::operators::moving_source;
+use crate::tolerance::ToleranceBudget;
 use conduction::lateral::Lateral;
 use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
@@ -15,14 +16,6 @@ use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
 use scene::{self, Geometry, HeatResolution, Scene};
-use std::sync::Mutex;
-
-/// Finest tolerance of a reduction.
-const FINEST: f64 = 2e-5;
-
-/// Part of the tolerance for the error of the punch's mean temperature, at fluxes of every frequency. The strip has an error
-/// measure of its own, for all Fourier modes together.
-const PUNCH_PART: f64 = 0.25;
 
 /// Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
 const EXPECTED: f64 = 1.5;
@@ -40,8 +33,8 @@ pub fn can_be_resolved(scene: &Scene) -> bool {
 /// Prototypes of punch and strip, copied for every instance of a scene.
 #[derive(Debug)]
 pub struct Bodies {
-    // Bodies own their workspace, so threads copy them instead of sharing them.
-    prototypes: [Option<Mutex<Box<dyn ThermalBody>>>; 2],
+    /// Shared by the threads; each prepares steps of its own, in a copy.
+    pub prototypes: [Option<Box<dyn ThermalBody>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
     /// Decay rates of their modes, 1/s: bodies with the same rates have the same state layout.
@@ -61,9 +54,9 @@ impl Bodies {
     /// The reason for which a body cannot be built, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
-        let whole = scene.tolerance.max(FINEST);
-        let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
-            .map(|part| (part * scene.tolerance).max(FINEST));
+        let reduction = ToleranceBudget::of(scene).reduction;
+        let of_the_mean = reduction.punch_mean(error_weights[0].tolerance);
+        let (whole, tolerance) = (reduction.whole(), reduction.strip(error_weights[1].tolerance));
         let duration = scene.nominal_duration;
         let punch = punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
             .map_err(|error| format!("punch: {error}"))?
@@ -100,28 +93,10 @@ impl Bodies {
             }
         });
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
-        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
+        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates(0.0)));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
         let error = of_the_mean.zip(error_weights).map(|(error, share)| share.accounted * error).fold(0.0, maximum);
-        Bodies {
-            prototypes: bodies.map(|body| body.map(Mutex::new)),
-            states,
-            rates,
-            waves,
-            cooled_length: [cooled, free],
-            error,
-        }
-    }
-
-    /// Independent copies of the bodies, each with its own workspace.
-    pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
-        self.prototypes.each_ref().map(|body| {
-            body.as_ref().map(|body| match body.lock() {
-                Ok(body) => body.clone(),
-                // Nothing is ever written through the lock.
-                Err(poisoned) => poisoned.into_inner().clone(),
-            })
-        })
+        Bodies { prototypes: bodies, states, rates, waves, cooled_length: [cooled, free], error }
     }
 }
 

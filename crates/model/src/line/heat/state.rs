@@ -120,7 +120,6 @@ impl HeatState {
     /// State of bodies at the uniform temperature `rise` (K; punch, strip) above the reference.
     pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
         let zeros = || vec![0.0; count];
-        let copies = bodies.copies();
         let mut state = HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
             flux: [zeros(), zeros()],
@@ -141,7 +140,7 @@ impl HeatState {
             start: [[0.0; 4]; 2],
         };
         for body in 0..2 {
-            if let Some(heat) = &copies[body] {
+            if let Some(heat) = &bodies.prototypes[body] {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
@@ -151,6 +150,7 @@ impl HeatState {
                     &state.flux[body],
                     0.0,
                     &mut moved,
+                    &mut heat.workspace(),
                 );
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }

@@ -1,7 +1,7 @@
 //! Heat through parts of the cells.
 
 use super::super::super::contact_parts::{ContactParts, PARTS};
-use super::super::super::{Stage, ThermalBody};
+use super::super::super::{FaceInfluence, Observed, Stage, ThermalBody};
 use super::{Run, cells, largest, leaning, scene};
 
 /// Cells 2, 4 and 6 of nine are partly in contact, cell 4 with a fraction of a part.
@@ -65,7 +65,14 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
         // At frozen state a temperature is the mean of the whole cell.
         let mut whole = [0.0; 9];
-        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut whole);
+        run.heat.temperature_at_frozen_state(
+            &run.state,
+            &run.surroundings,
+            &[0.0; 9],
+            0.0,
+            &mut whole,
+            &mut run.heat.workspace(),
+        );
         let mean =
             |cell: usize| divided.temperature[cell * PARTS..(cell + 1) * PARTS].iter().sum::<f64>() / PARTS as f64;
         let scale = largest(&divided.temperature);
@@ -103,7 +110,7 @@ fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits(
 }
 
 #[test]
-fn matrices_made_between_a_free_response_and_its_step_leave_the_step_as_it_is() {
+fn what_is_prepared_and_observed_between_a_free_response_and_its_step_leaves_the_step_as_it_is() {
     let cells = cells(9);
     let flux: Vec<f64> = leaning(&cells).iter().map(|q| 1e4 * q).collect();
     let after = |between: bool| {
@@ -111,13 +118,18 @@ fn matrices_made_between_a_free_response_and_its_step_leave_the_step_as_it_is() 
         run.heat.set_contact_parts([&in_part(); 2]);
         run.heat.prepare(0.5, [0.0; 2]);
         let (temperature, distortion) = (&mut run.temperature, &mut run.distortion);
-        run.heat.free_response(&run.state, &run.surroundings, Stage::End, &flux, temperature, distortion);
+        let (state, around, work) = (&run.state, &run.surroundings, &mut run.heat.workspace());
+        let first = run.heat.first(state, around, &[0.0; 9], [&mut *temperature, &mut *distortion], work);
+        let end = run.heat.end(first, state, around, &flux, [temperature, distortion], work);
         if between {
             run.heat.prepare(1.7, [0.0; 2]);
             run.heat.prepare(0.5, [0.0; 2]);
+            run.heat.face_influence(Stage::End, 0, &mut FaceInfluence::new(9), work);
+            run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &flux, 0.0, &mut [0.0; 9], work);
         }
-        run.heat.advance_from_end(&mut run.state, &run.surroundings, &flux, &flux);
-        run.state
+        let mut after = vec![0.0; run.state.len()];
+        run.heat.advance(end, (&run.state, &mut after), &run.surroundings, [&flux; 2], work);
+        after
     };
     assert_eq!(after(true), after(false));
 }

@@ -3,7 +3,7 @@
 use super::{expanding, march, mean, steel, uneven};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::line::tests::{at_stage, in_two_parts};
-use crate::line::{Boundary, FaceInfluence, GAMMA, Stage, Surroundings, ThermalBody};
+use crate::line::{Boundary, FaceInfluence, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::FarBoundary;
 
@@ -36,16 +36,16 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             body.prepare(step, velocity);
             let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
             let (temperature, distortion, faces) = at_stage(&body, &state, &air, (Stage::End, held), [&first, &end]);
-            body.advance(&mut state, &air, &first, &end);
+            body.step(&mut state, &air, &first, &end);
             let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
-            body.temperature_at_frozen_state(&state, &air, &end, velocity[1], &mut shown);
-            body.distortion_at_frozen_state(&state, &air, &end, velocity[1], &mut moved);
+            body.temperature_at_frozen_state(&state, &air, &end, velocity[1], &mut shown, &mut body.workspace());
+            body.distortion_at_frozen_state(&state, &air, &end, velocity[1], &mut moved, &mut body.workspace());
             for i in 0..12 {
                 largest = largest.max((temperature[i] - shown[i]).abs() / shown[i].abs());
                 largest = largest.max((distortion[i] - moved[i]).abs() / moved[i].abs());
             }
-            let cooled = body.cooled_temperature(&state, &air, &end, velocity[1]);
+            let cooled = body.cooled_temperature(&state, &air, &end, velocity[1], &mut body.workspace());
             for face in 0..if held { 1 } else { 2 } {
                 largest = largest.max((faces[face] - cooled[face]).abs() / mean(&cells, &shown).abs());
             }
@@ -86,14 +86,14 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let late = at_stage(&body, &state, &air, (Stage::End, false), [&flux; 2]);
         // The mean temperature of the surface beside the contact per flux there, over that per flux into the whole contact.
         let mut influence = FaceInfluence::new(12);
-        body.face_influence(Stage::End, 0, &mut influence);
+        body.face_influence(Stage::End, 0, &mut influence, &mut body.workspace());
         let rise = influence.faces[0];
         assert!(rise > 0.0 && influence.mean > 0.0, "{path:?}: {influence:?}");
-        body.advance(&mut state, &air, &flux, &flux);
+        body.step(&mut state, &air, &flux, &flux);
         for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
             body.prepare(part * step, velocity);
             let (shown, _, faces) = at_stage(&body, &parts, &around, (Stage::End, false), [&flux; 2]);
-            body.advance(&mut parts, &around, &flux, &flux);
+            body.step(&mut parts, &around, &flux, &flux);
             let (other, _, others) = if part == GAMMA { &early } else { &late };
             let apart = shown.iter().zip(other).chain(faces.iter().zip(others)).map(|(a, b)| (a - b).abs());
             let apart = apart.fold(0.0, f64::max);
@@ -107,7 +107,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let tolerance = if convection > 0.0 { 1e-2 } else { 1e-9 };
         let other = body.account(&parts).ambient;
         assert!((other / lost - 1.0).abs() < tolerance, "{path:?}: {other} and {lost}");
-        let cooled = body.cooled_temperature(&state, &air, &flux, velocity[1]);
+        let cooled = body.cooled_temperature(&state, &air, &flux, velocity[1], &mut body.workspace());
         let apart = (0..2).map(|face| (cooled[face] - late.2[face]).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-3 * 3e4 * rise, "{path:?}: {cooled:?} {late:?}");
     }
@@ -126,7 +126,7 @@ fn faces_and_cells_are_reciprocal_in_reversed_sliding() {
         for stage in [Stage::First, Stage::End] {
             for (velocity, influence) in [(0.003, &mut forth), (-0.003, &mut back)] {
                 body.prepare(3.0, [velocity; 2]);
-                body.face_influence(stage, 0, influence);
+                body.face_influence(stage, 0, influence, &mut body.workspace());
             }
             let largest = forth.by_cell.iter().copied().fold(0.0, f64::max);
             for (i, width) in cells.widths().iter().enumerate() {
@@ -152,12 +152,12 @@ fn convection_acts_beside_the_contact_only() {
     let air = Surroundings::default();
     let flux = vec![1.0; 16];
     let mut temperature = vec![0.0; 16];
-    body.temperature_at_frozen_state(&state, &air, &flux, 0.3, &mut temperature);
+    body.temperature_at_frozen_state(&state, &air, &flux, 0.3, &mut temperature, &mut body.workspace());
     let exact = 0.2 / (400.0 * 0.1);
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
     assert!((ambient / 0.2 - 1.0).abs() < 1e-6 && far.abs() < 1e-6 * 0.2, "{ambient} {far}");
-    let [free, _] = body.cooled_temperature(&state, &air, &flux, 0.3);
+    let [free, _] = body.cooled_temperature(&state, &air, &flux, 0.3, &mut body.workspace());
     assert!((free * 400.0 * 0.1 / 0.2 - 1.0).abs() < 1e-6, "{free}");
 }
 
@@ -177,7 +177,7 @@ fn everything_at_one_temperature_stays_there() {
         for _ in 0..5 {
             body.free_response(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
             assert!(temperature.iter().all(|t| (t - 10.0).abs() < 1e-2), "{base:?} {temperature:?}");
-            body.advance(&mut state, &air, &zero, &zero);
+            body.step(&mut state, &air, &zero, &zero);
         }
         assert!((body.mean_temperature(&state) - 10.0).abs() < 1e-2);
     }
@@ -217,8 +217,8 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
                         fluxes[s] = both.lu().solve(&difference).unwrap().iter().copied().collect();
                     }
                     let back = fluxes.each_ref().map(|flux| flux.iter().map(|q| -q).collect::<Vec<f64>>());
-                    still.advance(&mut own, &air, &fluxes[0], &fluxes[1]);
-                    moving.advance(&mut other, &air, &back[0], &back[1]);
+                    still.step(&mut own, &air, &fluxes[0], &fluxes[1]);
+                    moving.step(&mut other, &air, &back[0], &back[1]);
                     sizes.push(fluxes[1].iter().fold(0.0, |most: f64, q| most.max(q.abs())));
                 }
                 let (first, last) = (sizes[0], sizes[59]);

@@ -2,7 +2,7 @@
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
 use scene::FarBoundary;

@@ -4,7 +4,7 @@ use super::{cooled_steel, uneven};
 use crate::line::strip::propagate::LARGEST_DRIFT;
 use crate::line::strip::step::stage::{LEAST_DRIFT, SHORT_ROTATION};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
-use crate::line::{Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 
 /// Temperatures at the end of a step.
@@ -29,7 +29,7 @@ fn temperatures_are_finite_and_continuous_over_every_threshold() {
         let flux = uneven(&cells, 1);
         let mut state = vec![0.0; body.states()];
         temperatures(&mut body, &state, &flux, 0.1, [0.1; 2]);
-        body.advance(&mut state, &Surroundings::default(), &flux, &flux);
+        body.step(&mut state, &Surroundings::default(), &flux, &flux);
         let numbers = body.operators.numbers.clone();
         let steady = body.operators.steady;
         for number in [numbers[0], numbers[numbers.len() / 2], numbers[numbers.len() - 1]] {

@@ -2,7 +2,7 @@
 
 use super::{march, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Stage, ThermalBody};
+use crate::line::{Observed, Stage, ThermalBody};
 use elasticity::Cells;
 use scene::FarBoundary;
 
