@@ -45,6 +45,7 @@ STEPS = 50  # of a run at constant load and speed; the model's own step control 
 
 LARGEST_STEP = 0.1  # of a difference, in an exponent or a logarithm
 SCALE = 0.05  # standard deviation that residuals have at first, over the largest measured value; of temperatures over the rise
+FAR = 10.0  # first step at most, in an exponent or a logarithm: the whole step of Gauss and Newton, as worn volumes are nearly powers
 FEW = 4.0  # values beyond what parameters take up, at least, for a standard deviation from residuals
 ALIKE = 0.02  # part of a parameter's effect that others do not have, at least: differences are not more accurate
 WIDEST = 1.5  # half of an interval, in an exponent or a logarithm: beyond it the records say nothing
@@ -355,6 +356,8 @@ def fit(
         problem.drop([name])
     if not problem.names:
         raise Error("the records determine none of the parameters: " + "; ".join(f"{name}: {reason}" for name, reason in undetermined.items()))
+    for name in sorted(problem.at_end):
+        warnings.warn(f"{name} is at an end of the range that the scene accepts, so the fit and its intervals stop there", SceneWarning, stacklevel=3)
     values = problem.parameters(solved.x)
     low, high = problem.parameters(solved.x - half), problem.parameters(solved.x + half)
     text = _compare(problem, solved, half, values) if companion else "not compared with half of the cells"
@@ -387,6 +390,8 @@ class _Problem:
     def __init__(self, model: Model, names: list[str], given: Mapping[str, float], progress: Optional[Callable[[str], object]]) -> None:
         self.model, self.names, self.progress = model, names, progress
         self.point, self.told = np.zeros(len(names)), 0
+        #: Parameters within a step of the end of their range.
+        self.at_end: set[str] = set()
         self.step = min(float(np.cbrt(model.tolerance)), LARGEST_STEP)
         self.known = {tuple(self.point): model.predict(self.parameters(self.point))}
         # Quantities that share a standard deviation.
@@ -441,6 +446,7 @@ class _Problem:
             return np.full(self.model.measured.size, np.inf)
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
+        self.at_end = set()
         if self.progress is not None and self.model.runs > self.told:
             self.told = self.model.runs
             self.progress(f"{self.model.runs} runs, sum of squares {np.sum(self.residuals(point) ** 2):.4g} of {self.model.measured.size} values")
@@ -450,6 +456,8 @@ class _Problem:
             # At a bound of the scene the difference is to one side.
             one, other = (above if np.all(np.isfinite(above)) else self.residuals(point)), (below if np.all(np.isfinite(below)) else self.residuals(point))
             sides = int(np.all(np.isfinite(above))) + int(np.all(np.isfinite(below)))
+            if sides < 2:
+                self.at_end.add(self.names[int(np.argmax(step))])
             columns.append((one - other) / (max(sides, 1) * self.step))
         return np.column_stack(columns)
 
@@ -494,7 +502,7 @@ class _Problem:
     def solve(self) -> Any:
         """Least squares; then standard deviations and correlations from the residuals, and again until they stay."""
         for _ in range(ROUNDS):
-            solved = optimize.least_squares(self.tried, self.point, self.jacobian, method="trf", ftol=1e-2 / self.model.measured.size, xtol=1e-5, gtol=1e-9, max_nfev=50)
+            solved = optimize.least_squares(self.tried, self.point, self.jacobian, method="trf", x_scale=FAR, ftol=1e-2 / self.model.measured.size, xtol=1e-5, gtol=1e-9, max_nfev=50)
             if not solved.success:
                 raise Error(f"the fit did not converge: {solved.message}")
             self.point = solved.x

@@ -41,6 +41,9 @@ def test_a_power_law_is_found_and_its_interval_is_that_of_a_straight_line():
     assert found.values[1] == pytest.approx(line[0], abs=1e-2 * error)
     assert found.scatter == pytest.approx(deviation, rel=1e-3)
     assert found.intervals[1, 1] - found.values[1] == pytest.approx(2.228 * error, rel=1e-2)  # t of 10 degrees of freedom
+    # From a coefficient that is a hundred times too large too: the exponent must not end at the bound of its range.
+    far = pin().fit(fit.Records(records.load, records.speed, records.distance, 1e-2 * records.volume))
+    assert far.values == pytest.approx(found.values * [1e-2, 1.0], rel=1e-3)
     exact = pin().fit(archard())
     assert exact.values == pytest.approx([1.2e-14, 1.3], rel=1e-3)
 
