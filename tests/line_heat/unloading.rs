@@ -89,3 +89,35 @@ fn cells_that_open_one_after_another_do_not_add_up_their_errors() {
         assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
     }
 }
+
+/// Contact problems solved in an unloaded second that follows a stop, and the contact temperature (K) after it, where the load of
+/// the open contact ends at `rest` (N).
+fn after_a_stop(rest: f64) -> (u64, f64) {
+    const LOAD: f64 = 4800.0;
+    let changes = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 9.0),
+        ("solver.tolerance", 1e-2),
+        ("nominal.load", LOAD),
+        ("nominal.velocity", 8.0),
+        ("nominal.duration", 54.0),
+    ];
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
+    drive.set("sliding_velocity", 8.0).set("normal_load", LOAD);
+    drive.step(2.0).set("normal_load", 0.0).step(1.0);
+    let before = drive.0.contact_work().solves;
+    drive.set("normal_load", 0.0).slope("normal_load", rest);
+    drive.step(1.0);
+    (drive.0.contact_work().solves - before, drive.get("contact_temperature"))
+}
+
+/// An importer that interpolates its inputs leaves rounding where the load is to be 0.
+#[test]
+fn a_load_of_rounding_leaves_the_contact_open() {
+    let open = after_a_stop(0.0);
+    for rest in [1e-14, 1e-12, 4e-9] {
+        assert_eq!(after_a_stop(rest), open, "{rest:e} N");
+    }
+    // A load that an importer means closes it: the hotter disc heats the pad, and steps resolve it.
+    assert!(after_a_stop(1e-3).0 > 10 + open.0);
+}

@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 3.3.
 
+use super::block::lobatto::gauss_legendre;
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};
-use nalgebra::{DMatrix, DVector};
-use numerics::factorization;
+use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// Length of the strip along the sliding direction.
@@ -217,19 +217,6 @@ fn zeta_less_one(s: i32) -> f64 {
     let corrections = real / (12.0 * cut) - third / (720.0 * cut.powi(3)) + fifth / (30240.0 * cut.powi(5));
     let tail = power * (cut / (real - 1.0) + 0.5 + corrections);
     (2..50).rev().map(|n| f64::from(n).powi(-s)).sum::<f64>() + tail
-}
-
-/// Nodes and weights of the n-point Gauss-Legendre rule on [-1, 1], from the eigenvalues of the Jacobi matrix.
-fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let mut jacobi = DMatrix::zeros(n, n);
-    for k in 1..n {
-        let entry = k as f64 / ((4 * k * k - 1) as f64).sqrt();
-        jacobi[(k - 1, k)] = entry;
-        jacobi[(k, k - 1)] = entry;
-    }
-    let eigen = factorization::symmetric_eigen(jacobi).expect("a function of the number of nodes alone");
-    let first: DVector<f64> = eigen.eigenvectors.row(0).transpose();
-    eigen.eigenvalues.iter().zip(first.iter()).map(|(&node, &v)| (node, 2.0 * v * v)).collect()
 }
 
 #[cfg(test)]

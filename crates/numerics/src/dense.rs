@@ -11,7 +11,9 @@ mod products;
 
 pub use cholesky::cholesky;
 pub use elimination::{factorise, substitute};
-pub use products::{combine, dot, multiply_add, multiply_add_each, multiply_add_pair, multiply_transposed_add};
+pub use products::{
+    combine, dot, multiply_add, multiply_add_columns, multiply_add_each, multiply_add_pair, multiply_transposed_add,
+};
 
 use nalgebra::DMatrix;
 
@@ -50,6 +52,9 @@ mod tests {
             let (mut third, mut last) = (vec![1.0; n], vec![0.0; n]);
             multiply_add_each([(&matrix, &exact, &mut third), (&matrix, &second, &mut last)]);
             assert!(third == one && last == other, "n {n}");
+            let mut columns = [vec![1.0; n], vec![0.0; n]].concat();
+            multiply_add_columns(&matrix, &[&exact[..], &second].concat(), &mut columns, n);
+            assert!(columns == [&one[..], &other].concat(), "n {n}");
             for i in 0..n {
                 let sum = |x: &[f64]| (0..n).map(|j| matrix[i + j * n] * x[j]).sum::<f64>();
                 assert!((right[i] - sum(&exact)).abs() < 1e-13 * n as f64);

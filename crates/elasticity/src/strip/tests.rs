@@ -1,5 +1,6 @@
 use super::*;
 use crate::HalfPlane;
+use nalgebra::DVector;
 
 fn steel() -> Material {
     Material::new(2.6, 0.3).unwrap()

@@ -193,7 +193,11 @@ impl LineOperators {
         let radial = laws.each_ref().map(|law| radius_ratio.iter().map(|&ratio| law.by_radius(ratio)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
-        let mean = Arc::new(lumped::operators::LumpedOperators::with_heat_of(&mean_scene(scene, heat), known));
+        let pressed = normal.column_sum();
+        let compliance = cells.integral(pressed.as_slice()) / (2.0 * cells.half_width());
+        let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
+        let mean = lumped::operators::LumpedOperators::beneath(&mean_scene(scene, heat), compliance, moves, known);
+        let mean = Arc::new(mean);
         let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
         let [punch, strip] = laws;
         let operators = LineOperators {

@@ -93,6 +93,10 @@ pub struct StageMotion {
 /// Speed, relative to the highest so far, up to which the bodies are at rest: rounding of an input that is intended to be 0.
 const REST: f64 = 1e-12;
 
+/// Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0. Any load at
+/// all would bring the surfaces together, which then exchange heat, and let them part again.
+const UNLOADED: f64 = 1e-12;
+
 /// Input trajectory over a piece.
 #[derive(Clone, Debug)]
 pub struct InputTrajectory {
@@ -102,6 +106,8 @@ pub struct InputTrajectory {
     heat: LumpedTemperature,
     friction: FrictionLaw,
     mean_radius: f64,
+    /// Largest load of an open contact, N.
+    unloaded: f64,
     /// Sliding direction throughout the piece; 0 at rest.
     direction: f64,
 }
@@ -127,6 +133,7 @@ impl InputTrajectory {
             heat,
             friction,
             mean_radius,
+            unloaded: UNLOADED * operators.scene.nominal_load,
             direction,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
@@ -163,7 +170,8 @@ impl InputTrajectory {
             Some(slipped) => (slipped.ratio, slipped.distance / self.length),
             None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
         };
-        let load = self.inputs(time).normal_load.max(0.0);
+        let load = self.inputs(time).normal_load;
+        let load = if load > self.unloaded { load } else { 0.0 };
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
         let released = self.heat.slipped.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);

@@ -198,12 +198,19 @@ pub struct LumpedOperators {
 impl LumpedOperators {
     /// Builds the lumped level of `scene`.
     pub fn new(scene: &Scene) -> LumpedOperators {
-        Self::with_heat_of(scene, None)
+        let compliance = mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false);
+        Self::build(scene, compliance, true, None)
     }
 
-    /// Builds the lumped level with the reduced bodies, the moving source, the compliance and the growth of perturbations of `known`, whose scene has the
-    /// same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may differ.
-    pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
+    /// Builds the lumped level beneath a contact line, with the reduced bodies, the moving source and the growth of perturbations
+    /// of `known`, whose scene has the same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may
+    /// differ. `compliance`: mean displacement of both bodies per uniform pressure on the line, m/Pa; `moves`: the temperature
+    /// under the contact follows a moving source. Where the line resolves heat and no bristle asks for it, it need not.
+    pub fn beneath(scene: &Scene, compliance: f64, moves: bool, known: Option<&LumpedOperators>) -> LumpedOperators {
+        Self::build(scene, compliance, moves, known)
+    }
+
+    fn build(scene: &Scene, compliance: f64, moves: bool, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
         let (power_factor, effective_radius) = match scene.geometry {
             Geometry::Annular => {
@@ -220,12 +227,12 @@ impl LumpedOperators {
         let flash = match known {
             Some(known) => {
                 (punch.heat, strip.heat) = (known.punch.heat.clone(), known.strip.heat.clone());
-                known.flash.clone()
+                known.flash.clone().filter(|_| moves)
             }
             None => {
                 punch.heat = punch_heat(scene, area);
                 strip.heat = strip_heat(scene, area, strip_length, endless);
-                slab.and_then(|slab| flash_of(scene, slab, path))
+                slab.filter(|_| moves).and_then(|slab| flash_of(scene, slab, path))
             }
         };
         if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, known) {
@@ -236,10 +243,6 @@ impl LumpedOperators {
             body.cooled_is_contact =
                 body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
         }
-        let compliance = match known {
-            Some(known) => known.compliance,
-            None => mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false),
-        };
         let tangential_stiffness = match known {
             Some(known) => known.tangential_stiffness,
             None if scene.elastic_slip || scene.nominal_stroke > 0.0 => tangential_stiffness(scene),

@@ -187,6 +187,34 @@ fn multiply_wide<S: Simd>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64]
     }
 }
 
+/// `targets += matrix xs`, product of matrices: `targets` have `rows` rows, `xs` as many as the matrix has columns. Each column is
+/// that of [`multiply_add`].
+pub fn multiply_add_columns(matrix: &[f64], xs: &[f64], targets: &mut [f64], rows: usize) {
+    struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64], usize);
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(matrix, xs, targets, rows) = self;
+            let inner = matrix.len() / rows;
+            let narrow = is_narrow::<S>(rows, inner);
+            for (x, target) in xs.chunks_exact(inner).zip(targets.chunks_exact_mut(rows)) {
+                if narrow {
+                    multiply_narrow(simd, matrix, x.iter().map(|x| [*x]), [target]);
+                } else {
+                    multiply_wide(simd, matrix, x, target);
+                }
+            }
+        }
+    }
+    if rows == 0 || matrix.is_empty() {
+        return;
+    }
+    assert_eq!(xs.len() * rows * rows, matrix.len() * targets.len(), "one column of targets per column of xs");
+    Arch::new().dispatch(Multiply(matrix, xs, targets, rows));
+}
+
 /// `target += matrix x`, with as many rows as `target` and columns as `x` is long.
 pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
     struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64]);

@@ -25,8 +25,9 @@
 //!
 //! Theory: docs/theory.md, section 4.13.
 
-use super::waves::{Wave, gauss_legendre};
+use super::waves::Wave;
 use elasticity::Cells;
+use elasticity::block::lobatto::gauss_legendre;
 use nalgebra::{Complex, DMatrix};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
@@ -39,19 +40,29 @@ const LEAST_OVERSAMPLING: f64 = 1.5;
 const BELOW: usize = WINDOW / 2;
 /// Least number of nodes of the transform.
 const FEWEST_NODES: usize = 64;
-/// Points of the quadrature of the window's transform.
-const TRANSFORM_POINTS: usize = 48;
+/// Points of the quadrature of the window's transform over half of the window.
+const TRANSFORM_POINTS: usize = 24;
 /// Longest part, in nodes, of an average over distances for the rule of eight points, and for that of four.
 const LONG_PART: f64 = 2.0;
 const SHORT_PART: f64 = 0.5;
 
-/// Window of the spreading.
-#[derive(Clone, Copy, Debug)]
+/// Window of the spreading, and the quadrature of its transform: points, and weights times the window's value.
+#[derive(Clone, Debug)]
 struct Window {
     shape: f64,
+    rule: Vec<(f64, f64)>,
 }
 
 impl Window {
+    fn new(shape: f64) -> Window {
+        let mut window = Window { shape, rule: Vec::new() };
+        let quarter = 0.25 * WINDOW as f64;
+        // The window is even.
+        let rule = gauss_legendre(TRANSFORM_POINTS).into_iter().map(|(node, weight)| (quarter * (1.0 + node), weight));
+        window.rule = rule.map(|(t, weight)| (t, 2.0 * quarter * weight * window.value(t))).collect();
+        window
+    }
+
     fn value(&self, t: f64) -> f64 {
         let x = 2.0 * t / WINDOW as f64;
         let square = 1.0 - x * x;
@@ -59,9 +70,8 @@ impl Window {
     }
 
     /// psi(theta).
-    fn transform(&self, theta: f64, rule: &[(f64, f64)]) -> f64 {
-        let half = 0.5 * WINDOW as f64;
-        rule.iter().map(|&(node, weight)| half * weight * self.value(half * node) * (theta * half * node).cos()).sum()
+    fn transform(&self, theta: f64) -> f64 {
+        self.rule.iter().map(|&(t, weight)| weight * (theta * t).cos()).sum()
     }
 }
 
@@ -117,12 +127,11 @@ impl DistanceSum {
         let half = 0.5 * window / (2.0 * width * last / PI);
         let sigma = (half * half + size as f64 / (2.0 * width * last / PI)).sqrt() - half;
         let (delta, step) = (PI / (sigma * last), 2.0 * sigma * last / size as f64);
-        let window = Window { shape: 0.98 * PI * WINDOW as f64 * (1.0 - 0.5 / sigma) };
-        let rule = gauss_legendre(TRANSFORM_POINTS);
+        let window = Window::new(0.98 * PI * WINDOW as f64 * (1.0 - 0.5 / sigma));
         let spread = waves.iter().map(|wave| {
             let place = wave.number / step;
             let first = (place - 0.5 * WINDOW as f64).ceil();
-            let factor = 0.5 / window.transform(wave.number * delta, &rule);
+            let factor = 0.5 / window.transform(wave.number * delta);
             let weights = std::array::from_fn(|k| factor * window.value(place - first - k as f64));
             ((first + BELOW as f64) as usize, weights)
         });
@@ -141,7 +150,7 @@ impl DistanceSum {
         let widest = cells.widths().iter().copied().fold(0.0, f64::max);
         sum.behind = (widest / delta + 0.5 * WINDOW as f64).ceil() as usize + 1;
         let ahead = (width / delta + 0.5 * WINDOW as f64).ceil() as usize + 1;
-        sum.scale = (0..=ahead.max(sum.behind)).map(|m| window.transform(turn(m), &rule).recip()).collect();
+        sum.scale = (0..=ahead.max(sum.behind)).map(|m| window.transform(turn(m)).recip()).collect();
         sum.scale.truncate(size / 2);
         sum.average(cells, delta, &window);
         sum
@@ -278,13 +287,20 @@ impl WithSimd for Transform<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> usize {
-        let Self { roots: [cosine, sine], spectrum: [a, b, c, d] } = self;
+        let Self { roots, spectrum: [a, b, c, d] } = self;
+        let [cosine, sine] = roots;
         let half = cosine.len();
         let (mut from, mut to) = ([&mut a[..], &mut b[..]], [&mut c[..], &mut d[..]]);
         let (mut blocks, mut length, mut into) = (half, 1, 0);
         while blocks > 0 {
             let ([re, im], [to_re, to_im]) = (&from, &mut to);
-            for block in 0..blocks {
+            match length {
+                1 => short::<1>(roots, [re, im], [to_re, to_im]),
+                2 => short::<2>(roots, [re, im], [to_re, to_im]),
+                4 => short::<4>(roots, [re, im], [to_re, to_im]),
+                _ => {}
+            }
+            for block in 0..if length < 8 { 0 } else { blocks } {
                 let (c, s) = (cosine[block * length], sine[block * length]);
                 let (first, second) = (block * length, block * length + half);
                 let (x_re, x_im) = (&re[first..first + length], &im[first..first + length]);
@@ -304,6 +320,26 @@ impl WithSimd for Transform<'_> {
             (blocks, length) = (blocks / 2, 2 * length);
         }
         into
+    }
+}
+
+/// A pass of [`Transform`] whose butterflies are so short that loops over them would cost more than their arithmetic.
+#[inline(always)]
+fn short<const LENGTH: usize>([cosine, sine]: &[Vec<f64>; 2], [re, im]: [&[f64]; 2], [to_re, to_im]: [&mut [f64]; 2]) {
+    let half = cosine.len();
+    let ((x_re, y_re), (x_im, y_im)) = (re.split_at(half), im.split_at(half));
+    let [x_re, y_re, x_im, y_im] = [x_re, y_re, x_im, y_im].map(|part| part.as_chunks::<LENGTH>().0);
+    let [to_re, to_im] = [to_re, to_im].map(|part| part.as_chunks_mut::<LENGTH>().0.as_chunks_mut::<2>().0);
+    let roots = cosine.iter().zip(sine).step_by(LENGTH);
+    let from = x_re.iter().zip(y_re).zip(x_im.iter().zip(y_im));
+    for (((c, s), ((x_re, y_re), (x_im, y_im))), (to_re, to_im)) in roots.zip(from).zip(to_re.iter_mut().zip(to_im)) {
+        for k in 0..LENGTH {
+            to_re[0][k] = x_re[k] + y_re[k];
+            to_im[0][k] = x_im[k] + y_im[k];
+            let (re, im) = (x_re[k] - y_re[k], x_im[k] - y_im[k]);
+            to_re[1][k] = c * re - s * im;
+            to_im[1][k] = c * im + s * re;
+        }
     }
 }
 

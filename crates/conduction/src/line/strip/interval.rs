@@ -2,13 +2,13 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-use crate::line::GAMMA;
 use crate::line::strip::CONTACT;
 use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::abreast::PhaseRotation;
-use crate::line::strip::stage_response::{Parts, StageResponse};
+use crate::line::strip::stage_response::{Parts, RANK, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
+use crate::line::{GAMMA, SurfaceInfluence};
 use nalgebra::{Complex, DMatrix};
 
 /// Index of the stage's own flux among its weights.
@@ -23,11 +23,13 @@ pub struct Interval<'a> {
     pub mean_weight: &'a [[f64; 2]],
 }
 
-/// Workspace of stage responses: responses of the modes by distance and on the cells; of temperature and distortion.
+/// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion, and what
+/// the Robin correction gives back for a flux into each cell.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
+    returned: Vec<f64>,
     /// Response of each mode: of temperature and distortion.
     pub influence: [Vec<Complex<f64>>; 2],
     /// Phase factors of the modes; weights of fluxes in the states of one level, and the response of the modes to the
@@ -44,6 +46,7 @@ impl Workspace {
         Workspace {
             nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
+            returned: vec![0.0; RANK * count],
             influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),
@@ -87,7 +90,7 @@ impl Interval<'_> {
     /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
     pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, response: &mut StageResponse) {
         let mean = &operators.mean;
-        let Workspace { nodes, slow, .. } = workspace;
+        let Workspace { nodes, slow, returned, .. } = workspace;
         let level = |moving: usize| {
             let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
             let mut level = observed.direct[CONTACT];
@@ -105,13 +108,11 @@ impl Interval<'_> {
             response.parts().set_uniform(moving, slow);
         }
         if let Some(robin_correction) = &operators.robin_correction {
-            let parts = response.parts();
-            robin_correction.close(slow, parts);
             let (influence, parts) = response.gains_and_parts();
-            robin_correction.add_influence(&parts, 0, &mut influence.temperature);
-            if operators.expands {
-                robin_correction.add_influence(&parts, 1, &mut influence.distortion);
-            }
+            let SurfaceInfluence { temperature, distortion } = influence;
+            let distortion = if operators.expands { distortion.as_mut_slice() } else { &mut [] };
+            let slow = slow.each_ref().map(|slow| slow.as_slice());
+            robin_correction.close(slow, [temperature.as_mut_slice(), distortion], parts, returned);
         }
     }
 

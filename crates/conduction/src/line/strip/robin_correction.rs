@@ -12,8 +12,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::stage_response::{Parts, RANK, StageResponse};
-use elasticity::{Cells, MAXIMUM_CELLS};
-use nalgebra::DMatrix;
+use elasticity::Cells;
 use numerics::dense;
 
 /// Polynomials orthonormal on the cells, and the projections of the modes on them.
@@ -117,82 +116,124 @@ impl RobinCorrection {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
-    /// Computes the operators of the Robin correction for a stage whose modes have the influence matrices `slow` (N x
-    /// N: temperature, distortion).
-    pub fn close(&self, slow: &[DMatrix<f64>; 2], parts: Parts<'_>) {
+    /// Computes the operators of the Robin correction for a stage whose modes have the influence matrices `slow` (N x N:
+    /// temperature, distortion; the latter may be empty), and adds the response by way of the correction to `influence`.
+    /// `returned` is workspace of [`RANK`] N numbers.
+    ///
+    /// The strip is homogeneous along the path and the cells are symmetric about x = 0: G_jl/w_l is the same for a pair of
+    /// cells and its mirror image, so V'W G follows from G V.
+    pub fn close(&self, slow: [&[f64]; 2], influence: [&mut [f64]; 2], parts: Parts<'_>, returned: &mut [f64]) {
         let count = self.widths.len();
-        let Parts { response, lifted, solution, .. } = parts;
-        for (slow, lifted) in slow.iter().zip(lifted) {
+        let Parts { response, mut lifted, solution, .. } = parts;
+        for (slow, lifted) in slow.iter().zip(&mut lifted) {
             lifted.fill(0.0);
-            if slow.ncols() > 0 {
-                for (target, polynomial) in lifted.chunks_exact_mut(count).zip(self.polynomials.chunks_exact(count)) {
-                    dense::multiply_add(slow.as_slice(), polynomial, target);
-                }
+            if !slow.is_empty() {
+                dense::multiply_add_columns(slow, &self.polynomials, &mut lifted[..self.polynomials.len()], count);
             }
         }
-        let mut weighted = [0.0; MAXIMUM_CELLS];
-        response.fill(0.0);
-        for (a, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
-            let weighted = &mut weighted[..count];
-            for (value, (width, shape)) in weighted.iter_mut().zip(self.widths.iter().zip(polynomial)) {
-                *value = width * shape;
-            }
-            for (target, column) in response.chunks_exact_mut(RANK).zip(slow[0].as_slice().chunks_exact(count)) {
-                target[a] = dense::dot(weighted, column);
+        let (columns, _) = response.as_chunks_mut::<RANK>();
+        for ((l, column), width) in columns.iter_mut().enumerate().zip(&self.widths) {
+            let mirrored = |a: usize| lifted[0][a * count + count - 1 - l];
+            *column = std::array::from_fn(|a| if a % 2 == 0 { width * mirrored(a) } else { -width * mirrored(a) });
+        }
+        let mut projected = [0.0; RANK * RANK];
+        let polynomials = &self.polynomials[..];
+        dense::multiply_add_columns(response, polynomials, &mut projected[..RANK * self.rank], RANK);
+        // Without a polynomial of a degree its row and column are those of the unit matrix.
+        let mut matrix = IDENTITY;
+        for (b, column) in projected.chunks_exact(RANK).enumerate() {
+            for a in 0..RANK {
+                matrix[a][b] -= self.transfer * column[a];
             }
         }
-        let mut matrix = [[0.0; RANK]; RANK];
-        for (b, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
-            let mut column = [0.0; RANK];
-            dense::multiply_add(response, polynomial, &mut column);
-            for (a, (row, value)) in matrix.iter_mut().zip(column).enumerate() {
-                row[b] = f64::from(u8::from(a == b)) - self.transfer * value;
-            }
-        }
-        let inverse = inverse(matrix, self.rank);
+        let inverse = inverse(matrix);
         for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
             column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
         }
-    }
-
-    /// Adds to `influence` (N x N; temperature or distortion) the response by way of the Robin correction.
-    pub fn add_influence(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
-        let count = self.widths.len();
-        for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK))
-        {
-            let mut returned = [0.0; RANK];
-            dense::multiply_add(parts.solution, response, &mut returned);
-            dense::multiply_add(parts.lifted[moving], &returned, gain);
+        returned.fill(0.0);
+        dense::multiply_add_columns(solution, response, returned, RANK);
+        for (influence, lifted) in influence.into_iter().zip(&lifted).filter(|(influence, _)| !influence.is_empty()) {
+            dense::multiply_add_columns(lifted, returned, influence, count);
         }
     }
 }
 
-/// Inverse of the leading block by Gauss-Jordan elimination with partial pivoting.
-fn inverse(mut matrix: [[f64; RANK]; RANK], rank: usize) -> [[f64; RANK]; RANK] {
-    let mut result = [[0.0; RANK]; RANK];
-    for (i, row) in result.iter_mut().enumerate().take(rank) {
-        row[i] = 1.0;
+const IDENTITY: [[f64; RANK]; RANK] = {
+    let mut matrix = [[0.0; RANK]; RANK];
+    let mut i = 0;
+    while i < RANK {
+        matrix[i][i] = 1.0;
+        i += 1;
     }
-    for column in 0..rank {
-        let pivot = (column..rank)
-            .max_by(|&i, &j| matrix[i][column].abs().total_cmp(&matrix[j][column].abs()))
-            .unwrap_or(column);
+    matrix
+};
+
+/// Inverse by Gauss-Jordan elimination with partial pivoting.
+fn inverse(mut matrix: [[f64; RANK]; RANK]) -> [[f64; RANK]; RANK] {
+    let mut result = IDENTITY;
+    for column in 0..RANK {
+        let mut pivot = column;
+        for row in column + 1..RANK {
+            if matrix[row][column].abs() > matrix[pivot][column].abs() {
+                pivot = row;
+            }
+        }
         matrix.swap(column, pivot);
         result.swap(column, pivot);
         let scale = 1.0 / matrix[column][column];
-        for k in 0..rank {
-            matrix[column][k] *= scale;
-            result[column][k] *= scale;
+        let (eliminated, inverted) =
+            (matrix[column].map(|value| scale * value), result[column].map(|value| scale * value));
+        for row in 0..RANK {
+            let factor = matrix[row][column];
+            for k in 0..RANK {
+                matrix[row][k] -= factor * eliminated[k];
+                result[row][k] -= factor * inverted[k];
+            }
         }
-        for row in 0..rank {
-            if row != column {
-                let factor = matrix[row][column];
-                for k in 0..rank {
-                    matrix[row][k] -= factor * matrix[column][k];
-                    result[row][k] -= factor * result[column][k];
-                }
+        (matrix[column], result[column]) = (eliminated, inverted);
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stage_response::Layout;
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// With the polynomials V and the widths W, the influence with the correction is `G + G V (1 - H0 V'W G V)^-1 H0 V'W G`.
+    #[test]
+    fn the_closed_influence_is_that_of_the_definition() {
+        for count in [1, 2, 7, 8, 17, 30] {
+            let cells = Cells::graded(0.02, count).unwrap();
+            let transfer = 40.0;
+            let robin = RobinCorrection::new(&cells, transfer, &[], |_, _| (0.0, 0.0));
+            let (x, widths) = (cells.centres(), cells.widths());
+            let influence = |scale: f64| {
+                // Warmer behind the source than ahead of it.
+                let kernel = |r: f64| scale * (-40.0 * r.abs() - 30.0 * r).exp();
+                DMatrix::from_fn(count, count, |j, l| widths[l] * kernel(x[j] - x[l]))
+            };
+            let slow = [influence(0.5), influence(-1e-7)];
+            let rank = robin.rank;
+            let v = DMatrix::from_column_slice(count, rank, &robin.polynomials);
+            let projection = v.transpose() * DMatrix::from_diagonal(&DVector::from_column_slice(widths));
+            let identity = DMatrix::identity(rank, rank);
+            let closed = (identity - transfer * &projection * &slow[0] * &v).try_inverse().unwrap();
+            let returned = transfer * &v * &closed * &projection * &slow[0];
+            let expected = slow.each_ref().map(|slow| slow + slow * &returned);
+            let mut response = StageResponse::new(Layout { count, states: 0, waves: 0, rank: RANK });
+            let mut found = slow.clone();
+            let [temperature, distortion] = &mut found;
+            robin.close(
+                slow.each_ref().map(|slow| slow.as_slice()),
+                [temperature.as_mut_slice(), distortion.as_mut_slice()],
+                response.parts(),
+                &mut vec![0.0; RANK * count],
+            );
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).amax() < 1e-12 * expected.amax(), "{count}");
             }
         }
     }
-    result
 }

@@ -10,6 +10,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use elasticity::Cells;
+use elasticity::block::lobatto::gauss_legendre;
 use nalgebra::DMatrix;
 use numerics::factorization;
 use std::f64::consts::PI;
@@ -51,37 +52,20 @@ pub fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
     waves
 }
 
-/// Gauss rule with `nodes` nodes for the sum over 0, 1, ..., `count` - 1.
+/// Gauss rule with `nodes` nodes for the sum over 0, 1, ..., `count` - 1, from the eigenvalues of the Jacobi matrix of the
+/// Gram polynomials (G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221-230).
 fn gram_rule(count: usize, nodes: usize) -> Vec<(f64, f64)> {
     let (m, middle) = (count as f64, 0.5 * (count as f64 - 1.0));
-    let mut rule = golub_welsch(nodes, |k| {
-        let k = k as f64;
-        0.5 * k * ((m * m - k * k) / (4.0 * k * k - 1.0)).sqrt()
-    });
-    for (node, weight) in &mut rule {
-        *node += middle;
-        *weight *= m;
-    }
-    rule
-}
-
-/// Gauss-Legendre rule with `nodes` nodes on [-1, 1].
-pub fn gauss_legendre(nodes: usize) -> Vec<(f64, f64)> {
-    let mut rule = golub_welsch(nodes, |k| k as f64 / ((4 * k * k - 1) as f64).sqrt());
-    rule.iter_mut().for_each(|(_, weight)| *weight *= 2.0);
-    rule
-}
-
-/// Nodes, and weights of sum 1, of the symmetric Jacobi matrix with zero diagonal.
-fn golub_welsch(nodes: usize, off_diagonal: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
     let mut jacobi = DMatrix::zeros(nodes, nodes);
     for k in 1..nodes {
-        jacobi[(k - 1, k)] = off_diagonal(k);
+        let degree = k as f64;
+        jacobi[(k - 1, k)] = 0.5 * degree * ((m * m - degree * degree) / (4.0 * degree * degree - 1.0)).sqrt();
         jacobi[(k, k - 1)] = jacobi[(k - 1, k)];
     }
     let eigen = factorization::symmetric_eigen(jacobi).expect("a function of the number of nodes alone");
-    let mut rule: Vec<(f64, f64)> =
-        eigen.eigenvalues.iter().zip(eigen.eigenvectors.row(0).iter()).map(|(&node, &v)| (node, v * v)).collect();
+    let first = eigen.eigenvectors.row(0);
+    let nodes = eigen.eigenvalues.iter().zip(first.iter());
+    let mut rule: Vec<(f64, f64)> = nodes.map(|(&node, &v)| (middle + node, m * v * v)).collect();
     rule.sort_by(|left, right| left.0.total_cmp(&right.0));
     rule
 }

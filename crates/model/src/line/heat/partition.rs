@@ -207,11 +207,8 @@ impl HeatPartition {
                     *entry = other - own;
                 }
                 operators.distortion.copy_from_slice(strip.distortion.as_slice());
-                for (target, share) in
-                    operators.distortion.chunks_exact_mut(count).zip(operators.shares.chunks_exact(count))
-                {
-                    dense::multiply_add(&operators.relative_distortion, share, target);
-                }
+                let Operators { shares, relative_distortion, distortion, .. } = operators;
+                dense::multiply_add_columns(relative_distortion, shares, distortion, count);
             }
             [Some(only), None] | [None, Some(only)] => operators.distortion.copy_from_slice(only.distortion.as_slice()),
             [None, None] => operators.distortion.fill(0.0),

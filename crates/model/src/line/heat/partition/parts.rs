@@ -100,9 +100,7 @@ impl HeatPartition {
             dense::multiply_add(inverse, column, of_column);
             of_row.copy_from_slice(&inverse[k * count..][..count]);
         }
-        for (moved, w) in moved.chunks_exact_mut(count).zip(w.chunks_exact(count)) {
-            dense::multiply_add(relative_distortion, w, moved);
-        }
+        dense::multiply_add_columns(relative_distortion, w, moved, count);
         // `target = V' matrix`, by columns.
         let project = |matrix: &[f64], target: &mut [f64], column: &mut [f64]| {
             for (a, &k) in in_part.iter().enumerate() {
@@ -121,14 +119,13 @@ impl HeatPartition {
         let x = &mut right[..rank * count];
         for (of_distortion, matrix) in [(false, &mut *inverse), (true, &mut *shares)] {
             project(matrix, x, column);
-            for (j, x) in x.chunks_exact_mut(rank).enumerate() {
+            for x in x.chunks_exact_mut(rank) {
                 dense::substitute(s, rank, &exchanged[..rank], x);
                 x.iter_mut().for_each(|x| *x = -*x);
-                let at = j * count..(j + 1) * count;
-                dense::multiply_add(w, x, &mut matrix[at.clone()]);
-                if of_distortion {
-                    dense::multiply_add(moved, x, &mut distortion[at]);
-                }
+            }
+            dense::multiply_add_columns(w, x, matrix, count);
+            if of_distortion {
+                dense::multiply_add_columns(moved, x, distortion, count);
             }
         }
         for &k in &*in_part {
