@@ -31,7 +31,7 @@ pub struct Schedule<'a> {
 }
 
 impl<'a> Schedule<'a> {
-    /// `times` in s, increasing; `values`: `times.len()` rows of `columns`.
+    /// `times` in s, increasing, the same in two rows where inputs jump; `values`: `times.len()` rows of `columns`.
     ///
     /// # Errors
     /// Where there is no row, a length does not fit, a number is not finite or time does not increase.
@@ -46,8 +46,11 @@ impl<'a> Schedule<'a> {
         if let Some(at) = times.iter().position(|time| !time.is_finite()) {
             return wrong(format!("the time of row {at} is {}", times[at]));
         }
-        if let Some(at) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+        if let Some(at) = times.windows(2).position(|pair| pair[0] > pair[1]) {
             return wrong(format!("time must increase: {} s is followed by {} s", times[at], times[at + 1]));
+        }
+        if let Some(at) = times.windows(3).position(|rows| rows[0] == rows[2]) {
+            return wrong(format!("{} s stands in three rows; in two it is a jump", times[at]));
         }
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {
             return wrong(format!("row {}, input {} is {}", at / columns, at % columns, values[at]));
@@ -126,6 +129,10 @@ impl<'a> Follower<'a> {
                 while end + 1 < times.len() && times[end + 1] <= time + step * (1.0 + SAME) {
                     end += 1;
                 }
+                // A step that ends at a jump ends with the values before it.
+                if end > self.at && times[end] == times[end - 1] && times[end] >= time + step * (1.0 - SAME) {
+                    end -= 1;
+                }
                 let mut sloping = false;
                 for column in 0..self.values.len() {
                     let last = self.factors[column] * self.value(end, time + step, step, column);
@@ -171,6 +178,23 @@ mod tests {
 
     const TIMES: [f64; 3] = [0.0, 1.0, 1.5];
     const VALUES: [f64; 6] = [0.0, 5.0, 10.0, 5.0, 10.0, 7.0];
+
+    #[test]
+    fn inputs_jump_at_a_time_that_stands_twice() {
+        let schedule = Schedule::new(&[0.0, 1.0, 1.0, 2.0], &[0.0, 2.0, 6.0, 8.0], 1).unwrap();
+        for (interpolation, values, slopes) in [
+            (Interpolation::Hold, [0.0, 0.0, 6.0, 6.0], [0.0; 4]),
+            (Interpolation::Sample, [0.0, 1.0, 6.0, 7.0], [0.0; 4]),
+            (Interpolation::Linear, [0.0, 1.0, 6.0, 7.0], [2.0; 4]),
+        ] {
+            let mut follower = Follower::new(schedule, interpolation, &[1.0]);
+            for step in 0..4 {
+                follower.advance(0.5 * step as f64, 0.5);
+                assert_eq!((follower.values[0], follower.slopes[0]), (values[step], slopes[step]), "{interpolation:?}");
+            }
+        }
+        assert!(Schedule::new(&[0.0, 1.0, 1.0, 1.0], &[0.0; 4], 1).is_err());
+    }
 
     fn steps(interpolation: Interpolation, factors: [f64; 2]) -> Vec<(Change, Vec<f64>, Vec<f64>)> {
         let schedule = Schedule::new(&TIMES, &VALUES, 2).unwrap();
@@ -245,7 +269,7 @@ mod tests {
         let reason = |times: &[f64], values: &[f64], columns| Schedule::new(times, values, columns).unwrap_err().reason;
         assert!(reason(&[], &[], 1).contains("no row"));
         assert!(reason(&[0.0, 1.0], &[1.0], 1).contains("2 rows of 1 inputs"));
-        assert!(reason(&[0.0, 0.0], &[1.0, 1.0], 1).contains("must increase"));
+        assert!(reason(&[1.0, 0.0], &[1.0, 1.0], 1).contains("must increase"));
         assert!(reason(&[0.0, f64::NAN], &[1.0, 1.0], 1).contains("row 1"));
         assert!(reason(&[0.0], &[1.0, f64::INFINITY], 2).contains("row 0, input 1 is inf"));
     }
