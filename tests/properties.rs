@@ -277,10 +277,12 @@ fn other_units_of_length_time_and_mass_are_the_same_run() {
             2f64.powi(i32::from(unit.m) - 2 * i32::from(unit.s) + 3 * i32::from(unit.kg))
         };
         let mut scaled = starts;
-        let tabulated = starts[test_support::reference("contact.friction_table.points") as usize] > 0.0;
         for (index, value) in scaled.iter_mut().enumerate() {
-            // A friction table without points stays as it is: changes without effect are refused.
-            if tabulated || !name(index as u32).starts_with("contact.friction_table.") {
+            // A table without points stays as it is: changes without effect are refused.
+            let table = ["contact.friction_table.", "punch.property_table.", "strip.property_table."]
+                .into_iter()
+                .find(|table| name(index as u32).starts_with(table));
+            if table.is_none_or(|table| starts[test_support::reference(&format!("{table}points")) as usize] > 0.0) {
                 *value *= factor(index as u32);
             }
         }

@@ -71,6 +71,8 @@ const PARAMETERS: &[Names] = &[
             "*.density",
             "*.specific_heat",
             "*.conductivity",
+            "punch.property_*",
+            "strip.property_*",
             "*.thermal_expansion",
             "contact.conductance",
             "*.initial_temperature",

@@ -673,7 +673,7 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     .within(0.0, *TOLERANCES.end())
     .zero_or_from(*TOLERANCES.start()),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
-        .within(1.0, 1e9)
+        .within(1e-9, 1e9)
         .start(1.0)
         .tunable(),
 ];
