@@ -308,6 +308,9 @@ impl<'a> Basis<'a> {
         let ambient = Port::Ambient as usize;
         // Direct feedthrough of the stationary base temperature, before the projection on the states is subtracted.
         body.contact_temperature.direct[base] = lift.at(0.0);
+        // Heat of the stationary field, less that of the states: it enters and leaves with the base temperature itself, through the base, so
+        // it is not part of the flow determined by the balance.
+        body.stored.direct[base] = if lift.held { areal * lift.mean() } else { 0.0 };
         body.base_temperature.direct[base] = lift.at(slab.height);
         body.mean_temperature.direct[base] = lift.mean();
         body.cooled_temperature.direct[base] = match slab.cooling {
@@ -320,16 +323,9 @@ impl<'a> Basis<'a> {
         for (k, (mode, &rate)) in modes.iter().zip(rates).enumerate() {
             let mut loads = self.loads(mode);
             let mean = integral(mode) / slab.height;
-            let projection: f64 = slab.capacity
-                * self
-                    .grid
-                    .position
-                    .iter()
-                    .zip(&self.grid.weight)
-                    .zip(mode.value.iter())
-                    .map(|((&z, w), v)| w * v * lift.at(z))
-                    .sum::<f64>()
-                * lagging(rate, slab.steepest_base_responses());
+            let lag = if lift.held { lagging(rate, slab.steepest_base_responses()) } else { 1.0 };
+            let lifted = self.grid.position.iter().zip(&self.grid.weight).zip(mode.value.iter());
+            let projection = lag * slab.capacity * lifted.map(|((&z, w), v)| w * v * lift.at(z)).sum::<f64>();
             if lift.held {
                 loads[base] = rate * projection;
             }
@@ -338,7 +334,7 @@ impl<'a> Basis<'a> {
                 (&mut body.contact_temperature, mode.contact),
                 (&mut body.cooled_temperature, loads[Port::Cooling as usize]),
                 (&mut body.base_temperature, mode.base),
-                (&mut body.mean_temperature, mean),
+                (&mut body.mean_temperature, mean * lag),
                 (&mut body.ambient_flow, flow),
             ];
             for (observation, weight) in observed {
@@ -355,7 +351,10 @@ impl<'a> Basis<'a> {
             }
             if k < kept {
                 body.rate[k] = rate;
-                body.stored.states[k] = areal * mean;
+                body.stored.states[k] = areal * mean * lag;
+                if lift.held {
+                    body.stored.direct[base] -= body.stored.states[k] * projection;
+                }
                 body.uniform[k] = match lift.held {
                     // In equilibrium with a base and air as warm.
                     true => (loads[Port::Ambient as usize] + loads[base]) / rate,
@@ -367,11 +366,6 @@ impl<'a> Basis<'a> {
             }
         }
         body.close_balance();
-        // Heat of the stationary field that the states do not hold: it enters and leaves with the base temperature itself,
-        // through the base, so it is not part of the flow determined by the balance.
-        if lift.held {
-            body.stored.direct[base] = areal * body.mean_temperature.direct[base];
-        }
         body
     }
 }

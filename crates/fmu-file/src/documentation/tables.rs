@@ -63,7 +63,10 @@ const PARAMETERS: &[Names] = &[
         ],
     ),
     ("Friction", &["contact.friction_*", "contact.static_*", "contact.stribeck_*"]),
-    ("Friction at standstill", &["contact.regularization_velocity", "contact.stick_*"]),
+    (
+        "Friction at standstill",
+        &["contact.regularization_velocity", "contact.stick_*", "contact.tangential_compliance"],
+    ),
     ("Wear", &["punch.wear_*", "strip.wear_*", "*.initial_wear", "*.airborne_fraction", "wear_acceleration"]),
     (
         "Heat in the bodies",

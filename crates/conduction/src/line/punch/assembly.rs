@@ -119,33 +119,25 @@ impl<'a> Assembly<'a> {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
         let far = match self.top_is_prescribed() {
-            true => self.input_of_held_top(wave, shape),
+            true => self.through_held_top(wave, shape),
             false => self.top_exposure(wave) * shape.top,
         };
         [cooling, ambient, far]
     }
 
-    /// Heat flow of a state through a top of prescribed temperature, in W/m over the norm of the state.
+    /// Heat flow of a state through a top of prescribed temperature, W/m over the norm of the state; by reciprocity its input per kelvin
+    /// of that top. See [`lagging`].
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
-        match self.top_is_prescribed() {
-            true => shape.rate_through_height * self.heat_content(wave, shape) - self.by_face(wave, shape),
-            false => 0.0,
+        if !self.top_is_prescribed() {
+            return 0.0;
         }
-    }
-
-    /// Input of a state per kelvin of a top of prescribed temperature.
-    fn input_of_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
-        let rate = shape.rate_through_height;
-        rate * self.heat_content(wave, shape) * lagging(rate, steepest_held_rates(&self.depth))
-            - self.by_face(wave, shape)
-    }
-
-    /// Part of the conduction through the height that the face of the contact loses to the air, W/m over the norm of the state.
-    fn by_face(&self, wave: &Wave, shape: &Shape) -> f64 {
-        match self.cooled.by {
+        // Conducted through the height and not lost at the face.
+        let by_face = match self.cooled.by {
             By::Sides => 0.0,
             By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
-        }
+        };
+        let rate = shape.rate_through_height;
+        rate * self.heat_content(wave, shape) * lagging(rate, steepest_held_rates(&self.depth)) - by_face
     }
 
     /// Heat content of a state, J/m over its norm.
