@@ -156,7 +156,7 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         ("depth = nan", &["depth: NaN is not a finite number"]),
         ("contact.faces = 0", &["contact.faces: 0 is outside", "from 1 to 1000"]),
         ("contact.faces = 9223372036854775808", &["contact.faces", "not a finite number"]),
-        ("wear_acceleration = \"50 %\"", &["50 % is outside", "from 100 %"]),
+        ("wear_acceleration = \"0 %\"", &["0 % is outside", "from 1e-7 %"]),
         // Types.
         ("depth = true", &["the boolean true", "a number or a string such as \"20 mm\""]),
         ("depth = 2020-01-01", &["the date 2020-01-01"]),
