@@ -583,7 +583,7 @@ def test_inputs_are_read_by_name_and_converted(tmp_path):
     converted, same = batch(tmp_path, "normal_load [kN],sliding_velocity_km_per_h,time [min]\n1,7.2,0\n1,7.2,1\n", design)
     assert si.returncode == converted.returncode == 0 and si.stderr == ""
     assert rows == same and float(rows[0]["dissipated_energy [J]"]) > 0.0
-    for header in ("time,sliding_velocity [mph],normal_load", "time,speed,normal_load", "sliding_velocity,normal_load"):
+    for header in ("time,sliding_velocity [mph],normal_load", "time,speed,normal_load", "number,sliding_velocity,normal_load"):
         done, _ = batch(tmp_path, f"{header}\n0,2,1000\n60,2,1000\n", design)
         assert done.returncode != 0 and "inputs.csv, line 1" in done.stderr, done.stderr
     bare, _ = batch(tmp_path, "time,sliding_velocity [m/s],normal_load\n0,2,1000\n60,2,1000\n", design)

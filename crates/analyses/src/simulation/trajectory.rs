@@ -62,6 +62,14 @@ impl Trajectory {
         if table.times.len() < 2 {
             bail!("{file} has one row; a time interval needs at least two");
         }
+        if let [first, .., last] = table.times[..]
+            && last <= first
+        {
+            bail!(
+                "{file}, line {}: the last time is {last} s, as the first; a run needs a time interval",
+                table.lines[1]
+            );
+        }
         let has = |name: &str| table.names.iter().any(|own| own == name);
         if !has("sliding_velocity") && !has("angular_velocity") {
             bail!(

@@ -419,12 +419,16 @@ mod tests {
                     assert!(error < if step < 10 { 1e-2 } else { 1e-3 }, "{base:?} step {step}: {error:e}");
                 }
                 let [hot, cold] = [hot.mean_temperature(&states[0]), cold.mean_temperature(&states[1])];
-                assert!((hot / cold - 1.0).abs() < 1e-6, "{base:?} step {step}: {hot} {cold}");
+                // Beside a held face the heat of a state counts as stored but for a part of 1e-4, see [`crate::reduced::lagging`].
+                assert!(
+                    (hot / cold - 1.0).abs() < if held { 1e-4 } else { 1e-6 },
+                    "{base:?} step {step}: {hot} {cold}"
+                );
             }
             let [one, other] = [hot.account(&states[0]), cold.account(&states[1])];
             for (one, other) in [(one.received, other.received), (one.stored, other.stored), (one.far, other.far)] {
                 assert!(
-                    (one - other).abs() < 1e-6 * one.abs().max(1e-9 * other.abs()) + 1e-3,
+                    (one - other).abs() < if held { 1e-4 } else { 1e-6 } * one.abs().max(1e-9 * other.abs()) + 1e-3,
                     "{base:?}: {one} {other}"
                 );
             }

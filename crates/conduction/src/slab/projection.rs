@@ -334,7 +334,7 @@ impl<'a> Basis<'a> {
                 (&mut body.contact_temperature, mode.contact),
                 (&mut body.cooled_temperature, loads[Port::Cooling as usize]),
                 (&mut body.base_temperature, mode.base),
-                (&mut body.mean_temperature, mean * lag),
+                (&mut body.mean_temperature, mean),
                 (&mut body.ambient_flow, flow),
             ];
             for (observation, weight) in observed {
