@@ -31,7 +31,7 @@ fn settings(family: &str, setting: &str) -> String {
     if own { setting } else { format!("{family}: {setting}") }
 }
 
-/// Runs of a peer: the range of their errors and times, and of their times over those of equally accurate runs here.
+/// Runs of a peer: the range of their errors and times, and of their times over those of equally accurate runs here (the page says so).
 fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
     let range = |values: &dyn Fn(&(Reached, Reached)) -> f64| {
         let values = runs.iter().map(|run| values(run));
@@ -40,7 +40,7 @@ fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
     let (errors, costs) = (range(&|run| run.0.error), range(&|run| run.0.cost));
     let ratios = range(&|run| run.0.cost / run.1.cost);
     format!(
-        "| {family} | {} runs, {} to {} times as long as equally accurate runs here | {:.1e} to {:.1e} | {} to {} |\n",
+        "| {family} | {} runs, {} to {} times as long | {:.1e} to {:.1e} | {} to {} |\n",
         runs.len(),
         significant(ratios.0),
         significant(ratios.1),
@@ -116,7 +116,7 @@ mod tests {
         let runs = [(run(1e-1, 2e-3), run(1e-1, 1e-3)), (run(1e-2, 8.0), run(1e-2, 1e-3))];
         assert_eq!(
             peer("p", &runs.iter().collect::<Vec<_>>()),
-            "| p | 2 runs, 2.00 to 8000 times as long as equally accurate runs here | 1.0e-1 to 1.0e-2 | 2.00 ms to 8.00 s |\n"
+            "| p | 2 runs, 2.00 to 8000 times as long | 1.0e-1 to 1.0e-2 | 2.00 ms to 8.00 s |\n"
         );
     }
 
