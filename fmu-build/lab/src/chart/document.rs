@@ -31,7 +31,7 @@ fn settings(family: &str, setting: &str) -> String {
     if own { setting } else { format!("{family}: {setting}") }
 }
 
-/// Runs of a peer: the range of their errors and times, and of their times over those of equally accurate runs here (the page says so).
+/// Runs of a peer: the range of their errors and times, and of their times over those of equally accurate runs here.
 fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
     let range = |values: &dyn Fn(&(Reached, Reached)) -> f64| {
         let values = runs.iter().map(|run| values(run));
