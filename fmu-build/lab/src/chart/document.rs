@@ -58,10 +58,10 @@ pub fn describe(chart: &Chart, findings: &Findings) -> String {
     let how = how.strip_prefix("exact: ").unwrap_or(how);
     let mut passage =
         format!("{}. Reference: {how}.\n\n| | run | largest error | processor time |\n|---|---|---|---|\n", chart.data);
-    passage += &row("cheapest within 1 % in wear, temperature, force", &findings.right);
+    passage += &row("cheapest within 1 %", &findings.right);
     passage += &row("and in the peak pressure", &findings.with_pressure);
     if let Some(errors) = findings.lumped {
-        let _ = writeln!(passage, "| model error of `lumped`, at any tolerance | | {} | |", lumped_errors(errors));
+        let _ = writeln!(passage, "| model error of `lumped` | | {} | |", lumped_errors(errors));
     }
     let mut families: Vec<&str> = Vec::new();
     for (peer, _) in &findings.peers {
