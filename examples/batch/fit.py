@@ -15,7 +15,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from sliding_contact import Scene, fit  # noqa: E402  (the backend is chosen first)
+from sliding_contact import Interrupted, Scene, fit  # noqa: E402  (the backend is chosen first)
 
 HERE = Path(__file__).resolve().parent
 PAUSE = {True: 1.0, False: 60.0}  # s, between lines of progress, on a terminal and elsewhere
@@ -79,6 +79,8 @@ def main():
 if __name__ == "__main__":
     try:
         main()
+    except Interrupted as stopped:
+        sys.exit(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}")
     except KeyboardInterrupt:
         sys.exit("interrupted; nothing is written")
     except (ValueError, RuntimeError, OSError) as error:

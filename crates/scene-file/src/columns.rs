@@ -101,6 +101,8 @@ pub struct Reading {
     pub columns: Vec<Named>,
     /// Whether a column that is not known is refused; else it is left out and named.
     pub strict: bool,
+    /// Whether messages name the argument of Python instead of the option of the command line.
+    pub python: bool,
 }
 
 /// A column named by the user, as `COF=friction_coefficient`.
@@ -128,6 +130,14 @@ impl Reading {
         Self { strict: true, ..Self::default() }
     }
 
+    /// How a user names a column, and how he leaves it out.
+    fn spelled(&self) -> [&'static str; 2] {
+        match self.python {
+            false => ["--column \"HEADER=VARIABLE\"", "\"HEADER=\""],
+            true => ["columns={\"HEADER\": \"VARIABLE\"}", "\"HEADER\": \"\""],
+        }
+    }
+
     /// What a header is read as.
     fn renamed(&self, header: &str) -> Option<String> {
         let (name, symbol) = headers::split(header);
@@ -146,7 +156,9 @@ impl Reading {
         let missing = |named: &&Named| !tables.iter().any(|table| table.headers.iter().any(|own| has(named, own)));
         if let Some(Named { header, quantity }) = self.columns.iter().find(missing) {
             let found = tables.iter().flat_map(|table| table.headers.iter().map(String::as_str));
-            bail!("--column {header}={quantity}: there is no column {}; found are {}", Quoted(header), listed(found));
+            let place =
+                if self.python { "columns".to_owned() } else { format!("--column {header}={quantity}") };
+            bail!("{place}: there is no column {}; found are {}", Quoted(header), listed(found));
         }
         Ok(())
     }
@@ -488,6 +500,7 @@ fn columns(
 ) -> Result<(Vec<Found>, Vec<String>)> {
     let file = path.display();
     let place = |at: usize| format!("{file}, line {line}, column {}", at + 1);
+    let [name, leave] = reading.spelled();
     let (mut found, mut meant, mut ignored) = (Vec::<Found>::new(), Vec::new(), Vec::new());
     for (at, header) in headers.iter().enumerate() {
         let renamed = reading.renamed(header);
@@ -523,7 +536,7 @@ fn columns(
         match (found[other].by_name, found[at].by_name) {
             (true, true) => bail!("{}: {} stands in column {} already", place(at), found[at].name, other + 1),
             (false, false) => bail!(
-                "{}: {} and column {}, {}, may both be {}; choose with --column \"HEADER=VARIABLE\", and leave the other out with \"HEADER=\"",
+                "{}: {} and column {}, {}, may both be {}; choose with {name}, and leave the other out with {leave}",
                 place(at),
                 Quoted(&headers[at]),
                 other + 1,
@@ -550,7 +563,7 @@ fn columns(
     }
     if !ignored.is_empty() {
         let names = listed(ignored.iter().map(String::as_str));
-        notes.push(format!("{file}: left out are {names}; --column \"HEADER=VARIABLE\" names a quantity"));
+        notes.push(format!("{file}: left out are {names}; {name} names a quantity"));
     }
     Ok((found, notes))
 }
@@ -708,7 +721,7 @@ mod tests {
     fn columns_are_renamed_left_out_or_refused() {
         let text = "time [s],Kraft [kN],Humidity [%],COF 2\n0,1,40,0.4\n1,2,41,0.5\n";
         let read = |columns: &[&str], strict: bool| {
-            let reading = Reading { columns: columns.iter().map(|named| named.parse().unwrap()).collect(), strict };
+            let reading = Reading { columns: columns.iter().map(|named| named.parse().unwrap()).collect(), strict, ..Reading::default() };
             let table = parse(text.as_bytes(), Path::new("rig.csv"), &Column::record(), &reading)?;
             reading.check(&[&table]).map(|()| table)
         };

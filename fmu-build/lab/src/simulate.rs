@@ -152,7 +152,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Inputs and record, which may be one file: then its inputs are not compared.
 fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
-    let reading = Reading { columns: arguments.column.clone(), strict: arguments.strict };
+    let reading = Reading { columns: arguments.column.clone(), strict: arguments.strict, python: false };
     let accepted = [Column::inputs(), vec![Column::trip()]].concat();
     let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &accepted, &reading)).transpose()?;
     let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;

@@ -189,7 +189,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     if !has_profiles && !at.is_empty() {
         bail!(
             "at: the scene {} runs at the level {level}, whose pressure is uniform; profiles need the contact line, as with \
-             --set solver.fidelity=line",
+             solver.fidelity = line",
             packaged.name
         );
     }
