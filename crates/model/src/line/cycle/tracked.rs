@@ -186,11 +186,7 @@ impl TrackedCycles {
 
 /// Parameters of the run with `length` times the wear.
 fn tunables(scene: &Scene, length: f64) -> Tunables {
-    Tunables {
-        friction_coefficient: scene.friction_coefficient,
-        ambient_temperature: scene.ambient_temperature,
-        wear_acceleration: scene.wear_acceleration * length,
-    }
+    Tunables { wear_acceleration: scene.wear_acceleration * length, ..Tunables::of(scene) }
 }
 
 /// Inputs of sliding at the nominal load.
