@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence
 
 import numpy as np
 
-from . import _native
 from ._errors import Error, Interrupted
 from ._tables import tell
 from ._units import converted, literal, quantity, split, with_unit
@@ -75,7 +74,7 @@ class _Ended(Exception):
     pass
 
 
-def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Optional[float], progress: Optional[Callable[[float], object]]) -> Batch:
+def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, progress: Optional[Callable[[float], object]]) -> Batch:
     """`Scene.batch`, with inputs as the native library takes them."""
     design = _checked(scene, given)
     count = len(next(iter(design.values())))
@@ -88,8 +87,7 @@ def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Option
     def run(row: int) -> Simulation:
         look(0.0)
         settings = [f"{name}={literal(name, values[row])}" for name, values in design.items()]
-        request = scene._request("simulate", [*scene._assignments, *settings], inputs=inputs, step=step, at=[])
-        result = Simulation(_native.ask(request, progress=look))
+        result: Simulation = scene._run(inputs, step, assignments=settings, progress=look)
         if result.record["failure"]:
             raise Error(result.record["failure"])
         return result

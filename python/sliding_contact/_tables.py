@@ -53,7 +53,7 @@ def source(table: Optional[Table], name: str, columns: Optional[Columns] = None,
     return {"path": name, "text": text.getvalue(), **reading}
 
 
-def tell(notes: Sequence[str]) -> None:
-    """Warns of what was made of headers that are no names of quantities."""
+def tell(notes: Sequence[str], depth: int = 3) -> None:
+    """Warns of what was made of headers that are no names of quantities, in the line of the user."""
     for note in notes:
-        warnings.warn(note, SceneWarning, stacklevel=3)
+        warnings.warn(note, SceneWarning, stacklevel=depth)

@@ -23,6 +23,7 @@ from ._drawing import drawn
 from ._errors import Error, Interrupted, SceneWarning
 from ._numbers import number, numbers
 from ._tables import Columns, Table, source, tell
+from .results import StepFailed
 
 try:
     from scipy import optimize, stats
@@ -130,7 +131,7 @@ def tests_of(records: Any, columns: Optional[Columns] = None, strict: bool = Fal
         raise Error(f"records: {type(records).__name__} is no file, no table and no `fit.Records`")
     answer = _native.ask({"analysis": "records", "records": source(records, "records", columns, strict)})
     found = answer.record
-    tell(found["notes"])
+    tell(found["notes"], 4)
     if "load" in found:
         return Records._of(found).tests()
     measured = {name: (answer.array(2 * at), answer.array(2 * at + 1)) for at, name in enumerate(found["outputs"])}
@@ -152,6 +153,8 @@ class Model:
         self.units: Mapping[str, str] = {}
         #: Highest `contact_temperature_max` of the last prediction, K.
         self.highest = np.nan
+        #: What its runs warned of.
+        self.warnings: list[str] = []
         #: What was measured: test, name, times and values; of end values of wear in logarithms.
         self.series = [
             _Series(at, name, *values, test.constant is not None and name.startswith("wear_"))
@@ -186,7 +189,7 @@ class Model:
     def predict(self, parameters: Mapping[str, float]) -> np.ndarray:
         """What the scene gives with these parameters for every measured value [SI units]."""
         scene = self.scene.copy().set(dict(parameters))
-        self.highest = -np.inf
+        self.highest, self.warnings = -np.inf, []
         predicted: list[np.ndarray] = [np.empty(0)] * len(self.series)
         # Tests at the same load and speed are points of one run.
         groups: dict[Any, list[int]] = {}
@@ -196,13 +199,16 @@ class Model:
             own = [at for at, series in enumerate(self.series) if series.test in members]
             first = self.tests[members[0]]
             if first.constant is None:
-                result = scene.simulate(first.inputs, columns=first.columns)
+                result = scene._run(source(first.inputs, "inputs", first.columns))
             else:
                 times = np.unique(np.concatenate([self.series[at].times for at in own]))
                 load, speed = first.constant
                 inputs = {"time [s]": [0.0, *times], "sliding_velocity [m/s]": speed, "normal_load [N]": load}
-                result = scene.simulate(inputs, step=times[-1] / STEPS)
+                result = scene._run(source(inputs, "inputs"), step=times[-1] / STEPS)
+            if result.record["failure"]:
+                raise StepFailed(result.record["failure"], result)
             self.runs += 1
+            self.warnings += [f"{first.name}, at {time:g} s: {text}" for time, text in result.warnings]
             self.units = result.units
             self.highest = max(self.highest, float(result["contact_temperature_max"].max()))
             for at in own:
@@ -370,6 +376,9 @@ def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
         warnings.warn(f"{name} is at an end of the range that the scene accepts, so the fit and its intervals stop there", SceneWarning, stacklevel=4)
     values = problem.parameters(solved.x)
     low, high = problem.parameters(solved.x - half), problem.parameters(solved.x + half)
+    model.predict(values)
+    for text in model.warnings:
+        warnings.warn(text, SceneWarning, stacklevel=4)
     text = _compare(problem, solved, half, values) if companion else "not compared with half of the cells"
     return Fit(
         tuple(values), np.array(list(values.values())), np.array([list(low.values()), list(high.values())]), confidence, covariance,
@@ -566,7 +575,6 @@ def _excess(residuals: np.ndarray) -> float:
 def _compare(problem: _Problem, solved: Any, half: np.ndarray, found: Mapping[str, float]) -> str:
     """What the companion's results change: one line, and a warning where it is more than the intervals tell."""
     model, coarse = problem.model, problem.model.companion()
-    model.predict(found)
     moved = np.linalg.lstsq(solved.jac, solved.fun - problem.weighted(coarse.predict(found)), rcond=None)[0]
     model.runs += coarse.runs
     changes = [f"{name} by {own:+.1g}" if is_exponent(name) else f"{name} by {100 * np.expm1(own):+.1g} %" for name, own in zip(problem.names, moved)]

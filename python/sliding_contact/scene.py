@@ -245,18 +245,28 @@ class Scene:
         >>> round(float(result["dissipated_energy [kJ]"][-1]), 1)
         64.0
         """
-        longest = None if step is None else seconds("step", step)
         moments: Any = [at] if np.ndim(at) == 0 else at
         times = [seconds("at", time) for time in moments]
-        request = self._request("simulate", inputs=source(inputs, "inputs", columns, strict), step=longest, at=times)
-        answer = _native.ask(request, progress=progress)
-        result = Simulation(answer)
+        result = self._run(source(inputs, "inputs", columns, strict), step, times, progress=progress)
         tell(result.record["notes"])
         for time, text in result.warnings:
             warnings.warn(f"at {time:g} s: {text}", SceneWarning, stacklevel=2)
-        if answer.status == _native.STEP_FAILED:
+        if result.record["failure"]:
             raise StepFailed(result.record["failure"], result)
         return result
+
+    def _run(
+        self,
+        inputs: Optional[dict[str, Any]],
+        step: Optional[Time] = None,
+        at: Sequence[float] = (),
+        assignments: Sequence[str] = (),
+        progress: Optional[Callable[[float], object]] = None,
+    ) -> Simulation:
+        """A run with further assignments, up to a step that fails; it warns of nothing."""
+        longest = None if step is None else seconds("step", step)
+        request = self._request("simulate", [*self._assignments, *assignments], inputs=inputs, step=longest, at=list(at))
+        return Simulation(_native.ask(request, progress=progress))
 
     def steady(
         self, *, cells: Optional[int] = None, return_speed: Optional[float] = None, cold: bool = False
@@ -344,8 +354,7 @@ class Scene:
         2.0
         """
         rows: Any = design.draw(count) if hasattr(design, "draw") else design
-        longest = None if step is None else seconds("step", step)
-        return batch(self, rows, source(inputs, "inputs", columns, strict), longest, progress)
+        return batch(self, rows, source(inputs, "inputs", columns, strict), step, progress)
 
     def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.

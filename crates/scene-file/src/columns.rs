@@ -357,13 +357,16 @@ impl Cell<'_> {
     }
 }
 
-/// A required column that a file lacks.
+/// A required column that a file lacks, and whether another one has its unit.
 #[derive(Debug)]
-struct MissingColumn(String);
+struct MissingColumn {
+    text: String,
+    has_candidate: bool,
+}
 
 impl std::fmt::Display for MissingColumn {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
+        f.write_str(&self.text)
     }
 }
 
@@ -372,6 +375,11 @@ impl std::error::Error for MissingColumn {}
 /// Whether a file was refused because it lacks a required column, as a table without times is by [`Column::record`].
 pub(crate) fn lacks_column(error: &anyhow::Error) -> bool {
     error.is::<MissingColumn>()
+}
+
+/// Whether a file that was refused for that has a column of that unit.
+pub(crate) fn has_candidate(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<MissingColumn>().is_some_and(|missing| missing.has_candidate)
 }
 
 /// Quantities of a file, in its order.
@@ -426,8 +434,19 @@ pub(crate) fn rows(
     }
     let (found, notes) = columns(path, line, &headers, &rows, known, reading)?;
     if let Some(missing) = known.iter().find(|known| known.required && found.iter().all(|own| own.name != known.name)) {
-        let found = listed(headers.iter().map(String::as_str));
-        bail!(MissingColumn(format!("{file}, line {line}: no column {}; found are {found}", missing.headers())));
+        let fits = |symbol| quantity::in_si(0.0, symbol, missing.unit, missing.absolute).is_ok();
+        let unknown = headers.iter().zip(&found).filter(|(_, own)| own.is_ignored());
+        let candidates: Vec<&str> = unknown
+            .map(|(header, _)| header.as_str())
+            .filter(|header| headers::split(header).1.is_some_and(fits))
+            .collect();
+        let names = listed(headers.iter().map(String::as_str));
+        let mut text = format!("{file}, line {line}: no column {}; found are {names}", missing.headers());
+        if !candidates.is_empty() {
+            let [name, _] = reading.spelled();
+            text.push_str(&format!("; {name} names {}, which has its unit", candidates.join(" or ")));
+        }
+        bail!(MissingColumn { text, has_candidate: !candidates.is_empty() });
     }
     if rows.is_empty() {
         bail!("{file} has no row below its header");
@@ -775,6 +794,11 @@ mod tests {
                 "order",
                 "speed_m_per_s,normal_load\n0,1\n",
                 "line 1: no column time or time [s or min or h or ms]; found are",
+            ),
+            (
+                "missing",
+                "Zeit [s],sliding_velocity [m/s]\n0,1\n",
+                "Zeit [s], sliding_velocity [m/s]; --column \"HEADER=VARIABLE\" names Zeit [s], which has its unit",
             ),
             ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s or m/min or cm/s]"),
             ("unknown", "time,slope\n0,1\n", "no column speed [m/s or km/h"),

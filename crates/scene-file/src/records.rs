@@ -111,15 +111,19 @@ impl Tests {
     /// # Errors
     /// As [`columns::read`] and [`Records::read`]; a file with neither the time nor load, speed and distance.
     pub fn parse(content: &[u8], path: &Path, reading: &Reading) -> Result<Self> {
-        match columns::parse(content, path, &Column::record(), reading) {
+        let untimed = match columns::parse(content, path, &Column::record(), reading) {
             Ok(history) => return Ok(Self::History(history)),
             Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
-            Err(_) => {}
-        }
+            Err(wrong) => wrong,
+        };
         Records::parse(content, path, reading).map(Self::EndValues).map_err(|wrong| {
             let hint =
                 "the history of a test has time [s], end values of tests have load [N], speed [m/s] and distance [m]";
-            if columns::lacks_column(&wrong) { anyhow!("{wrong}; {hint}") } else { wrong }
+            if !columns::lacks_column(&wrong) {
+                return wrong;
+            }
+            let told = if columns::has_candidate(&untimed) { untimed } else { wrong };
+            anyhow!("{told}; {hint}")
         })
     }
 }

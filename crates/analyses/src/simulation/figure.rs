@@ -3,7 +3,7 @@
 
 use super::measured::Measured;
 use super::quantity::Shown;
-use super::run::{Profiles, Recording, energy_residual};
+use super::run::{Channel, Profiles, Recording, energy_residual};
 use crate::curve::{CONTACT_POINTS, monotone_cubic};
 use serde::Serialize;
 
@@ -133,16 +133,20 @@ impl Figure {
     }
 }
 
-/// Name and value of a quantity that no record has and that is constant over the run; empty where it is 0 and need not be told.
+/// Name and value of a quantity that no record has and that is constant over the run, the same of all its variables; empty where it is 0
+/// and need not be told.
 fn constant(label: &str, variables: &[(&str, &str)], recording: &Recording, measured: &[Measured]) -> Option<String> {
-    let [(name, _)] = variables else { return None };
-    let channel = recording.channel(name).filter(|_| measured.iter().all(|own| own.name != *name))?;
-    let (low, high) = extremes(&channel.values);
+    if variables.iter().any(|(name, _)| measured.iter().any(|own| own.name == *name)) {
+        return None;
+    }
+    let channels: Vec<&Channel> = variables.iter().filter_map(|(name, _)| recording.channel(name)).collect();
+    let (first, ranges) = (channels.first()?, channels.iter().map(|channel| extremes(&channel.values)));
+    let (low, high) = ranges.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))?;
     let most = low.abs().max(high.abs());
     if high - low > CONSTANT * most {
         return None;
     }
-    let shown = Shown::of(name, channel.unit, most);
+    let shown = Shown::of(first.name, first.unit, most);
     let value = format!("{label} {}", significant(&shown, 0.5 * (low + high)));
     Some(if most == 0.0 && !ALWAYS.contains(&label) { String::new() } else { value })
 }
@@ -360,7 +364,10 @@ mod tests {
         assert!((length / expected - 1.0).abs() < 0.1 && drawn.x[0] > 55.0, "{length} {expected}");
         let reversals = drawn.y.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
         assert!((3..=4).contains(&reversals), "{reversals}");
-        assert!(figure.constants.contains(&"normal load 10 kN".to_owned()), "{:?}", figure.constants);
+        // Highest and mean pressure are one at this level.
+        for told in ["normal load 10 kN", "pressure 16.67 MPa"] {
+            assert!(figure.constants.contains(&told.to_owned()), "{:?}", figure.constants);
+        }
     }
 
     #[test]
