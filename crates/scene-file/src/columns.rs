@@ -116,6 +116,12 @@ pub struct Named {
     quantity: String,
 }
 
+impl std::fmt::Display for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}", self.header, self.quantity)
+    }
+}
+
 impl std::str::FromStr for Named {
     type Err = String;
 
@@ -149,15 +155,15 @@ impl Reading {
         Some(unit.map_or(named.quantity.clone(), |unit| format!("{} [{unit}]", named.quantity)))
     }
 
-    /// Whether every named column is in one of the tables.
+    /// Whether every named column is in one of the tables with these headers.
     ///
     /// # Errors
     /// With the first that is not.
-    pub fn check(&self, tables: &[&Table]) -> Result<()> {
+    pub fn check(&self, tables: &[&[String]]) -> Result<()> {
         let has = |named: &Named, header: &str| [header, headers::split(header).0].contains(&named.header.as_str());
-        let missing = |named: &&Named| !tables.iter().any(|table| table.headers.iter().any(|own| has(named, own)));
+        let missing = |named: &&Named| !tables.iter().any(|headers| headers.iter().any(|own| has(named, own)));
         if let Some(Named { header, quantity }) = self.columns.iter().find(missing) {
-            let found = tables.iter().flat_map(|table| table.headers.iter().map(String::as_str));
+            let found = tables.iter().flat_map(|headers| headers.iter().map(String::as_str));
             let place = if self.python { "columns".to_owned() } else { format!("--column {header}={quantity}") };
             bail!("{place}: there is no column {}; found are {}", Quoted(header), listed(found));
         }
