@@ -377,12 +377,19 @@ fn inputs_of(values: &Values) -> Inputs {
     Inputs::from_array(std::array::from_fn(|index| values[index]))
 }
 
-fn tunables_of(values: &Values) -> Tunables {
-    Tunables {
-        friction_coefficient: value!(values, "contact.friction_coefficient"),
-        ambient_temperature: value!(values, "ambient_temperature"),
-        wear_acceleration: value!(values, "wear_acceleration"),
+/// Value references of [`Tunables::NAMES`].
+const TUNABLES: [usize; Tunables::NAMES.len()] = {
+    let mut references = [0; Tunables::NAMES.len()];
+    let mut index = 0;
+    while index < references.len() {
+        references[index] = reference(Tunables::NAMES[index]) as usize;
+        index += 1;
     }
+    references
+};
+
+fn tunables_of(values: &Values) -> Tunables {
+    Tunables::from_array(TUNABLES.map(|index| values[index]))
 }
 
 impl Component {

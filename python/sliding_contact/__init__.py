@@ -11,15 +11,18 @@ Values are in SI units unless a name says another one: `result["contact_temperat
 
 from __future__ import annotations
 
-from ._errors import Error, SceneWarning
+from ._batch import Batch
+from ._errors import Error, Interrupted, SceneWarning
 from .results import Cycles, Deviation, LevelComparison, Plan, Profiles, Simulation, SteadyState, StepFailed, Stroke
 from .scene import Scene, fmu, scenes
 
 __version__ = "0.1.0"
 __all__ = [
+    "Batch",
     "Cycles",
     "Deviation",
     "Error",
+    "Interrupted",
     "LevelComparison",
     "Plan",
     "Profiles",

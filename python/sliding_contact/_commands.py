@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Optional, Sequence
 
-from ._errors import Error, writing
+from ._errors import Error, Interrupted, writing
 from ._numbers import number
 from .results import Simulation, StepFailed
 from .scene import Scene, scenes
@@ -65,12 +65,22 @@ SET = Option(("-s", "--set"), 'another value of a variable, as punch.width="40 m
 JSON = Option(("--json",), "print JSON instead of a table")
 PLOT = Option(("-p", "--plot"), "draw into this file (.svg, .pdf or .png); needs matplotlib", "FILE")
 INPUTS = Option(("-i", "--inputs"), "inputs over time (CSV): time [s], sliding_velocity [km/h], normal_load [kN], or any input with its unit", "FILE.csv")
+COLUMN = Option(("--column",), "what a column of another name is, as COF=friction_coefficient; may be repeated", "HEADER=VARIABLE", repeated=True)
+STRICT = Option(("--strict",), "refuse columns that are not known instead of leaving them out")
 CELLS = Option(("--cells",), "cells of the contact line; by default the scene's", "N")
 COLD = Option(("--cold",), "without heat")
 
 
 def _scene(arguments: Arguments) -> Scene:
     return Scene(arguments.scene, arguments.set)
+
+
+def _reading(arguments: Arguments) -> dict[str, Any]:
+    """How columns are read, as arguments of `Scene`."""
+    for text in arguments.column:
+        if "=" not in text:
+            raise Error(f'column = {text!r} must be HEADER=VARIABLE, as "COF=friction_coefficient"')
+    return {"columns": dict(text.rsplit("=", 1) for text in arguments.column), "strict": arguments.strict}
 
 
 def _print(arguments: Arguments, result: Any) -> None:
@@ -102,8 +112,9 @@ def _simulate(arguments: Arguments) -> None:
         raise Error(f"output = {output!r} must end in .csv")
     times = [time for times in arguments.at for time in times.split(",")]
     shown = _progress if sys.stderr.isatty() else None
+    reading = _reading(arguments)
     try:
-        result = _scene(arguments).simulate(arguments.inputs, step=arguments.step, at=times, progress=shown)
+        result = _scene(arguments).simulate(arguments.inputs, step=arguments.step, at=times, progress=shown, **reading)
     except StepFailed as failed:
         if output is None or failed.result is None:
             raise
@@ -114,9 +125,9 @@ def _simulate(arguments: Arguments) -> None:
             print("\r     \r", end="", file=sys.stderr, flush=True)
     if output is not None:
         _write(result, output)
-    deviations = {} if arguments.measured is None else result.compare(arguments.measured)
+    deviations = {} if arguments.measured is None else result.compare(arguments.measured, **reading)
     if arguments.plot is not None:
-        result.plot(arguments.plot, measured=arguments.measured)
+        result.plot(arguments.plot, measured=arguments.measured, **reading)
     if arguments.json:
         print(json.dumps(result.record, indent=2))
         return
@@ -126,7 +137,7 @@ def _simulate(arguments: Arguments) -> None:
 
 
 def _plan(arguments: Arguments) -> None:
-    plan = _scene(arguments).plan(arguments.inputs, tolerance=arguments.tolerance)
+    plan = _scene(arguments).plan(arguments.inputs, tolerance=arguments.tolerance, **_reading(arguments))
     print(json.dumps(plan.record, indent=2) if arguments.json else plan)
 
 
@@ -141,7 +152,12 @@ def _cycles(arguments: Arguments) -> None:
 
 def _fit(arguments: Arguments) -> None:
     parameters = [name for name in arguments.parameters.split(",") if name]
-    fit = _scene(arguments).fit(arguments.records, parameters, number("confidence", arguments.confidence), progress=_told)
+    confidence = number("confidence", arguments.confidence)
+    try:
+        fit = _scene(arguments).fit(arguments.records, parameters, confidence, progress=_told, **_reading(arguments))
+    except Interrupted as stopped:
+        _told(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}")
+        raise
     if arguments.plot is not None:
         fit.plot(arguments.plot)
     print(fit)
@@ -183,6 +199,8 @@ COMMANDS = (
             Option(("--at",), 'times of the profiles over the contact, as 0,10,"2 min"', "TIMES", repeated=True),
             Option(("-m", "--measured"), "measured record (CSV), drawn over the curves of the same names", "FILE.csv"),
             Option(("-o", "--output"), "write every input and output over the time, in SI units", "FILE.csv"),
+            COLUMN,
+            STRICT,
             PLOT,
             JSON,
         ),
@@ -191,7 +209,7 @@ COMMANDS = (
     Command(
         "plan",
         "print the level that solver.fidelity = auto takes; with inputs, error and cost of every level on them",
-        (SCENE, INPUTS, SET, Option(("--tolerance",), "relative tolerance, where the scene has none", "NUMBER"), JSON),
+        (SCENE, INPUTS, SET, Option(("--tolerance",), "relative tolerance, where the scene has none", "NUMBER"), COLUMN, STRICT, JSON),
         _plan,
     ),
     Command(
@@ -224,6 +242,8 @@ COMMANDS = (
             SET,
             Option(("--parameters",), "what is fitted, with commas", "NAMES", default="punch.wear_coefficient,punch.wear_pressure_exponent"),
             Option(("--confidence",), "probability that the intervals hold the values", "NUMBER", default="0.95"),
+            COLUMN,
+            STRICT,
             PLOT,
         ),
         _fit,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator, Union
+from typing import Any, Iterator, Union
 
 
 class Error(ValueError):
@@ -14,6 +14,14 @@ class Error(ValueError):
 
 class SceneWarning(UserWarning):
     """Values that are allowed but improbable, or a run that left what the model is valid for."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in work of many runs; `result` holds what is done: of a fit the best values so far, of a batch its finished scenes."""
+
+    def __init__(self, reason: str, result: Any) -> None:
+        super().__init__(reason)
+        self.result = result
 
 
 @contextmanager
@@ -26,5 +34,5 @@ def writing(path: Union[str, "os.PathLike[str]"]) -> Iterator[None]:
         raise Error(f"writing {os.fspath(path)}: {error}") from error
 
 
-for _public in (Error, SceneWarning):
+for _public in (Error, Interrupted, SceneWarning):
     _public.__module__ = "sliding_contact"

@@ -20,9 +20,10 @@ import numpy as np
 
 from . import _native
 from ._drawing import drawn
-from ._errors import Error, SceneWarning
+from ._errors import Error, Interrupted, SceneWarning
 from ._numbers import number, numbers
-from ._tables import Table, source
+from ._tables import Columns, Table, source, tell
+from .results import StepFailed
 
 try:
     from scipy import optimize, stats
@@ -85,7 +86,7 @@ class Records:
         if not isinstance(path, (str, os.PathLike)):
             raise Error(f"records: {type(path).__name__} is no file; accepted are a CSV file and `fit.Records`")
         # The command refuses with the same reader what is wrong in a file before it builds anything.
-        return cls._of(_native.ask({"analysis": "records", "records": {"path": os.fspath(path)}}).record)
+        return cls._of(_native.ask({"analysis": "records", "records": source(path, "records")}).record)
 
     @classmethod
     def _of(cls, found: Mapping[str, Any]) -> "Records":
@@ -101,7 +102,7 @@ class Records:
             end = self.distance[at] / self.speed[at]
             inputs = {"time [s]": [0.0, end], "sliding_velocity [m/s]": self.speed[at], "normal_load [N]": self.load[at]}
             own = {name: (np.array([end]), values[at : at + 1]) for name, values in {**worn, **self.values}.items() if not np.isnan(values[at])}
-            tests.append(Test(inputs, own, f"test {at + 1}", (float(self.load[at]), float(self.speed[at]))))
+            tests.append(Test(inputs, own, f"test {at + 1}", None, (float(self.load[at]), float(self.speed[at]))))
         return tests
 
 
@@ -114,27 +115,27 @@ class Test:
     inputs: Table
     measured: Mapping[str, "tuple[np.ndarray, np.ndarray]"]
     name: str = "test"
+    columns: Optional[Columns] = None  # of the inputs, as of `Scene.simulate`
     constant: "Optional[tuple[float, float]]" = None  # load and speed; such tests share their runs
 
 
-def tests_of(records: Any) -> "list[Test]":
+def tests_of(records: Any, columns: Optional[Columns] = None, strict: bool = False) -> "list[Test]":
     """Tests of a file, a table or `Records`, or of several: end values where there is a column for the distance, else a history."""
     if isinstance(records, Test):
         return [records]
     if isinstance(records, Records):
         return records.tests()
     if isinstance(records, (list, tuple)):
-        return [test for own in records for test in tests_of(own)]
+        return [test for own in records for test in tests_of(own, columns, strict)]
     if not (isinstance(records, (str, os.PathLike)) or hasattr(records, "keys")):
         raise Error(f"records: {type(records).__name__} is no file, no table and no `fit.Records`")
-    answer = _native.ask({"analysis": "records", "records": source(records, "records")})
+    answer = _native.ask({"analysis": "records", "records": source(records, "records", columns, strict)})
     found = answer.record
-    for text in found["notes"]:
-        warnings.warn(text, SceneWarning, stacklevel=4)
+    tell(found["notes"], 4)
     if "load" in found:
         return Records._of(found).tests()
     measured = {name: (answer.array(2 * at), answer.array(2 * at + 1)) for at, name in enumerate(found["outputs"])}
-    return [Test(records, measured, found["name"])]
+    return [Test(records, measured, found["name"], columns)]
 
 
 class Model:
@@ -152,6 +153,8 @@ class Model:
         self.units: Mapping[str, str] = {}
         #: Highest `contact_temperature_max` of the last prediction, K.
         self.highest = np.nan
+        #: What its runs warned of.
+        self.warnings: list[str] = []
         #: What was measured: test, name, times and values; of end values of wear in logarithms.
         self.series = [
             _Series(at, name, *values, test.constant is not None and name.startswith("wear_"))
@@ -186,7 +189,7 @@ class Model:
     def predict(self, parameters: Mapping[str, float]) -> np.ndarray:
         """What the scene gives with these parameters for every measured value [SI units]."""
         scene = self.scene.copy().set(dict(parameters))
-        self.highest = -np.inf
+        self.highest, self.warnings = -np.inf, []
         predicted: list[np.ndarray] = [np.empty(0)] * len(self.series)
         # Tests at the same load and speed are points of one run.
         groups: dict[Any, list[int]] = {}
@@ -196,13 +199,16 @@ class Model:
             own = [at for at, series in enumerate(self.series) if series.test in members]
             first = self.tests[members[0]]
             if first.constant is None:
-                result = scene.simulate(first.inputs)
+                result = scene._run(source(first.inputs, "inputs", first.columns))
             else:
                 times = np.unique(np.concatenate([self.series[at].times for at in own]))
                 load, speed = first.constant
                 inputs = {"time [s]": [0.0, *times], "sliding_velocity [m/s]": speed, "normal_load [N]": load}
-                result = scene.simulate(inputs, step=times[-1] / STEPS)
+                result = scene._run(source(inputs, "inputs"), step=times[-1] / STEPS)
+            if result.record["failure"]:
+                raise StepFailed(result.record["failure"], result)
             self.runs += 1
+            self.warnings += [f"{first.name}, at {time:g} s: {text}" for time, text in result.warnings]
             self.units = result.units
             self.highest = max(self.highest, float(result["contact_temperature_max"].max()))
             for at in own:
@@ -339,9 +345,19 @@ def fit(
     wear relative. `progress` is called with a line before every iteration; `companion`: whether half
     of the cells are compared.
 
-    Raises `Error` where there are not more values than parameters, or no parameter is determined.
+    Raises `Error` where there are not more values than parameters, or no parameter is determined, and `Interrupted` at Ctrl-C.
     """
     problem = _Problem(model, _checked(model, parameters, confidence), scatter or {}, progress)
+    try:
+        return _found(problem, confidence, companion)
+    except KeyboardInterrupt:
+        best = problem.parameters(problem.reached)
+        told = ", ".join(f"{name} = {value:.4g}" for name, value in best.items())
+        raise Interrupted(f"the fit was interrupted after {model.runs} runs; so far {told}: set these and fit again to go on", best) from None
+
+
+def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
+    model = problem.model
     undetermined = problem.undetermined()
     while problem.names:
         solved = problem.solve()
@@ -357,9 +373,12 @@ def fit(
     if not problem.names:
         raise Error("the records determine none of the parameters: " + "; ".join(f"{name}: {reason}" for name, reason in undetermined.items()))
     for name in sorted(problem.at_end):
-        warnings.warn(f"{name} is at an end of the range that the scene accepts, so the fit and its intervals stop there", SceneWarning, stacklevel=3)
+        warnings.warn(f"{name} is at an end of the range that the scene accepts, so the fit and its intervals stop there", SceneWarning, stacklevel=4)
     values = problem.parameters(solved.x)
     low, high = problem.parameters(solved.x - half), problem.parameters(solved.x + half)
+    model.predict(values)
+    for text in model.warnings:
+        warnings.warn(text, SceneWarning, stacklevel=4)
     text = _compare(problem, solved, half, values) if companion else "not compared with half of the cells"
     return Fit(
         tuple(values), np.array(list(values.values())), np.array([list(low.values()), list(high.values())]), confidence, covariance,
@@ -390,6 +409,8 @@ class _Problem:
     def __init__(self, model: Model, names: list[str], given: Mapping[str, float], progress: Optional[Callable[[str], object]]) -> None:
         self.model, self.names, self.progress = model, names, progress
         self.point, self.told = np.zeros(len(names)), 0
+        #: The last point that an iteration accepted.
+        self.reached = self.point
         #: Parameters within a step of the end of their range.
         self.at_end: set[str] = set()
         self.step = min(float(np.cbrt(model.tolerance)), LARGEST_STEP)
@@ -446,7 +467,7 @@ class _Problem:
             return np.full(self.model.measured.size, np.inf)
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
-        self.at_end = set()
+        self.at_end, self.reached = set(), point
         if self.progress is not None and self.model.runs > self.told:
             self.told = self.model.runs
             self.progress(f"{self.model.runs} runs, sum of squares {np.sum(self.residuals(point) ** 2):.4g} of {self.model.measured.size} values")
@@ -497,6 +518,7 @@ class _Problem:
     def drop(self, names: Iterable[str]) -> None:
         kept = [at for at, name in enumerate(self.names) if name not in names]
         self.names, self.point = [self.names[at] for at in kept], np.zeros(len(kept))
+        self.reached = self.point
         self.known.clear()
 
     def solve(self) -> Any:
@@ -553,7 +575,6 @@ def _excess(residuals: np.ndarray) -> float:
 def _compare(problem: _Problem, solved: Any, half: np.ndarray, found: Mapping[str, float]) -> str:
     """What the companion's results change: one line, and a warning where it is more than the intervals tell."""
     model, coarse = problem.model, problem.model.companion()
-    model.predict(found)
     moved = np.linalg.lstsq(solved.jac, solved.fun - problem.weighted(coarse.predict(found)), rcond=None)[0]
     model.runs += coarse.runs
     changes = [f"{name} by {own:+.1g}" if is_exponent(name) else f"{name} by {100 * np.expm1(own):+.1g} %" for name, own in zip(problem.names, moved)]
@@ -564,5 +585,5 @@ def _compare(problem: _Problem, solved: Any, half: np.ndarray, found: Mapping[st
     ).record  # fmt: skip
     text = f"{coarse.cells} cells change {', '.join(changes)}; highest contact temperature, degC: {highest}"
     if np.any(np.abs(moved) > half):
-        warnings.warn(f"the fit depends on the level more than its intervals tell: {model}; {text}", SceneWarning, stacklevel=4)
+        warnings.warn(f"the fit depends on the level more than its intervals tell: {model}; {text}", SceneWarning, stacklevel=5)
     return text

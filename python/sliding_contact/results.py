@@ -12,7 +12,7 @@ import numpy as np
 from . import _native
 from ._drawing import drawn
 from ._errors import Error
-from ._tables import Table, source
+from ._tables import Columns, Table, source, tell
 from ._units import converted, split
 
 if TYPE_CHECKING:
@@ -148,8 +148,10 @@ class Simulation(Mapping):
         names = columns or tuple(f"{name} [{unit}]" for name, unit in self.units.items())
         return pandas.DataFrame({"time [s]": self.time, **{name: self[name] for name in names}})
 
-    def compare(self, measured: Table) -> dict[str, Deviation]:
+    def compare(self, measured: Table, *, columns: Optional[Columns] = None, strict: bool = False) -> dict[str, Deviation]:
         """Deviation from a measured record, by name: columns as those of inputs, of any inputs and outputs.
+
+        `columns` and `strict`: as of `Scene.simulate`.
 
         >>> from sliding_contact import Scene
         >>> result = Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate()
@@ -157,22 +159,29 @@ class Simulation(Mapping):
         >>> deviation["contact_temperature"].range
         10.0
         """
-        found = _native.ask({"analysis": "compare", "measured": source(measured, "measured")}, self._answer).record
+        found = _native.ask({"analysis": "compare", "measured": source(measured, "measured", columns, strict)}, self._answer).record
+        tell(found["notes"])
         deviations = {}
-        for own in found:
+        for own in found["deviations"]:
             points = np.array(own.pop("points")).reshape(-1, 2)
             deviations[own["name"]] = Deviation(time=points[:, 0], measured=points[:, 1], **own)
         return deviations
 
     def plot(
-        self, path: Union[str, "os.PathLike[str]", None] = None, *, measured: Optional[Table] = None
+        self,
+        path: Union[str, "os.PathLike[str]", None] = None,
+        *,
+        measured: Optional[Table] = None,
+        columns: Optional[Columns] = None,
+        strict: bool = False,
     ) -> "Figure":
         """Draws inputs, outputs, energy balance and profiles over the contact, beside a measured record; needs matplotlib.
 
         Returns the figure, and writes it to `path` (svg, pdf or png) where one is given.
         """
-        content = _native.ask({"analysis": "figure", "measured": source(measured, "measured")}, self._answer).record
-        return drawn(lambda figure: figure.figure_of(content), path)
+        content = _native.ask({"analysis": "figure", "measured": source(measured, "measured", columns, strict)}, self._answer).record
+        tell(content["notes"])
+        return drawn(lambda figure: figure.figure_of(content["content"]), path)
 
 
 class StepFailed(Error):

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _native
+from ._batch import Batch, batch
 from ._errors import Error, SceneWarning, writing
 from ._numbers import number, plain
-from ._tables import Table, source
+from ._tables import Columns, Table, source, tell
 from ._units import Value, converted, count, literal, seconds, split, tables, with_unit
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
 
@@ -209,13 +210,14 @@ class Scene:
         """Names of everything that can be set."""
         return list(self._variables)
 
-    def trajectory(self, inputs: Optional[Table] = None) -> Trajectory:
+    def trajectory(self, inputs: Optional[Table] = None, *, columns: Optional[Columns] = None, strict: bool = False) -> Trajectory:
         """Inputs over time as `simulate` takes them: linear between their rows, by default nominal load and velocity.
 
         >>> Scene.load("pin_on_disk").trajectory().inputs
         ('normal_load', 'angular_velocity', 'sliding_velocity')
         """
-        answer = _native.ask(self._request("trajectory", inputs=source(inputs, "inputs")))
+        answer = _native.ask(self._request("trajectory", inputs=source(inputs, "inputs", columns, strict)))
+        tell(answer.record["notes"])
         names = tuple(answer.record["inputs"])
         values = np.column_stack([answer.array(1 + at) for at in range(len(names))])
         return Trajectory(names, answer.array(0), values, float(answer.record["step"]))
@@ -226,30 +228,45 @@ class Scene:
         *,
         step: Optional[Time] = None,
         at: Union[Time, Sequence[Time]] = (),
+        columns: Optional[Columns] = None,
+        strict: bool = False,
         progress: Optional[Callable[[float], object]] = None,
     ) -> Simulation:
         """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
 
         `inputs`: columns by name with a unit, as a dictionary, a table of pandas or a CSV file; a single number holds for all
-        times. `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise. `progress` is called with the
-        part that is done. Raises `StepFailed`, which holds the run so far, where a step fails.
+        times. `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise.
+        `columns`: what headers of other names are, as {"Kraft": "normal_load"}; `strict` refuses what is still unknown instead of
+        leaving it out with a warning. `progress` is called with the part that is done. Raises `StepFailed`, which holds the run so far, where a
+        step fails.
 
         >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
         >>> result = Scene.load("disc_brake").simulate(stop)
         >>> round(float(result["dissipated_energy [kJ]"][-1]), 1)
         64.0
         """
-        longest = None if step is None else seconds("step", step)
         moments: Any = [at] if np.ndim(at) == 0 else at
         times = [seconds("at", time) for time in moments]
-        request = self._request("simulate", inputs=source(inputs, "inputs"), step=longest, at=times)
-        answer = _native.ask(request, progress=progress)
-        result = Simulation(answer)
+        result = self._run(source(inputs, "inputs", columns, strict), step, times, progress=progress)
+        tell(result.record["notes"])
         for time, text in result.warnings:
             warnings.warn(f"at {time:g} s: {text}", SceneWarning, stacklevel=2)
-        if answer.status == _native.STEP_FAILED:
+        if result.record["failure"]:
             raise StepFailed(result.record["failure"], result)
         return result
+
+    def _run(
+        self,
+        inputs: Optional[dict[str, Any]],
+        step: Optional[Time] = None,
+        at: Sequence[float] = (),
+        assignments: Sequence[str] = (),
+        progress: Optional[Callable[[float], object]] = None,
+    ) -> Simulation:
+        """A run with further assignments, up to a step that fails; it warns of nothing."""
+        longest = None if step is None else seconds("step", step)
+        request = self._request("simulate", [*self._assignments, *assignments], inputs=inputs, step=longest, at=list(at))
+        return Simulation(_native.ask(request, progress=progress))
 
     def steady(
         self, *, cells: Optional[int] = None, return_speed: Optional[float] = None, cold: bool = False
@@ -277,7 +294,9 @@ class Scene:
                                 cold=bool(cold))  # fmt: skip
         return Cycles(self._warn(_native.ask(request).record))
 
-    def plan(self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None) -> Union[Plan, LevelComparison]:
+    def plan(
+        self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None, columns: Optional[Columns] = None, strict: bool = False
+    ) -> Union[Plan, LevelComparison]:
         """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them.
 
         >>> plan = Scene.load("reciprocating_punch").plan(tolerance=1e-1)
@@ -285,8 +304,9 @@ class Scene:
         True
         """
         wanted = None if tolerance is None else number("tolerance", tolerance)
-        request = self._request("plan", inputs=source(inputs, "inputs"), tolerance=wanted)
+        request = self._request("plan", inputs=source(inputs, "inputs", columns, strict), tolerance=wanted)
         record = self._warn(_native.ask(request).record)
+        tell(record.pop("notes"))
         return Plan(record) if inputs is None else LevelComparison(record)
 
     def fit(
@@ -296,6 +316,8 @@ class Scene:
         confidence: float = 0.95,
         *,
         scatter: Optional[Mapping[str, float]] = None,
+        columns: Optional[Columns] = None,
+        strict: bool = False,
         progress: Optional[Callable[[str], object]] = None,
     ) -> "Fit":
         """Fits parameters to end values or histories of wear, friction and temperature, with confidence intervals; needs scipy.
@@ -303,11 +325,36 @@ class Scene:
         `records`: a file or a table, or a list of them. With the columns load [N], speed [m/s] and distance [m] they are end values of tests, as of
         volume [mm3]; with time [s] a history: its inputs are driven and its outputs compared. `parameters`: names of variables; one that the
         records do not determine keeps the scene's value, from which the fit begins. `scatter`: known standard deviations of measured outputs.
-        `progress` is called with a line before every iteration.
+        `columns` and `strict`: as of `simulate`. `progress` is called with a line before every iteration. Ctrl-C raises `Interrupted`, whose
+        `result` has the best values so far, to `set` and fit on.
         """
         from . import fit
 
-        return fit.fit(fit.Model(self, records), parameters, confidence, scatter, progress)
+        return fit.fit(fit.Model(self, fit.tests_of(records, columns, strict)), parameters, confidence, scatter, progress)
+
+    def batch(
+        self,
+        design: Union[Mapping[str, Sequence[Value]], "Fit"],
+        inputs: Optional[Table] = None,
+        *,
+        count: int = 200,
+        step: Optional[Time] = None,
+        columns: Optional[Columns] = None,
+        strict: bool = False,
+        progress: Optional[Callable[[float], object]] = None,
+    ) -> Batch:
+        """Runs the scene once for every row of a design along the same inputs, on all cores: outputs at the end, their peaks, wear life.
+
+        `design`: lists of equal length by the name of the variable, or a fit, whose parameters are drawn `count` times from their joint
+        distribution. A scene that fails is a row with its reason. Ctrl-C raises `Interrupted`, whose `result` has the scenes that are done.
+
+        >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
+        >>> wear = Scene.load("disc_brake").batch({"punch.wear_coefficient": [1e-14, 2e-14]}, stop)
+        >>> round(float(wear["wear_depth_punch"][1] / wear["wear_depth_punch"][0]), 2)
+        2.0
+        """
+        rows: Any = design.draw(count) if hasattr(design, "draw") else design
+        return batch(self, rows, source(inputs, "inputs", columns, strict), step, progress)
 
     def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.

@@ -43,7 +43,7 @@ impl Component {
         let Some(model) = self.model.as_ref().filter(|_| self.phase == Phase::Running) else { return Ok(()) };
         let mut values = *self.values;
         changes.for_each(|(reference, value)| values[reference as usize] = value);
-        model.check_tunables(&super::tunables_of(&values))
+        model.operators().check_tunables(&super::tunables_of(&values))
     }
 
     /// Checks the inputs at the beginning and at the end of a step of `step` s.

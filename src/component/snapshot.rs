@@ -1,13 +1,13 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
-use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
+use super::{Component, FIRST_PARAMETER, Phase, TUNABLES, Values, inputs_of, tunables_of};
 use model::levels::{Model, ModelState};
+use model::lumped::conditions::Tunables;
 use model::lumped::state::LumpedState;
 use model::plan::distance::Distance;
 use model::run_error::{RunError, SavedRunError};
 use model::{INPUTS, Inputs};
 use scene::message::Number;
-use scene::value;
 use scene::variables::{COUNT, Kind, check_parameter, lookup};
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
@@ -21,8 +21,8 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
-    built: [f64; 3],
+    /// Tunable parameters at initialisation: of those values are the states, and to that friction coefficient the wear law refers.
+    built: [f64; TUNABLES.len()],
     state: Option<ModelState>,
     run_error: SavedRunError,
 }
@@ -50,10 +50,10 @@ impl Component {
         into.state = None;
         into.run_error = SavedRunError::default();
         if let Some(model) = &self.model
+            && let Some(prepared) = &self.prepared
             && self.phase == Phase::Running
         {
-            let scene = model.scene();
-            into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
+            into.built = Tunables::of(&prepared.requested).to_array();
             into.state = Some(model.save());
             into.run_error = self.run_error.as_ref().map(RunError::save).unwrap_or_default();
         }
@@ -81,15 +81,11 @@ impl Component {
         if let Some(state) = &from.state {
             // The scene at the end of initialisation: tunable parameters may have changed since.
             let mut at_start = values;
-            value!(at_start, "contact.friction_coefficient") = from.built[0];
-            value!(at_start, "ambient_temperature") = from.built[1];
-            value!(at_start, "wear_acceleration") = from.built[2];
+            TUNABLES.iter().zip(from.built).for_each(|(&index, value)| at_start[index] = value);
+            let tunables = tunables_of(&values);
             let same = self.phase == Phase::Running
                 && self.tolerance == from.tolerance
-                && self.model.as_ref().is_some_and(|model| {
-                    let scene = model.scene();
-                    [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration] == from.built
-                })
+                && self.prepared.as_ref().is_some_and(|own| Tunables::of(&own.requested).to_array() == from.built)
                 && self.values[FIRST_PARAMETER..]
                     .iter()
                     .zip(&values[FIRST_PARAMETER..])
@@ -107,19 +103,22 @@ impl Component {
             if !(RunError::fits(&from.run_error, &prepared) && state.fits(&prepared.operators)) {
                 return Err("the saved states do not fit the scene".into());
             }
+            prepared
+                .operators
+                .check_tunables(&tunables)
+                .map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
             // Nothing has been changed up to here, and no later operation can fail.
             if !same {
-                let tunables = super::tunables_of(&values);
                 let inputs = Inputs::from_array(from.inputs);
                 self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
                 self.run_error = Some(RunError::new(&prepared, tunables, &inputs));
                 self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
-            model.set_tunables(super::tunables_of(&values));
+            model.set_tunables(tunables);
             model.set_state(state);
             if let Some(run_error) = &mut self.run_error {
-                run_error.set_tunables(super::tunables_of(&values));
+                run_error.set_tunables(tunables);
                 run_error.set(&from.run_error);
             }
         } else {
@@ -193,7 +192,7 @@ impl Snapshot {
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + 1 + line.len(),
         };
         let states = numbers(&self.state) + numbers(&self.run_error.companion);
-        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + 3 + 8 + 2 + states)
+        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + TUNABLES.len() + 8 + 2 + states)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.

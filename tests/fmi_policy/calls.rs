@@ -2,6 +2,7 @@
 
 use std::ptr;
 
+use model::lumped::conditions::Tunables;
 use scene::variables::COUNT;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status;
@@ -55,6 +56,22 @@ const CASES: &[Case] = &[
     (IN, "fixed parameter", |x| x.set_real(&["punch.height"], &[0.02]), OK, ""),
     (S, "fixed parameter after initialisation", |x| x.set_real(&["punch.height"], &[0.02]), ERROR, "fixed parameter"),
     (INS, "tunable parameter", |x| x.set_real(&["contact.friction_coefficient"], &[0.3]), OK, ""),
+    (
+        INS,
+        "all that is tunable",
+        |x| x.set_real(&Tunables::NAMES, &[0.3, 290.0, 2.0, 1e-14, 1e-15, 20.0, 30.0, 0.0, 2.0, 1e4]),
+        OK,
+        "",
+    ),
+    (S, "wear coefficient below 0", |x| x.set_real(&["punch.wear_coefficient"], &[-1e-15]), DISCARD, "-1e-15"),
+    (S, "convection NaN", |x| x.set_real(&["strip.convection"], &[f64::NAN]), DISCARD, "strip.convection"),
+    (
+        S,
+        "heat path above its maximum",
+        |x| x.set_real(&["punch.external_conductance"], &[1e10]),
+        DISCARD,
+        "punch.external_conductance: 1",
+    ),
     (INS, "tunable below its minimum", |x| x.set_real(&["contact.friction_coefficient"], &[-0.1]), DISCARD, "-0.1"),
     (IN, "parameter below its minimum", |x| x.set_real(&["punch.height"], &[-1.0]), DISCARD, "punch.height: -1 m"),
     (IN, "parameter NaN", |x| x.set_real(&["punch.height"], &[f64::NAN]), DISCARD, "not a finite number"),

@@ -17,3 +17,4 @@ mod slab;
 mod standstill;
 mod steps;
 mod stroke;
+mod tuning;

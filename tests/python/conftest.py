@@ -1,6 +1,7 @@
 """Tests of the Python package, as `cargo fmu test --slow` runs them: from the package as a folder on the path."""
 
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -14,3 +15,16 @@ def needed(variable):
     if value is None:
         pytest.skip(f"{variable} is not set: `cargo fmu test --slow` sets it")
     return value
+
+
+def command(folder, *arguments):
+    environment = os.environ | {"CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
+    program = needed("SLIDING_CONTACT_COMMAND")
+    return subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, env=environment)
+
+
+@pytest.fixture
+def stop_csv(tmp_path):
+    path = tmp_path / "stop.csv"
+    path.write_text(",".join(STOP) + "\n" + "\n".join(",".join(map(str, row)) for row in zip(*STOP.values())) + "\n")
+    return path

@@ -21,8 +21,7 @@ def ran(folder, *arguments):
     return subprocess.run([sys.executable, "-m", "sliding_contact", *arguments], cwd=folder, capture_output=True, text=True)
 
 
-def test_results_are_those_of_the_scene(tmp_path):
-    (tmp_path / "stop.csv").write_text(",".join(STOP) + "\n" + "\n".join(",".join(map(str, row)) for row in zip(*STOP.values())) + "\n")
+def test_results_are_those_of_the_scene(tmp_path, stop_csv):
     run = ran(tmp_path, "simulate", "disc_brake", "-s", "punch.width=80 mm", "-i", "stop.csv", "--step", "20 ms", "-o", "out.csv")
     assert run.returncode == 0, run.stderr
     own = Scene.load("disc_brake").set({"punch.width": "80 mm"}).simulate(STOP, step="20 ms")

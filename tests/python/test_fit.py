@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("scipy")
 
-from sliding_contact import Error, Scene, fit  # noqa: E402  (skipped without scipy)
+from sliding_contact import Error, Interrupted, Scene, SceneWarning, fit  # noqa: E402  (skipped without scipy)
 
 import intervals  # noqa: E402
 
@@ -122,16 +122,10 @@ def test_files_of_a_rig_with_gaps_and_end_values_are_fitted_together(tmp_path):
     worn = [scene.simulate({"time [s]": [0.0, 500.0 / speed], "sliding_velocity [m/s]": speed, "normal_load [N]": 1000.0})["wear_volume_punch"][-1] for speed in (1.0, 2.0)]
     ends.write_text("load [N],speed [m/s],distance [m],volume [mm3],Room\n" + "".join(f"1000,{speed},500,{1e9 * own},5\n" for speed, own in zip((1, 2), worn)))
     start = scene.copy().set({"contact.friction_coefficient": 0.4, "punch.wear_coefficient": 2.0 * scene["punch.wear_coefficient"]})
-    with pytest.warns(sliding_contact_warning(), match='left out are "Room"'):
+    with pytest.warns(SceneWarning, match='left out are "Room"'):
         found = start.fit([history, ends], ["contact.friction_coefficient", "punch.wear_coefficient"])
     assert found.values == pytest.approx([0.33, scene["punch.wear_coefficient"]], rel=2e-3)
     assert [own.values for own in found.scatters] == [40, 61, 2]
-
-
-def sliding_contact_warning():
-    from sliding_contact import SceneWarning
-
-    return SceneWarning
 
 
 def test_draws_have_the_joint_distribution():
@@ -182,3 +176,16 @@ def test_a_picture_of_a_law_and_of_histories(tmp_path):
     pin().fit(archard(0.1)).plot(tmp_path / "law.svg")
     fit.fit(fit.Model(brake(), drag(error=np.arange(40.0))), "contact.friction_coefficient", companion=False).plot(tmp_path / "history.svg")
     assert (tmp_path / "law.svg").stat().st_size > 5000 and (tmp_path / "history.svg").stat().st_size > 5000
+
+
+def test_a_fit_runs_the_scene_as_it_is():
+    parameters = {fit.COEFFICIENT: 1.2e-14, fit.PRESSURE_EXPONENT: 1.3}
+    records = archard(loads=(5.0, 40.0))
+    for settings in ({"solver.fidelity": "lumped"}, {"solver.fidelity": "line", "solver.cells": 5, "solver.tolerance": 1e-2}):
+        scene = Scene.load("pin_on_disk").set(settings)
+        model = fit.Model(scene, records)
+        own = scene.copy().set(parameters)
+        for load, volume in zip(records.load, model.predict(parameters)):
+            run = own.simulate({"time [s]": [0, 1e4], "sliding_velocity [m/s]": 0.1, "normal_load [N]": load}, step=200.0)
+            assert volume == run["wear_volume_punch"][-1], settings
+        assert settings["solver.fidelity"] in str(model)

@@ -73,11 +73,7 @@ fn values(line: &Line) -> Vec<f64> {
 impl Stepped {
     fn new(file: &SceneFile) -> Stepped {
         let scene = Scene::new(&file.packaged.starts, None).unwrap();
-        let tunables = Tunables {
-            friction_coefficient: scene.friction_coefficient,
-            ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: scene.wear_acceleration,
-        };
+        let tunables = Tunables::of(&scene);
         let reference = scene.ambient_temperature;
         let operators = LineOperators::with_heat(&scene, true, ::steady::thermal::run_in).unwrap();
         let line = Line::new(Arc::new(operators), tunables, &Inputs::new(SPEED, LOAD, 0.0));

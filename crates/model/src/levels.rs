@@ -77,6 +77,31 @@ impl ModelOperators {
         Ok(ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, self.mean(), run_in)?)))
     }
 
+    /// Operators with the tunable parameters that they contain; `None` where they have them.
+    fn tuned(&self, tunables: &Tunables) -> Option<ModelOperators> {
+        let scene = tunables.tuned(self.scene())?;
+        Some(match self {
+            ModelOperators::Lumped(operators) => ModelOperators::Lumped(Arc::new(operators.tuned(scene))),
+            ModelOperators::Line(operators) => ModelOperators::Line(Arc::new(operators.tuned(scene))),
+        })
+    }
+
+    /// Checks tunable parameters that are to hold from here on.
+    ///
+    /// # Errors
+    /// A text with variable, value and limit, where the model refuses a step with them.
+    pub fn check_tunables(&self, tunables: &Tunables) -> Result<(), String> {
+        let scene = tunables.tuned(self.scene());
+        if let Some(scene) = &scene {
+            scene.check_heat().map_err(|broken| broken.to_string())?;
+        }
+        let ModelOperators::Line(line) = self else { return Ok(()) };
+        let (friction, acceleration) = (tunables.friction_coefficient, tunables.wear_acceleration);
+        let Some(scene) = scene else { return line.check_acceleration(friction, acceleration) };
+        line.check_tuned(&scene)?;
+        line.tuned(scene).check_acceleration(friction, acceleration)
+    }
+
     /// Operators of the lumped level, which are part of every level.
     pub fn mean(&self) -> &lumped::operators::LumpedOperators {
         match self {
@@ -178,7 +203,7 @@ macro_rules! each {
 impl Model {
     /// Initial state at rest at the given inputs.
     pub fn new(operators: &ModelOperators, tunables: Tunables, inputs: &Inputs) -> Model {
-        match operators {
+        match operators.tuned(&tunables).as_ref().unwrap_or(operators) {
             ModelOperators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
             ModelOperators::Line(operators) => Model::Line(Box::new(Line::new(operators.clone(), tunables, inputs))),
         }
@@ -234,20 +259,13 @@ impl Model {
 
     /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
-        each!(self, model => model.set_tunables(tunables));
-    }
-
-    /// Checks tunable parameters that are to hold from here on.
-    ///
-    /// # Errors
-    /// A text with variable, value and limit, where the model refuses a step with them.
-    pub fn check_tunables(&self, tunables: &Tunables) -> Result<(), String> {
-        match self {
-            Model::Lumped(_) => Ok(()),
-            Model::Line(line) => {
-                line.operators().check_acceleration(tunables.friction_coefficient, tunables.wear_acceleration)
-            }
+        let operators = self.operators().tuned(&tunables);
+        match (&mut *self, operators) {
+            (Model::Lumped(model), Some(ModelOperators::Lumped(operators))) => model.set_operators(operators),
+            (Model::Line(model), Some(ModelOperators::Line(operators))) => model.set_operators(operators),
+            _ => {}
         }
+        each!(self, model => model.set_tunables(tunables));
     }
 
     /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails.

@@ -18,11 +18,7 @@ fn no_surface_cools_while_others_are_heated() {
         ];
         let scene = changed_scene(&scene("disc_brake"), &changes);
         let operators = ModelOperators::new(&scene, steady::run_in).unwrap();
-        let tunables = Tunables {
-            friction_coefficient: scene.friction_coefficient,
-            ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: 1.0,
-        };
+        let tunables = Tunables::of(&scene);
         for step in [1e-4, 1e-3, 1e-2] {
             let inputs = Inputs::new(20.0, 2600.0, 0.0);
             let mut model = Model::new(&operators, tunables, &inputs);

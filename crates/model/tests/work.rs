@@ -18,11 +18,7 @@ struct Work {
 /// Steps of `step` s at the velocities `velocity(n)`, linear between them, under the nominal load; from the second hundred on.
 fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -> f64) -> Work {
     let scene = changed_scene(&scene(name), changes);
-    let tunables = Tunables {
-        friction_coefficient: scene.friction_coefficient,
-        ambient_temperature: scene.ambient_temperature,
-        wear_acceleration: 1.0,
-    };
+    let tunables = Tunables::of(&scene);
     let ambient = scene.ambient_temperature;
     let inputs = |velocity: f64| Inputs::new(velocity, scene.nominal_load, ambient);
     let mut model = Model::new(&ModelOperators::new(&scene, steady::run_in).unwrap(), tunables, &inputs(velocity(0)));

@@ -9,15 +9,17 @@
 //! theirs where that invents nothing ([`bridged`]). A time that stands in two rows is a jump.
 
 mod headers;
+mod rows;
 mod sheet;
+#[cfg(test)]
+mod tests;
 
-use crate::quantity;
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use headers::{Match, alternatives};
-use scene::message::{Clipped, Number, Quantity, Quoted, listed};
+use anyhow::{Context, Result, bail, ensure};
+pub use rows::{check_separator, whole};
+pub(crate) use rows::{has_candidate, lacks_column, rows};
+use scene::message::{Number, Quantity, Quoted, listed};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
-use sheet::Sheet;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -101,6 +103,8 @@ pub struct Reading {
     pub columns: Vec<Named>,
     /// Whether a column that is not known is refused; else it is left out and named.
     pub strict: bool,
+    /// Whether messages name the argument of Python instead of the option of the command line.
+    pub python: bool,
 }
 
 /// A column named by the user, as `COF=friction_coefficient`.
@@ -110,6 +114,12 @@ pub struct Named {
     header: String,
     /// Its quantity, with a unit if the header has another one or none; empty: the column is left out.
     quantity: String,
+}
+
+impl std::fmt::Display for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}", self.header, self.quantity)
+    }
 }
 
 impl std::str::FromStr for Named {
@@ -128,6 +138,14 @@ impl Reading {
         Self { strict: true, ..Self::default() }
     }
 
+    /// How a user names a column, and how he leaves it out.
+    fn spelled(&self) -> [&'static str; 2] {
+        match self.python {
+            false => ["--column \"HEADER=VARIABLE\"", "\"HEADER=\""],
+            true => ["columns={\"HEADER\": \"VARIABLE\"}", "\"HEADER\": \"\""],
+        }
+    }
+
     /// What a header is read as.
     fn renamed(&self, header: &str) -> Option<String> {
         let (name, symbol) = headers::split(header);
@@ -137,16 +155,17 @@ impl Reading {
         Some(unit.map_or(named.quantity.clone(), |unit| format!("{} [{unit}]", named.quantity)))
     }
 
-    /// Whether every named column is in one of the tables.
+    /// Whether every named column is in one of the tables with these headers.
     ///
     /// # Errors
     /// With the first that is not.
-    pub fn check(&self, tables: &[&Table]) -> Result<()> {
+    pub fn check(&self, tables: &[&[String]]) -> Result<()> {
         let has = |named: &Named, header: &str| [header, headers::split(header).0].contains(&named.header.as_str());
-        let missing = |named: &&Named| !tables.iter().any(|table| table.headers.iter().any(|own| has(named, own)));
+        let missing = |named: &&Named| !tables.iter().any(|headers| headers.iter().any(|own| has(named, own)));
         if let Some(Named { header, quantity }) = self.columns.iter().find(missing) {
-            let found = tables.iter().flat_map(|table| table.headers.iter().map(String::as_str));
-            bail!("--column {header}={quantity}: there is no column {}; found are {}", Quoted(header), listed(found));
+            let found = tables.iter().flat_map(|headers| headers.iter().map(String::as_str));
+            let place = if self.python { "columns".to_owned() } else { format!("--column {header}={quantity}") };
+            bail!("{place}: there is no column {}; found are {}", Quoted(header), listed(found));
         }
         Ok(())
     }
@@ -317,498 +336,4 @@ fn bridged(table: &Table, at: usize, column: &Column) -> Result<Vec<(usize, f64)
         filled.extend((from + 1..to).map(|row| (row, before + part(row) * (after - before))));
     }
     Ok(filled)
-}
-
-/// Whether a cell says that there is no value.
-fn is_gap(text: &str) -> bool {
-    ["", "nan", "na", "n/a", "#n/a", "<na>", "null", "none", "-", "--"].iter().any(|gap| text.eq_ignore_ascii_case(gap))
-}
-
-/// A cell of a row.
-pub(crate) struct Cell<'a> {
-    /// Name of its quantity.
-    pub(crate) name: &'a str,
-    /// Its value in the SI unit; NaN of a gap.
-    pub(crate) value: f64,
-    path: &'a Path,
-    line: u64,
-    column: usize,
-    header: &'a str,
-    text: &'a str,
-}
-
-impl Cell<'_> {
-    /// Where it stands and what it says, for messages.
-    pub(crate) fn place(&self) -> String {
-        let Self { path, line, column, header, text, .. } = self;
-        format!("{}, line {line}, column {column} ({}): {}", path.display(), Clipped(header), Quoted(text))
-    }
-}
-
-/// A required column that a file lacks.
-#[derive(Debug)]
-struct MissingColumn(String);
-
-impl std::fmt::Display for MissingColumn {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for MissingColumn {}
-
-/// Whether a file was refused because it lacks a required column, as a table without times is by [`Column::record`].
-pub(crate) fn lacks_column(error: &anyhow::Error) -> bool {
-    error.is::<MissingColumn>()
-}
-
-/// Quantities of a file, in its order.
-pub(crate) struct Quantities {
-    pub(crate) taken: Vec<String>,
-    pub(crate) left_out: Vec<String>,
-    pub(crate) headers: Vec<String>,
-    pub(crate) notes: Vec<String>,
-}
-
-/// Gives the rows of a file of `known` quantities to `take`, one after the other; returns what its columns are.
-///
-/// # Errors
-/// As [`read`], and those of `take`.
-pub(crate) fn rows(
-    mut content: impl Read,
-    path: &Path,
-    known: &[&Column],
-    reading: &Reading,
-    take: &mut dyn FnMut(&[Cell<'_>]) -> Result<()>,
-) -> Result<Quantities> {
-    let file = path.display();
-    let mut bytes = Vec::new();
-    content.read_to_end(&mut bytes).with_context(|| format!("reading {file}"))?;
-    let column_of = |header: &str| -> Option<&Column> {
-        match headers::find(&reading.renamed(header).unwrap_or_else(|| header.to_owned()), known) {
-            Ok(Match::Known(column, _) | Match::Meant(column, _)) => {
-                known.iter().copied().find(|own| own.name == column.name)
-            }
-            _ => None,
-        }
-    };
-    // A unit may stand in the row below.
-    let with_unit =
-        |header: &str| known.iter().copied().find(|own| headers::split(header).0.eq_ignore_ascii_case(&own.name));
-    let sheet = Sheet::new(
-        &bytes,
-        path,
-        |header| {
-            let column = column_of(header).or_else(|| with_unit(header));
-            (column.is_some(), column.is_some_and(|column| column.required))
-        },
-        |header, unit| {
-            let column = column_of(header).or_else(|| with_unit(header)).filter(|column| column.required);
-            column.is_some_and(|column| quantity::in_si(0.0, unit, column.unit, column.absolute).is_ok())
-        },
-    )?;
-    let Sheet { headers, line, separator, rows } = sheet;
-    if headers.iter().all(String::is_empty) {
-        let first = known.first().map_or_else(String::new, |column| format!("{} [{}]", column.name, column.unit.name));
-        bail!("{file} is empty; its first line must name the columns, as {first}");
-    }
-    let (found, notes) = columns(path, line, &headers, &rows, known, reading)?;
-    if let Some(missing) = known.iter().find(|known| known.required && found.iter().all(|own| own.name != known.name)) {
-        let found = listed(headers.iter().map(String::as_str));
-        bail!(MissingColumn(format!("{file}, line {line}: no column {}; found are {found}", missing.headers())));
-    }
-    if rows.is_empty() {
-        bail!("{file} has no row below its header");
-    }
-    let mut mark = None;
-    for (line, record) in &rows {
-        let mut cells = Vec::with_capacity(found.len());
-        for (at, (text, column)) in
-            record.iter().zip(&found).enumerate().filter(|(_, (_, column))| !column.is_ignored())
-        {
-            let mut cell = Cell {
-                name: &column.name,
-                value: f64::NAN,
-                path,
-                line: *line,
-                column: at + 1,
-                header: &headers[at],
-                text,
-            };
-            if !is_gap(text) {
-                let number = number(text, separator, &mut mark).map_err(|wrong| anyhow!("{} {wrong}", cell.place()))?;
-                cell.value = quantity::in_si(number, &column.symbol, column.unit, column.absolute)
-                    .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
-                if column.name.is_empty() && number.fract() != 0.0 {
-                    bail!("{} is no number of a row, and its column has no name", cell.place());
-                }
-            }
-            if column.taken {
-                cells.push(cell);
-            }
-        }
-        take(&cells)?;
-    }
-    let of = |taken: bool| {
-        found
-            .iter()
-            .filter(|own| own.taken == taken && !own.is_ignored() && !own.name.is_empty())
-            .map(|own| own.name.clone())
-            .collect()
-    };
-    let [taken, left_out] = [of(true), of(false)];
-    Ok(Quantities { taken, left_out, headers, notes })
-}
-
-/// A number with a point, or where no comma separates the columns, with a comma: with one of them in all of the file, which is `mark`.
-fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &'static str> {
-    let own = ['.', ','].into_iter().find(|mark| text.contains(*mark));
-    let plain = if own == Some(',') && separator != ',' { text.replace(',', ".") } else { text.to_owned() };
-    let number = plain.parse().map_err(|_| match quantity::decimal_comma(text) {
-        Some(_) if separator != ',' => {
-            "has a point and a comma; one of them is the decimal mark, and thousands have none"
-        }
-        Some(hint) => hint,
-        None => "is no number",
-    })?;
-    if own.is_some() && *mark.get_or_insert(own.unwrap_or('.')) != own.unwrap_or('.') {
-        return Err("has another decimal mark than the numbers above");
-    }
-    Ok(number)
-}
-
-/// What the columns of a file are, and notes about those that are not known by their names.
-fn columns(
-    path: &Path,
-    line: u64,
-    headers: &[String],
-    rows: &[(u64, csv::StringRecord)],
-    known: &[&Column],
-    reading: &Reading,
-) -> Result<(Vec<Found>, Vec<String>)> {
-    let file = path.display();
-    let place = |at: usize| format!("{file}, line {line}, column {}", at + 1);
-    let (mut found, mut meant, mut ignored) = (Vec::<Found>::new(), Vec::new(), Vec::new());
-    for (at, header) in headers.iter().enumerate() {
-        let renamed = reading.renamed(header);
-        let read = renamed.as_deref().unwrap_or(header);
-        let has_values = || rows.iter().any(|(_, row)| !is_gap(&row[at]));
-        let own = if at == 0 && ["", "Unnamed: 0"].contains(&read) && renamed.is_none() {
-            Found::row_number()
-        } else if read.is_empty() && (renamed.is_some() || !has_values()) {
-            Found::ignored()
-        } else {
-            match headers::find(read, known).map_err(|wrong| anyhow!("{}: {wrong}", place(at)))? {
-                Match::Known(column, symbol) => Found::of(column, &symbol, true),
-                Match::Meant(column, symbol) => Found::of(column, &symbol, false),
-                Match::Unknown(candidates) if reading.strict || read.is_empty() || renamed.is_some() => {
-                    bail!(
-                        "{}: {} is not a known quantity with a known unit; {}{candidates}",
-                        place(at),
-                        Quoted(read),
-                        alternatives(known)
-                    );
-                }
-                Match::Unknown(candidates) => {
-                    ignored.push(format!("{}{candidates}", Quoted(header)));
-                    Found::ignored()
-                }
-            }
-        };
-        found.push(own);
-    }
-    for at in 0..found.len() {
-        let twice = found.iter().position(|other| other.name == found[at].name).filter(|other| *other != at);
-        let Some(other) = twice.filter(|_| !found[at].is_ignored() && !found[at].name.is_empty()) else { continue };
-        match (found[other].by_name, found[at].by_name) {
-            (true, true) => bail!("{}: {} stands in column {} already", place(at), found[at].name, other + 1),
-            (false, false) => bail!(
-                "{}: {} and column {}, {}, may both be {}; choose with --column \"HEADER=VARIABLE\", and leave the other out with \"HEADER=\"",
-                place(at),
-                Quoted(&headers[at]),
-                other + 1,
-                Quoted(&headers[other]),
-                found[at].name
-            ),
-            (first, _) => {
-                let less = if first { at } else { other };
-                ignored.push(Quoted(&headers[less]).to_string());
-                found[less] = Found::ignored();
-            }
-        }
-    }
-    meant.extend(
-        found
-            .iter()
-            .zip(headers)
-            .filter(|(own, _)| !own.by_name)
-            .map(|(own, header)| format!("{} as {}", Quoted(header), own.name)),
-    );
-    let mut notes = Vec::new();
-    if !meant.is_empty() {
-        notes.push(format!("{file}: read are {}", listed(meant.iter().map(String::as_str))));
-    }
-    if !ignored.is_empty() {
-        let names = listed(ignored.iter().map(String::as_str));
-        notes.push(format!("{file}: left out are {names}; --column \"HEADER=VARIABLE\" names a quantity"));
-    }
-    Ok((found, notes))
-}
-
-/// A row with as many cells as the header.
-///
-/// # Errors
-/// With file and line, where it has not.
-pub fn whole(record: csv::Result<csv::StringRecord>, path: &Path) -> Result<csv::StringRecord> {
-    let file = path.display();
-    record.map_err(|error| match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
-            let hint = if len > expected_len { "; numbers have a decimal point, a comma separates cells" } else { "" };
-            anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}{hint}")
-        }
-        csv::ErrorKind::Utf8 { .. } => anyhow!("{file} is no text in UTF-8; a CSV file is needed"),
-        _ => anyhow!(error).context(format!("reading {file}")),
-    })
-}
-
-/// Whether a header is separated by commas.
-///
-/// # Errors
-/// With what separates it.
-pub fn check_separator(headers: &csv::StringRecord) -> Result<(), String> {
-    match [';', '\t'].into_iter().find(|&separator| headers.iter().any(|header| header.contains(separator))) {
-        Some(separator) => Err(format!("columns are separated by commas, and this header has {separator:?}")),
-        None => Ok(()),
-    }
-}
-
-/// A column of a file.
-struct Found {
-    name: String,
-    symbol: String,
-    unit: &'static Unit,
-    absolute: bool,
-    taken: bool,
-    /// Whether its header is the name of the quantity.
-    by_name: bool,
-}
-
-impl Found {
-    fn of(column: &Column, symbol: &str, by_name: bool) -> Self {
-        let Column { name, unit, absolute, taken, .. } = column;
-        let (name, symbol) = (name.clone(), symbol.to_owned());
-        Self { name, symbol, unit, absolute: *absolute, taken: *taken, by_name }
-    }
-
-    /// A column without a name that numbers the rows.
-    fn row_number() -> Self {
-        let Column { unit, absolute, .. } = Column::optional("", &ONE);
-        Self { name: String::new(), symbol: ONE.name.into(), unit, absolute, taken: false, by_name: true }
-    }
-
-    /// A column whose cells are not read.
-    fn ignored() -> Self {
-        Self { symbol: String::new(), ..Self::row_number() }
-    }
-
-    fn is_ignored(&self) -> bool {
-        self.symbol.is_empty()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use scene::variables::units::{KELVIN, METRE_PER_SECOND, NEWTON};
-
-    fn accepted() -> Vec<Column> {
-        let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
-        let offset = Column { absolute: false, ..Column::optional("offset", &KELVIN) };
-        vec![speed, Column::optional("normal_load", &NEWTON), Column::optional("outside", &KELVIN), offset]
-    }
-
-    fn table(name: &str, text: &str) -> Result<Table> {
-        let path = std::env::temp_dir().join(format!("columns-{}-{name}.csv", std::process::id()));
-        std::fs::write(&path, text).unwrap();
-        let result = read(&path, &accepted(), &Reading::default());
-        std::fs::remove_file(&path).unwrap();
-        result
-    }
-
-    #[test]
-    fn the_record_of_a_run_is_read_as_inputs_with_or_without_the_index_of_pandas() {
-        let parsed = |text: &str| parse(text.as_bytes(), Path::new("run.csv"), &Column::inputs(), &Reading::default());
-        let run = "time [s],sliding_velocity [m/s],wear_depth [m],normal_load [N]\n0,1,2,3\n1,4,5,6\n";
-        let indexed = ",time [s],sliding_velocity [m/s],wear_depth [m],normal_load [N]\n0,0,1,2,3\n7,1,4,5,6\n";
-        for text in [run, indexed] {
-            let table = parsed(text).unwrap();
-            assert_eq!(table.names, ["sliding_velocity", "normal_load"], "{text}");
-            assert_eq!(table.left_out, ["wear_depth"], "{text}");
-            assert_eq!((table.times, table.values), (vec![0.0, 1.0], vec![1.0, 3.0, 4.0, 6.0]), "{text}");
-        }
-        for (text, told) in [
-            (
-                indexed.replace("\n7,", "\n7.5,"),
-                "line 3, column 1 (): \"7.5\" is no number of a row, and its column has no name",
-            ),
-            (run.replace("wear_depth [m]", ""), "line 1, column 3: \"\" is not a known quantity"),
-            (run.replace("wear_depth [m]", "wear_depth [s]"), "\"s\" is the wrong unit"),
-            (run.replace("wear_depth", "wear_dept"), "did you mean wear_depth?"),
-        ] {
-            let message = parsed(&text).unwrap_err().to_string();
-            assert!(message.contains(told), "{message}");
-        }
-    }
-
-    #[test]
-    fn gaps_of_an_input_are_bridged_where_nothing_is_invented() {
-        let slow =
-            table("slow", "time,speed_m_per_s,normal_load\n0,1,\n1,2,10\n2,,\n3,4,nan\n4,5,16\n5,6,n/a\n6,7,20\n")
-                .unwrap();
-        assert_eq!(slow.column("speed").unwrap().collect::<Vec<_>>(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        assert_eq!(slow.column("normal_load").unwrap().collect::<Vec<_>>(), [10.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0]);
-        let rows = |load: [&str; 9]| {
-            let row = |(time, load): (usize, &&str)| format!("{time},1,{load}\n");
-            format!("time,speed_m_per_s,normal_load\n{}", load.iter().enumerate().map(row).collect::<String>())
-        };
-        // The same on both sides of a long gap.
-        let held = table("held", &rows(["9", "8", "8", "", "", "", "", "8.1", "5"])).unwrap();
-        assert!((held.column("normal_load").unwrap().nth(4).unwrap() - 8.04).abs() < 1e-12);
-        for (load, told) in [
-            (
-                ["9", "8", "8", "", "", "", "", "3", "5"],
-                "lines 4 to 9: normal_load has no value for 5 s from 8 N to 3 N",
-            ),
-            (
-                ["", "", "", "", "8", "", "8", "3", "5"],
-                "lines 2 to 6: normal_load has no value for 4 s at the beginning",
-            ),
-            (["9", "8", "8", "7", "", "", "", "", ""], "lines 5 to 10: normal_load has no value for 5 s at the end"),
-            ([""; 9], "the column normal_load has no value"),
-        ] {
-            let message = table("gap", &rows(load)).unwrap_err().to_string();
-            assert!(message.contains(told), "{message}\nis without {told}");
-        }
-    }
-
-    #[test]
-    fn a_record_keeps_its_gaps_and_a_time_in_two_rows() {
-        let text = "time [s],contact_temperature [degC],wear_depth [um]\n0,20,\n1,,\n1,25,NaN\n2,30,4\n";
-        let read = parse(text.as_bytes(), Path::new("a.csv"), &Column::record(), &Reading::default()).unwrap();
-        let wear: Vec<f64> = read.column("wear_depth").unwrap().collect();
-        assert_eq!(read.times, [0.0, 1.0, 1.0, 2.0]);
-        assert!(wear[..3].iter().all(|wear| wear.is_nan()) && wear[3] == 4e-6, "{wear:?}");
-        assert!(read.column("contact_temperature").unwrap().nth(1).unwrap().is_nan());
-        assert_eq!(read.points("contact_temperature").unwrap(), [(0.0, 293.15), (2.0, 303.15)]);
-        assert_eq!(read.points("wear_depth").unwrap(), [(2.0, 4e-6)]);
-    }
-
-    #[test]
-    fn columns_are_renamed_left_out_or_refused() {
-        let text = "time [s],Kraft [kN],Humidity [%],COF 2\n0,1,40,0.4\n1,2,41,0.5\n";
-        let read = |columns: &[&str], strict: bool| {
-            let reading = Reading { columns: columns.iter().map(|named| named.parse().unwrap()).collect(), strict };
-            let table = parse(text.as_bytes(), Path::new("rig.csv"), &Column::record(), &reading)?;
-            reading.check(&[&table]).map(|()| table)
-        };
-        let all = ["Kraft=normal_load", "COF 2=friction_coefficient", "Humidity="];
-        let named = read(&all, true).unwrap();
-        assert_eq!((named.names.len(), named.values[0], named.values[1]), (2, 1000.0, 0.4));
-        assert!(named.notes.is_empty(), "{:?}", named.notes);
-        let first = read(&all[..1], false).unwrap();
-        assert_eq!(first.names, ["normal_load"]);
-        assert_eq!(first.notes.len(), 1);
-        assert!(
-            first.notes[0].contains("rig.csv: left out are \"Humidity [%]\", \"COF 2\"; --column"),
-            "{:?}",
-            first.notes
-        );
-        for (columns, strict, told) in [
-            (&[][..], true, "column 2: \"Kraft [kN]\" is not a known quantity"),
-            (
-                &["Kraft [kN]=normal_load [N]", "Kaft=wear_depth"][..],
-                false,
-                "there is no column \"Kaft\"; found are time [s], Kraft",
-            ),
-            (&["Kraft=normal_laod"][..], false, "did you mean normal_load?"),
-            (&["Kraft=nothing"][..], false, "\"nothing [kN]\" is not a known quantity"),
-            (&["COF 2=normal_load"][..], false, "does not say its unit"),
-        ] {
-            let message = read(columns, strict).unwrap_err().to_string();
-            assert!(message.contains(told), "{message}\nis without {told}");
-        }
-        assert!("COF".parse::<Named>().unwrap_err().contains("HEADER=VARIABLE"));
-    }
-
-    #[test]
-    fn columns_are_known_by_name_and_converted() {
-        let text = "\u{feff}# a note\nnormal_load[kN], time [min], outside [degC], speed_km_per_h\n3, 0, 20, 36\n4, 1, 30, 72\n";
-        let read = table("units", text).unwrap();
-        assert_eq!(read.times, [0.0, 60.0]);
-        assert_eq!(read.names, ["normal_load", "outside", "speed"]);
-        assert_eq!(read.column("speed").unwrap().collect::<Vec<_>>(), [10.0, 20.0]);
-        assert_eq!(read.column("normal_load").unwrap().collect::<Vec<_>>(), [3000.0, 4000.0]);
-        assert_eq!(read.column("outside").unwrap().collect::<Vec<_>>(), [293.15, 303.15]);
-        assert!(read.column("offset").is_none());
-        let plain = table("plain", "time_s,speed_m_per_s,normal_load\n0,0.1,7\n").unwrap();
-        assert_eq!((plain.values, plain.lines), (vec![0.1, 7.0], vec![2]));
-    }
-
-    #[test]
-    fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
-        for (name, text, wanted) in [
-            (
-                "order",
-                "speed_m_per_s,normal_load\n0,1\n",
-                "line 1: no column time or time [s or min or h or ms]; found are",
-            ),
-            ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s or m/min or cm/s]"),
-            ("unknown", "time,slope\n0,1\n", "no column speed [m/s or km/h"),
-            ("bare", "time,speed\n0,1\n", "column 2: \"speed\" does not say its unit; accepted is speed [m/s"),
-            ("unit", "time,speed [mph]\n0,1\n", "\"mph\" is the wrong unit; accepted are m/s, km/h, mm/s"),
-            ("difference", "time,speed [m/s],offset [degC]\n0,1,2\n", "accepted are K"),
-            ("twice", "time,speed_m_per_s,speed [km/h]\n0,1,2\n", "column 3: speed stands in column 2 already"),
-            ("word", "time,speed_m_per_s\n0,1\n1,fast\n", "line 3, column 2 (speed_m_per_s): \"fast\" is no number"),
-            ("empty", "time,speed_m_per_s,normal_load\n,1,1\n", "line 2, column 1 (time): \"\" is no number"),
-            ("infinite", "time,speed_m_per_s\n0,inf\n", "\"inf\": inf is not a finite number"),
-            (
-                "beyond",
-                "time,speed_m_per_s,normal_load [kN]\n0,1,1e306\n",
-                "\"1e306\": 1e306 kN is no finite number in the SI unit",
-            ),
-            (
-                "back",
-                "time,speed_m_per_s\n0,1\n1,1\n.5,1\n",
-                "line 4, column 1 (time): \".5\": the time must not decrease",
-            ),
-            (
-                "thrice",
-                "time,speed_m_per_s\n1,1\n1,1\n1,1\n",
-                "line 4, column 1 (time): \"1\": a time may stand in two rows",
-            ),
-            ("none", "time,speed_m_per_s\n", "has no row"),
-            ("binary", "time\0speed\n", "is no text; a CSV or Parquet file is needed"),
-            ("parquet", "PAR1 and no more", "reading"),
-            ("nothing", "", "is empty; its first line must name the columns"),
-            ("notes", "# nothing\n", "is empty"),
-            (
-                "marks",
-                "time;speed_m_per_s\n0.5;1\n1;1,5\n",
-                "line 3, column 2 (speed_m_per_s): \"1,5\" has another decimal mark",
-            ),
-            ("thousands", "time;speed_m_per_s\n0;1.234,5\n", "\"1.234,5\" has a point and a comma"),
-            ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
-            ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
-            ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
-            (
-                "comma",
-                "time,speed_m_per_s\n0,5,1\n",
-                "line 2: 3 cells, and the header has 2; numbers have a decimal point",
-            ),
-        ] {
-            let told = format!("{:#}", table(name, text).unwrap_err());
-            assert!(told.contains(wanted), "{told}\nis without {wanted}");
-        }
-    }
 }

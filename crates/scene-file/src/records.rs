@@ -27,6 +27,8 @@ pub struct Records {
     pub distance: Vec<f64>,
     /// Outputs at the end of the distance, by name and in SI units; NaN where a test has none.
     pub values: Vec<(String, Vec<f64>)>,
+    /// Headers of the file.
+    pub headers: Vec<String>,
     /// Notes of [`columns::Table`].
     pub notes: Vec<String>,
 }
@@ -68,7 +70,7 @@ impl Records {
             rows.push(cells.iter().map(|cell| cell.value).collect());
             Ok(())
         })?;
-        let mut records = Self { notes: read.notes, ..Self::default() };
+        let mut records = Self { headers: read.headers, notes: read.notes, ..Self::default() };
         for (at, name) in read.taken.iter().enumerate() {
             let values = rows.iter().map(|row| row[at]).collect();
             match name.as_str() {
@@ -96,6 +98,14 @@ pub enum Tests {
 }
 
 impl Tests {
+    /// Headers of the file.
+    pub fn headers(&self) -> &[String] {
+        match self {
+            Self::EndValues(records) => &records.headers,
+            Self::History(table) => &table.headers,
+        }
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -111,15 +121,19 @@ impl Tests {
     /// # Errors
     /// As [`columns::read`] and [`Records::read`]; a file with neither the time nor load, speed and distance.
     pub fn parse(content: &[u8], path: &Path, reading: &Reading) -> Result<Self> {
-        match columns::parse(content, path, &Column::record(), reading) {
+        let untimed = match columns::parse(content, path, &Column::record(), reading) {
             Ok(history) => return Ok(Self::History(history)),
             Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
-            Err(_) => {}
-        }
+            Err(wrong) => wrong,
+        };
         Records::parse(content, path, reading).map(Self::EndValues).map_err(|wrong| {
             let hint =
                 "the history of a test has time [s], end values of tests have load [N], speed [m/s] and distance [m]";
-            if columns::lacks_column(&wrong) { anyhow!("{wrong}; {hint}") } else { wrong }
+            if !columns::lacks_column(&wrong) {
+                return wrong;
+            }
+            let told = if columns::has_candidate(&untimed) { untimed } else { wrong };
+            anyhow!("{told}; {hint}")
         })
     }
 }

@@ -530,6 +530,14 @@ impl Scene {
         [self.punch.mechanical, self.strip.mechanical] == [MechanicalBody::Rigid; 2]
     }
 
+    /// Checks the rules of heat, which conductance and heat paths may break that are changed during a run.
+    ///
+    /// # Errors
+    /// A rule that is broken.
+    pub fn check_heat(&self) -> Result<(), BrokenRule> {
+        rules::heat(self)
+    }
+
     /// Warnings about implausible values, at any level, before the scene runs.
     pub fn warnings(&self) -> Vec<String> {
         warnings::of_temperatures(self)

@@ -32,7 +32,6 @@ pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
-    neighbours(scene)?;
     wear(scene)?;
     shape(scene)?;
     tables(scene)?;
@@ -157,7 +156,8 @@ fn holder(scene: &Scene) -> Result<(), BrokenRule> {
     Ok(())
 }
 
-fn heat(scene: &Scene) -> Result<(), BrokenRule> {
+/// Rules of insulators, of the contact conductance and of heat paths.
+pub(super) fn heat(scene: &Scene) -> Result<(), BrokenRule> {
     let insulators = [scene.punch.conductivity, scene.strip.conductivity].map(|conductivity| conductivity == 0.0);
     let friction = scene.friction_coefficient > 0.0;
     if friction && insulators == [true, true] {
@@ -174,7 +174,7 @@ fn heat(scene: &Scene) -> Result<(), BrokenRule> {
                 .into(),
         );
     }
-    Ok(())
+    neighbours(scene)
 }
 
 /// Rules of the heat paths to neighbours.

@@ -168,11 +168,8 @@ impl WaveContact {
         let mut inputs = Inputs::from_array(std::array::from_fn(|index| STARTS[index]));
         inputs.sliding_velocity = ratio * critical_speed();
         inputs.normal_load = PRESSURE * WAVELENGTH * WAVELENGTH;
-        let tunables = Tunables {
-            friction_coefficient: FRICTION,
-            ambient_temperature: self.operators.scene.ambient_temperature,
-            wear_acceleration: 1.0,
-        };
+        let tunables =
+            Tunables { friction_coefficient: FRICTION, wear_acceleration: 1.0, ..Tunables::of(&self.operators.scene) };
         Wave { contact: self, line: Line::new(self.operators.clone(), tunables, &inputs), inputs }
     }
 

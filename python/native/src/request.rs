@@ -13,7 +13,7 @@ use scene_file::{SceneFile, nearest, quantity, shipped};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A scene as it is named and changed.
 #[derive(Deserialize)]
@@ -38,28 +38,60 @@ impl Selection {
 
 /// A file of quantities over time, or the content of one with the name that messages call it.
 #[derive(Deserialize)]
-#[serde(untagged)]
-pub enum Source {
-    File { path: PathBuf },
-    Text { text: String, name: String },
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// The file, or what messages call the text.
+    path: PathBuf,
+    text: Option<String>,
+    /// `HEADER=VARIABLE` each.
+    columns: Vec<String>,
+    strict: bool,
 }
 
 impl Source {
+    fn reading(&self) -> Result<Reading> {
+        let named = |column: &String| column.parse().map_err(|wrong| anyhow!("columns: {column:?} {wrong}"));
+        let columns = self.columns.iter().map(named).collect::<Result<_>>()?;
+        Ok(Reading { columns, strict: self.strict, python: true })
+    }
+
     fn inputs(&self) -> Result<Table> {
-        match self {
-            Self::File { path } => columns::read(path, &Column::inputs(), &Reading::default()),
-            Self::Text { text, name } => {
-                columns::parse(text.as_bytes(), Path::new(name), &Column::inputs(), &Reading::default())
-            }
-        }
+        let reading = self.reading()?;
+        let table = match &self.text {
+            None => columns::read(&self.path, &Column::inputs(), &reading),
+            Some(text) => columns::parse(text.as_bytes(), &self.path, &Column::inputs(), &reading),
+        };
+        Ok(with_missing(table?, &reading))
     }
 
     fn measured(&self) -> Result<Table> {
-        match self {
-            Self::File { path } => measured::read(path, &Reading::default()),
-            Self::Text { text, name } => measured::parse(text, Path::new(name)),
+        let reading = self.reading()?;
+        let table = match &self.text {
+            None => measured::read(&self.path, &reading),
+            Some(text) => measured::parse(text, &self.path, &reading),
+        };
+        Ok(with_missing(table?, &reading))
+    }
+
+    fn tests(&self) -> Result<Tests> {
+        let reading = self.reading()?;
+        match &self.text {
+            None => Tests::read(&self.path, &reading),
+            Some(text) => Tests::parse(text.as_bytes(), &self.path, &reading),
         }
     }
+}
+
+/// With a note where a named column is not there: it may be in another file that is read with the same names.
+fn with_missing(mut table: Table, reading: &Reading) -> Table {
+    let missing = reading.check(&[&table.headers]).err();
+    table.notes.extend(missing.map(|wrong| format!("{}: {wrong}", table.path.display())));
+    table
+}
+
+/// What was made of headers that are no names of quantities.
+fn notes_of(table: Option<&Table>) -> Vec<String> {
+    table.map_or_else(Vec::new, |table| table.notes.clone())
 }
 
 /// A request by the name of its analysis.
@@ -186,18 +218,19 @@ impl Request {
             Self::Trajectory { scene, scenes, set, inputs } => {
                 let file = Selection { scene, scenes, set }.load()?;
                 let table = inputs.as_ref().map(Source::inputs).transpose()?;
-                return Ok(inputs_over_time(Trajectory::new(&file, table, None)?));
+                let notes = notes_of(table.as_ref());
+                return Ok(inputs_over_time(Trajectory::new(&file, table, None)?, &notes));
             }
             Self::Compare { measured } => {
-                json!(measured::compare(&measured.measured()?, &run()?.recording)?)
+                let table = measured.measured()?;
+                json!({ "deviations": measured::compare(&table, &run()?.recording)?, "notes": table.notes })
             }
             Self::Figure { measured } => {
                 let Run { scene, recording } = run()?;
-                let deviations = match measured {
-                    Some(source) => measured::compare(&source.measured()?, recording)?,
-                    None => Vec::new(),
-                };
-                json!(Figure::new(scene, recording, &deviations))
+                let table = measured.as_ref().map(Source::measured).transpose()?;
+                let deviations = table.as_ref().map(|table| measured::compare(table, recording)).transpose()?;
+                let figure = Figure::new(scene, recording, &deviations.unwrap_or_default());
+                json!({ "content": figure, "notes": notes_of(table.as_ref()) })
             }
             Self::Scene { scene, scenes, set } => described(&Selection { scene, scenes, set }.load()?)?,
             Self::Simulate { scene, scenes, set, inputs, step, at } => {
@@ -224,14 +257,16 @@ impl Request {
             }
             Self::Plan { scene, scenes, set, inputs, tolerance } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                let (record, table) = match inputs {
+                let inputs = inputs.as_ref().map(Source::inputs).transpose()?;
+                let notes = notes_of(inputs.as_ref());
+                let (mut record, table) = match inputs {
                     None => {
                         let plan = plan::choose(&file, tolerance)?;
                         (plan.record(), plan.table())
                     }
                     Some(inputs) => {
                         let tolerance = plan::inputs::tolerance(&file, tolerance)?;
-                        let trajectory = Trajectory::new(&file, Some(inputs.inputs()?), None)?;
+                        let trajectory = Trajectory::new(&file, Some(inputs), None)?;
                         let count = plan::inputs::LEVELS.len() as f64 + 1.0;
                         let levels = plan::inputs::compare(&file, &trajectory, tolerance, &mut |number, part| {
                             control.reached((number as f64 + part) / count);
@@ -240,6 +275,7 @@ impl Request {
                         (plan::inputs::record(&levels), levels.table(&file.packaged.name, &trajectory))
                     }
                 };
+                record["notes"] = json!(notes);
                 with_text(record, table, &shipped::warnings(&file))
             }
             Self::Package { scene, scenes, set, packaged, folder, output } => {
@@ -268,17 +304,12 @@ fn with_warnings(mut record: Value, warnings: &[String]) -> Value {
 
 /// End values of tests, or a history: what has a time is one.
 fn tests(source: &Source) -> Result<Answer> {
-    let reading = Reading::default();
     let success = |record: &Value, arrays| {
         Ok(Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None })
     };
-    let tests = match source {
-        Source::File { path } => Tests::read(path, &reading)?,
-        Source::Text { text, name } => Tests::parse(text.as_bytes(), Path::new(name), &reading)?,
-    };
-    let history = match tests {
+    let history = match source.tests()? {
         Tests::History(table) => table,
-        Tests::EndValues(Records { load, speed, distance, values, notes }) => {
+        Tests::EndValues(Records { load, speed, distance, values, notes, .. }) => {
             // JSON has no NaN.
             let gaps = |values: Vec<f64>| -> Vec<Option<f64>> {
                 values.into_iter().map(|value| value.is_finite().then_some(value)).collect()
@@ -312,11 +343,10 @@ fn simulate(
     }
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
-    let notes = table.as_ref().map_or_else(Vec::new, |table| table.notes.clone());
+    let notes = notes_of(table.as_ref());
     let trajectory = Trajectory::new(file, table, step)?;
     let (first, last) = trajectory.span();
-    let mut recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
-    recording.warnings.splice(0..0, notes.into_iter().map(|note| (first, note)));
+    let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
     if let Some(reason) = failure.as_ref().filter(|_| recording.times.is_empty()) {
         bail!("{reason}");
@@ -329,6 +359,7 @@ fn simulate(
     record["table"] = json!(summary.table());
     record["energy_residual"] = json!(energy_residual(&recording));
     record["failure"] = json!(failure);
+    record["notes"] = json!(notes);
     record["profiles"] = Value::Null;
     let mut arrays = vec![recording.times.clone()];
     arrays.extend(recording.channels.iter().map(|channel| channel.values.clone()));
@@ -395,13 +426,15 @@ fn unit_of(name: &str) -> Result<(&'static Unit, bool)> {
 }
 
 /// Names of inputs and the longest step, with the times and the values as arrays.
-fn inputs_over_time(trajectory: Trajectory) -> Answer {
+fn inputs_over_time(trajectory: Trajectory, notes: &[String]) -> Answer {
     let names: Vec<String> = trajectory
         .inputs
         .iter()
         .filter_map(|(input, _)| lookup(*input).map(|(row, element)| row.element_name(element)))
         .collect();
-    let record = json!({ "inputs": names, "step": trajectory.equal_step(), "description": trajectory.description });
+    let record = json!({
+        "inputs": names, "step": trajectory.equal_step(), "description": trajectory.description, "notes": notes,
+    });
     let mut arrays = vec![trajectory.times];
     arrays.extend(trajectory.inputs.into_iter().map(|(_, values)| values));
     Answer { status: Status::Success, text: c_text(&record.to_string()), arrays, run: None }

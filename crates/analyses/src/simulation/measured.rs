@@ -47,8 +47,8 @@ pub fn read(path: &Path, reading: &Reading) -> Result<columns::Table> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(content: &str, path: &Path) -> Result<columns::Table> {
-    check(columns::parse(content.as_bytes(), path, &Column::record(), &Reading::default())?)
+pub fn parse(content: &str, path: &Path, reading: &Reading) -> Result<columns::Table> {
+    check(columns::parse(content.as_bytes(), path, &Column::record(), reading)?)
 }
 
 fn check(table: columns::Table) -> Result<columns::Table> {

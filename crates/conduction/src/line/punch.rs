@@ -48,7 +48,7 @@ use elasticity::Cells;
 use elasticity::block::{Block, BlockError};
 use elasticity::discretization::{BodyError, punch_block};
 use galerkin::Points;
-use scene::{Body, Geometry, Scene, ThermalBoundary};
+use scene::{Geometry, Scene};
 use shift_selection::{Scale, Selection};
 
 /// Largest number of states. A steel punch over minutes needs fewer than 100 for an error of 1e-4; a heated layer that is
@@ -118,7 +118,7 @@ pub fn reduce_with_mean(
         capacity: body.capacity(),
         top: body.far_boundary(),
         face: 0.0,
-        driven_top: driven_top(body),
+        driven_top: !body.far_is_prescribed(),
     };
     let cooled =
         Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
@@ -174,12 +174,6 @@ struct Cooled {
     transfer: f64,
     /// Area of the far face over that of the contact.
     top_area: f64,
-}
-
-/// Whether the far face has fluxes beyond its constant heat transfer: forced cooling, radiation, a heat path to a neighbour.
-fn driven_top(body: &Body) -> bool {
-    let varies = body.convection_forced > 0.0 || body.emissivity > 0.0;
-    body.far_thermal == ThermalBoundary::Convecting && varies || body.external_conductance > 0.0
 }
 
 /// Location of the cooled surface.

@@ -27,6 +27,7 @@ use crate::events::edges;
 use crate::lumped::conditions::Tunables;
 use crate::lumped::{self, Lumped, limit};
 use crate::{Inputs, StepFailure};
+use conduction::line::FACES;
 use contact::friction::FrictionLaw;
 use contact::wear::line::WearingContact;
 use contact::{ContactState, WorkCounter};
@@ -166,7 +167,25 @@ impl Line {
         self.attempts_left
     }
 
-    /// Sets the parameters that may change between steps.
+    /// Takes `operators`, those of [`LineOperators::tuned`]; the state stays. A face without flux has none of the last step.
+    pub fn set_operators(&mut self, operators: Arc<LineOperators>) {
+        let inputs = Inputs::constant(0.0);
+        self.state.status.copy_from(self.stages.contact.status());
+        let mut tuned = Line::new(operators, self.tunables, &inputs);
+        tuned.attempts_left = self.attempts_left;
+        tuned.set_state(self.mean.state(), &self.state);
+        if let Some(heat) = &mut tuned.state.heat {
+            let mean = &tuned.operators.mean;
+            for (side, body) in [&mean.punch, &mean.strip].into_iter().enumerate() {
+                for face in (0..FACES).filter(|&face| !body.air[face].acts()) {
+                    (heat.cooling[side][face], heat.cooling_slope[side][face]) = (0.0, 0.0);
+                }
+            }
+        }
+        *self = tuned;
+    }
+
+    /// Sets the parameters that may change between steps, without those of the operators.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         if let Some(heat) = &mut self.state.heat
             && self.friction.coefficient > 0.0

@@ -43,6 +43,22 @@ pub enum StripWear {
     Track,
 }
 
+impl StripWear {
+    fn of(scene: &Scene) -> StripWear {
+        match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
+            (false, ..) => StripWear::None,
+            (true, Geometry::Annular, _) => StripWear::ByRadius,
+            (true, _, Path::Closed) => StripWear::Even,
+            (true, _, Path::Straight) => StripWear::Track,
+        }
+    }
+}
+
+/// Wear laws of punch and strip.
+fn wear_laws(scene: &Scene) -> [WearLaw; 2] {
+    [&scene.punch, &scene.strip].map(|body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade))
+}
+
 /// Nonuniformity of a pressure, relative to its mean.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Nonuniformity {
@@ -55,7 +71,7 @@ pub struct Nonuniformity {
 }
 
 /// Operators of the contact line.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LineOperators {
     /// Scene from which the operators were built.
     pub scene: Scene,
@@ -64,7 +80,7 @@ pub struct LineOperators {
     /// Operators of the lumped level: heat, friction and everything else that depends on the mean pressure.
     pub mean: Arc<lumped::operators::LumpedOperators>,
     /// Conducting bodies of resolved heat; `None`: lumped heat.
-    pub heat: Option<Bodies>,
+    pub heat: Option<Arc<Bodies>>,
     /// Cells of the contact.
     pub cells: Cells,
     /// Weights of the load integral, m: areas of the cells per depth.
@@ -142,7 +158,7 @@ impl LineOperators {
 
     /// Of the worn depths of punch and strip (m), those that shape the contact along the line.
     pub fn shaping<'a>(&self, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
-        Worn { punch, strip: (self.strip_wear == StripWear::ByRadius).then_some(strip) }
+        Worn { punch, strip: (self.scene.geometry == Geometry::Annular).then_some(strip) }
     }
 
     fn build(
@@ -184,14 +200,7 @@ impl LineOperators {
         let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
         // Checks the matrices once.
         check_operators(count, &normal, &shear).map_err(|error| error.to_string())?;
-        let laws = [&scene.punch, &scene.strip]
-            .map(|body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade));
-        let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
-            (false, ..) => StripWear::None,
-            (true, Geometry::Annular, _) => StripWear::ByRadius,
-            (true, _, Path::Closed) => StripWear::Even,
-            (true, _, Path::Straight) => StripWear::Track,
-        };
+        let laws = wear_laws(scene);
         let radial = laws.each_ref().map(|law| radius_ratio.iter().map(|&ratio| law.by_radius(ratio)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
@@ -200,7 +209,7 @@ impl LineOperators {
         let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
         let mean = lumped::operators::LumpedOperators::beneath(&mean_scene(scene, heat), compliance, moves, known);
         let mean = Arc::new(mean);
-        let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref())).transpose()?;
+        let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref()).map(Arc::new)).transpose()?;
         let [punch, strip] = laws;
         let operators = LineOperators {
             heat,
@@ -222,11 +231,40 @@ impl LineOperators {
             shear,
             tangential,
             displacement_scale,
-            strip_wear,
+            strip_wear: StripWear::of(scene),
             rotates,
         };
         operators.check_acceleration(scene.friction_coefficient, scene.wear_acceleration)?;
         Ok(operators)
+    }
+
+    /// These operators with other wear coefficients, convection, heat paths or conductance, those of `scene`: states keep their
+    /// meaning. The strip keeps a track that it has.
+    pub fn tuned(&self, scene: Scene) -> LineOperators {
+        let [punch, strip] = wear_laws(&scene);
+        let keeps = self.strip_wear == StripWear::Track;
+        LineOperators {
+            mean: Arc::new(self.mean.tuned(mean_scene(&scene, self.heat.is_some()))),
+            wear: [(punch, self.wear[0].1), (strip, self.wear[1].1)],
+            strip_wear: if keeps { StripWear::Track } else { StripWear::of(&scene) },
+            scene,
+            ..self.clone()
+        }
+    }
+
+    /// Checks that the states are enough for a scene to which the operators are to be tuned.
+    ///
+    /// # Errors
+    /// A text with variable, value and limit.
+    pub fn check_tuned(&self, scene: &Scene) -> Result<(), String> {
+        if StripWear::of(scene) == StripWear::Track && self.strip_wear != StripWear::Track {
+            return Err(format!(
+                "strip.wear_coefficient = {} m2/N must have been above 0 at initialisation: with strip.path = straight a contact \
+                 line keeps the worn track of the strip from the start",
+                Number(scene.strip.wear_coefficient)
+            ));
+        }
+        Ok(())
     }
 
     /// Number of cells N.

@@ -8,7 +8,8 @@ use crate::Inputs;
 use numerics::scalar::Scalar;
 use scene::{Scene, ThermalBoundary};
 
-/// Parameters that may change between steps.
+/// Parameters that may change between steps. A model takes the first three from here. The others are in its operators, which are
+/// made anew from the same reduced bodies when one changes: states keep their meaning.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tunables {
     /// mu_0.
@@ -17,16 +18,83 @@ pub struct Tunables {
     pub ambient_temperature: f64,
     /// Multiplies wear.
     pub wear_acceleration: f64,
+    /// Wear coefficients of punch and strip, m2/N.
+    pub wear_coefficient: [f64; 2],
+    /// Constant heat transfer coefficients of punch and strip, W/(m2 K).
+    pub convection: [f64; 2],
+    /// Conductances of the heat paths of punch and strip, W/K.
+    pub external_conductance: [f64; 2],
+    /// Thermal contact conductance, W/(m2 K).
+    pub conductance: f64,
 }
 
 impl Tunables {
+    /// Names of the variables, in the order of [`Tunables::from_array`].
+    pub const NAMES: [&str; 10] = [
+        "contact.friction_coefficient",
+        "ambient_temperature",
+        "wear_acceleration",
+        "punch.wear_coefficient",
+        "strip.wear_coefficient",
+        "punch.convection",
+        "strip.convection",
+        "punch.external_conductance",
+        "strip.external_conductance",
+        "contact.conductance",
+    ];
+
+    /// From the values of [`Tunables::NAMES`].
+    pub fn from_array(values: [f64; 10]) -> Tunables {
+        let [friction_coefficient, ambient_temperature, wear_acceleration, k1, k2, h1, h2, g1, g2, conductance] =
+            values;
+        Tunables {
+            friction_coefficient,
+            ambient_temperature,
+            wear_acceleration,
+            wear_coefficient: [k1, k2],
+            convection: [h1, h2],
+            external_conductance: [g1, g2],
+            conductance,
+        }
+    }
+
+    /// Values of [`Tunables::NAMES`].
+    pub fn to_array(&self) -> [f64; 10] {
+        let Tunables { wear_coefficient: [k1, k2], convection: [h1, h2], external_conductance: [g1, g2], .. } = *self;
+        let [friction, ambient, acceleration] =
+            [self.friction_coefficient, self.ambient_temperature, self.wear_acceleration];
+        [friction, ambient, acceleration, k1, k2, h1, h2, g1, g2, self.conductance]
+    }
+
     /// Those of a scene before any is tuned.
     pub fn of(scene: &Scene) -> Tunables {
+        let bodies = [&scene.punch, &scene.strip];
         Tunables {
             friction_coefficient: scene.friction_coefficient,
             ambient_temperature: scene.ambient_temperature,
             wear_acceleration: scene.wear_acceleration,
+            wear_coefficient: bodies.map(|body| body.wear_coefficient),
+            convection: bodies.map(|body| body.convection),
+            external_conductance: bodies.map(|body| body.external_conductance),
+            conductance: scene.conductance,
         }
+    }
+
+    /// `scene` with those that are in the operators; `None` where it has them already. The friction coefficient stays that to
+    /// which the wear laws refer.
+    pub fn tuned(&self, scene: &Scene) -> Option<Scene> {
+        let Tunables { friction_coefficient, ambient_temperature, wear_acceleration, .. } = Tunables::of(scene);
+        if Tunables::of(scene) == (Tunables { friction_coefficient, ambient_temperature, wear_acceleration, ..*self }) {
+            return None;
+        }
+        let mut scene = scene.clone();
+        for (side, body) in [&mut scene.punch, &mut scene.strip].into_iter().enumerate() {
+            body.wear_coefficient = self.wear_coefficient[side];
+            body.convection = self.convection[side];
+            body.external_conductance = self.external_conductance[side];
+        }
+        scene.conductance = self.conductance;
+        Some(scene)
     }
 }
 

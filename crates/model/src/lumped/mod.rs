@@ -187,7 +187,14 @@ impl Lumped {
         self.invalidate_conditions();
     }
 
-    /// Sets the parameters that may change between steps.
+    /// Takes `operators`, those of [`LumpedOperators::tuned`]; the state stays.
+    pub fn set_operators(&mut self, operators: Arc<LumpedOperators>) {
+        let mut tuned = Lumped::new(operators, self.tunables, &Inputs::constant(0.0));
+        tuned.set_state(&self.state);
+        *self = tuned;
+    }
+
+    /// Sets the parameters that may change between steps, without those of the operators.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;

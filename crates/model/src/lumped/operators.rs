@@ -38,8 +38,11 @@ pub struct BodyOperators {
     pub coverage: f64,
     /// Reference area of the conduction problem per face, m2.
     pub area: f64,
-    /// Cooling beyond the constant heat transfer, beside the contact and at the far face.
+    /// Cooling beyond the constant heat transfer of the states, beside the contact and at the far face.
     pub air: [Air; FACES],
+    /// That heat transfer coefficient, W/(m2 K), and the free surface beside the contact over the reference area.
+    pub convection_within: f64,
+    cooled_part: f64,
     /// The temperature of the cooled surface equals that of the contact surface.
     pub cooled_is_contact: bool,
     /// Thermal boundary condition of the face opposite to the contact.
@@ -65,6 +68,19 @@ pub struct BodyOperators {
 }
 
 impl BodyOperators {
+    /// Sets what depends on wear coefficient, convection and heat path of `body`.
+    fn tune(&mut self, scene: &Scene, body: &Body) {
+        self.wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
+        self.least_wear = 1e-6
+            * self.wear.rate(
+                scene.nominal_load / scene.contact_area(),
+                scene.nominal_velocity,
+                scene.friction_coefficient,
+                scene.ambient_temperature,
+            );
+        self.air = Air::of(body, self.convection_within, self.cooled_part, self.area * scene.faces);
+    }
+
     /// Sets what the account of heat asks of the reduced body.
     fn observe_heat(&mut self) {
         let Some(heat) = &self.heat else { return };
@@ -250,15 +266,13 @@ impl LumpedOperators {
         };
         let series_stiffness =
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
-        let fades = !scene.friction_fade.flat;
-        let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         let growth = known.map_or_else(|| PerturbationGrowth::new(scene), |known| known.growth.clone());
         let mut operators = LumpedOperators {
             fast_path: false,
+            wear_follows_temperature: false,
             fast_path_bounds: FastPathBounds::new(scene),
-            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
+            half_resistance: 0.0,
             strip_coverage: scene.coverage(),
-            wear_follows_temperature: follows(&punch) || follows(&strip),
             punch,
             strip,
             flash,
@@ -277,8 +291,31 @@ impl LumpedOperators {
             scene: scene.clone(),
             budget: ToleranceBudget::of(scene),
         };
-        operators.fast_path = operators.allows_fast_path();
+        operators.derive();
         operators
+    }
+
+    /// These operators with other wear coefficients, convection, heat paths or conductance, those of `scene`: states keep their
+    /// meaning.
+    pub fn tuned(&self, scene: Scene) -> LumpedOperators {
+        let mut tuned = self.clone();
+        if scene.conductance != self.scene.conductance {
+            tuned.growth = PerturbationGrowth::new(&scene);
+        }
+        tuned.punch.tune(&scene, &scene.punch);
+        tuned.strip.tune(&scene, &scene.strip);
+        tuned.scene = scene;
+        tuned.derive();
+        tuned
+    }
+
+    /// Sets what follows from scene and bodies.
+    fn derive(&mut self) {
+        let fades = !self.scene.friction_fade.flat;
+        let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
+        self.wear_follows_temperature = follows(&self.punch) || follows(&self.strip);
+        self.half_resistance = if self.scene.conductance > 0.0 { 0.5 / self.scene.conductance } else { 0.0 };
+        self.fast_path = self.allows_fast_path();
     }
 
     /// Whether the scene can be in the regime of [`super::fast_path`] at all.
@@ -351,7 +388,7 @@ fn stroke_cell(scene: &Scene) -> f64 {
 
 fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, punch: bool) -> BodyOperators {
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
-    BodyOperators {
+    let mut operators = BodyOperators {
         heat: None,
         properties: Properties::of(body),
         heat_capacity: body.capacity() * body.height,
@@ -361,18 +398,14 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         passes_heat: false,
         coverage,
         area,
-        air: Air::of(body, cooled_part, area * scene.faces),
+        air: [Air::default(); FACES],
+        convection_within: body.convection,
+        cooled_part,
         cooled_is_contact: false,
         far: body.far_thermal,
         far_temperature: body.far_temperature,
         initial_temperature: body.initial_temperature,
-        least_wear: 1e-6
-            * wear.rate(
-                scene.nominal_load / scene.contact_area(),
-                scene.nominal_velocity,
-                scene.friction_coefficient,
-                scene.ambient_temperature,
-            ),
+        least_wear: 0.0,
         wear_factor: match scene.geometry {
             Geometry::Annular => wear.annular_mean(0.5 * scene.width / scene.mean_radius),
             _ => 1.0,
@@ -382,7 +415,9 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         initial_wear: body.initial_wear,
         wear_limit: body.wear_limit,
         expansion: mean_expansion(scene, body, punch),
-    }
+    };
+    operators.tune(scene, body);
+    operators
 }
 
 /// Slab model of the punch under the contact's `area`, m2.

@@ -204,20 +204,21 @@ fn held_cooling<S: Scalar>(
                 let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
                 let correction = frozen.direct(faces[face], PORTS_OF_FACES[face]);
                 let hottest = t.value().max(conditions.ambient.value());
-                flux[face] =
-                    if correction * cooling_slope(air, reference, hottest, conditions.forced.value()) <= CONTRACTING {
-                        cooling_flux(air, reference, t, conditions.ambient, conditions.forced, neighbour)
+                flux[face] = if (correction * cooling_slope(air, reference, hottest, conditions.forced.value())).abs()
+                    <= CONTRACTING
+                {
+                    cooling_flux(air, reference, t, conditions.ambient, conditions.forced, neighbour)
+                } else {
+                    let without = t - flux[face] * correction;
+                    let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
+                    let by_air = (conditions.ambient - without) * transfer;
+                    if air.path > 0.0 {
+                        (by_air + (neighbour - without) * air.path)
+                            / ((transfer + S::from(air.path)) * correction + S::from(1.0))
                     } else {
-                        let without = t - flux[face] * correction;
-                        let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
-                        let by_air = (conditions.ambient - without) * transfer;
-                        if air.path > 0.0 {
-                            (by_air + (neighbour - without) * air.path)
-                                / ((transfer + S::from(air.path)) * correction + S::from(1.0))
-                        } else {
-                            by_air / (transfer * correction + S::from(1.0))
-                        }
-                    };
+                        by_air / (transfer * correction + S::from(1.0))
+                    }
+                };
             }
         }
     }

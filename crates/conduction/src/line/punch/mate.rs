@@ -12,7 +12,7 @@
 use super::across::{Across, Sides};
 use super::depth::Depth;
 use super::distortion::Distortion;
-use super::{By, Cooled, Wanted, driven_top, project};
+use super::{By, Cooled, Wanted, project};
 use crate::line::reduced::ReducedHeat;
 use elasticity::block::BlockError;
 use elasticity::{Base, Cells};
@@ -62,7 +62,7 @@ pub fn reduce_mate(
         capacity: spread * body.capacity(),
         top: body.far_boundary().scaled(spread),
         face: transfer * length / scene.width,
-        driven_top: driven_top(body),
+        driven_top: !body.far_is_prescribed(),
     };
     let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
     let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };

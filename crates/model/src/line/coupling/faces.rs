@@ -45,7 +45,8 @@ struct Face {
     part: f64,
     /// Conductance of the heat path, W/(m2 K).
     path: f64,
-    /// Part of the constant heat transfer that is not within the states, W/(m2 K): see [`crate::lumped::air`].
+    /// Heat transfer coefficient within the states (H0), and the part of H that is not, W/(m2 K): see [`crate::lumped::air`].
+    within: f64,
     rest: f64,
 }
 
@@ -103,7 +104,9 @@ impl Faces {
             for (face, air) in operators.air.iter().enumerate().filter(|(_, air)| air.acts()) {
                 let area = if face == BESIDE { beside } else { 1.0 };
                 let part = if air.is_cooled() { area } else { 0.0 };
-                faces.push(Face { side, face, body: body.clone(), part, path: air.path, rest: 0.0 });
+                let within = operators.convection_within;
+                let rest = body.convection - within;
+                faces.push(Face { side, face, body: body.clone(), part, path: air.path, within, rest });
             }
         }
         Faces {
@@ -129,7 +132,7 @@ impl Faces {
     /// Sets the conditions at both stages of a step, with temperatures relative to `reference`, K, and the properties of the bodies.
     pub fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64, scales: [Scales; 2]) {
         for face in self.faces.iter_mut().filter(|face| face.body.properties.is_some()) {
-            face.rest = face.body.convection * (1.0 - 1.0 / scales[face.side].flux);
+            face.rest = face.within * (1.0 - 1.0 / scales[face.side].flux) + (face.body.convection - face.within);
         }
         (self.conditions, self.reference) = (conditions.map(Some), reference);
     }

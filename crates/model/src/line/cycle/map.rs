@@ -150,11 +150,7 @@ impl CycleMap {
         operators.scene.tolerance = ANY_STEP;
         operators.budget = ToleranceBudget::new(ANY_STEP);
         let scene = &operators.scene;
-        let tunables = Tunables {
-            friction_coefficient: scene.friction_coefficient,
-            ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: scene.wear_acceleration,
-        };
+        let tunables = Tunables::of(scene);
         let load = scene.nominal_load;
         let strokes = sliding.map(|(velocity, duration)| (velocity, resolution.steps(duration)));
         let start = inputs(scene, strokes[0].0, load);

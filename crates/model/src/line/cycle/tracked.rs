@@ -80,8 +80,8 @@ impl TrackedCycles {
         if operators.heat.is_some() || operators.follows_temperature() {
             return Err(CycleError::Unsuitable(
                 "cycles: on a straight track that wears (strip.path = straight, strip.wear_coefficient > 0) a jump multiplies wear and \
-                 not heat, and heat or temperature act on this contact; without heat: --cold, and no table or expansion that follows \
-                 the temperature"
+                 not heat, and heat or temperature act on this contact; a cold run without a table or expansion that follows the \
+                 temperature is accepted"
                     .into(),
             ));
         }
@@ -186,11 +186,7 @@ impl TrackedCycles {
 
 /// Parameters of the run with `length` times the wear.
 fn tunables(scene: &Scene, length: f64) -> Tunables {
-    Tunables {
-        friction_coefficient: scene.friction_coefficient,
-        ambient_temperature: scene.ambient_temperature,
-        wear_acceleration: scene.wear_acceleration * length,
-    }
+    Tunables { wear_acceleration: scene.wear_acceleration * length, ..Tunables::of(scene) }
 }
 
 /// Inputs of sliding at the nominal load.

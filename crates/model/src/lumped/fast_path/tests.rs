@@ -108,11 +108,7 @@ fn an_attempt_by_the_fast_path_is_that_of_the_general_form() {
         let scene = Scene::new(&values, None).unwrap();
         let operators = LumpedOperators::new(&scene);
         assert!(operators.fast_path, "{changes:?}");
-        let tunables = Tunables {
-            friction_coefficient: scene.friction_coefficient,
-            ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: 1.0,
-        };
+        let tunables = Tunables::of(&scene);
         let mut run = Lumped::new(Arc::new(operators), tunables, &Inputs::constant(0.0));
         let (mut compared, mut worst) = (0, (0.0, ""));
         for second in 0..40 {

@@ -1,5 +1,5 @@
-//! Parameters. The start values are those of a car's front disc brake, so that the stock FMU runs
-//! as it is.
+//! Parameters. The start values are those of the front disc brake of examples/disc_brake without its tables, radiation, limits and
+//! nominal conditions (test in `scene-file`), so that the stock FMU runs as it is.
 
 use super::super::units::*;
 use super::super::{EnumerationType, TOLERANCES};
@@ -275,7 +275,8 @@ macro_rules! body_rows {
             )
             .shown("mm3/(N.m)")
             .within(0.0, 1e-6)
-            .start($start.wear_coefficient),
+            .start($start.wear_coefficient)
+            .tunable(),
             real(
                 concat!($body, ".wear_pressure_exponent"),
                 &ONE,
@@ -367,7 +368,8 @@ macro_rules! body_rows {
                 concat!("Heat transfer coefficient from the free surfaces of the ", $body, " to ambient air"),
             )
             .within(0.0, 1e6)
-            .start($start.convection),
+            .start($start.convection)
+            .tunable(),
             real(
                 concat!($body, ".convection_forced"),
                 &HEAT_TRANSFER,
@@ -412,7 +414,8 @@ macro_rules! body_rows {
                     ".external_temperature, all faces and punches together; 0: none"
                 ),
             )
-            .within(0.0, 1e9),
+            .within(0.0, 1e9)
+            .tunable(),
             real(
                 concat!($body, ".airborne_fraction"),
                 &ONE,
@@ -602,7 +605,8 @@ pub const CONTACT: &[Row] = &[
         "Thermal contact conductance h_c between the two surfaces; 0: insulating",
     )
     .within(0.0, 1e15)
-    .start(2e4),
+    .start(2e4)
+    .tunable(),
     choice("contact.initial_shape", &INITIAL_SHAPE, 1, "Gap between the undeformed bodies at initialisation"),
     real("contact.initial_radius", &METRE, 1.0, "Radius of the parabolic initial shape").within(0.0, 1e6).start(1.0),
     real("contact.initial_gap", &METRE, 1e-6, "Tabulated initial gap at the 33 stations of profile.x")

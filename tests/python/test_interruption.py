@@ -1,0 +1,126 @@
+"""Threads, progress, and signals that end what runs for long."""
+
+import os
+import subprocess
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+
+from conftest import STOP
+from sliding_contact import Scene, SceneWarning, fmu, host
+
+pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
+
+
+def test_threads_run_in_parallel_and_give_the_same_bits():
+    """The interpreter's lock is released: the main thread counts while others compute."""
+    scene = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 17})
+    expected = scene.simulate(STOP)
+    results = [None] * 4
+    counted, done = 0, threading.Event()
+
+    def work(at):
+        results[at] = scene.simulate(STOP)
+        if all(results):
+            done.set()
+
+    threads = [threading.Thread(target=work, args=(at,)) for at in range(4)]
+    for thread in threads:
+        thread.start()
+    while not done.wait(1e-3) and any(thread.is_alive() for thread in threads):
+        counted += 1
+    for thread in threads:
+        thread.join()
+    # With the lock held there would be a turn or two for every thread.
+    assert counted > 20, counted
+    for result in results:
+        assert all(np.array_equal(result[name], expected[name]) for name in expected)
+
+
+def test_progress_is_reported_and_an_exception_ends_the_run():
+    parts = []
+
+    def interrupt(part):
+        parts.append(part)
+        raise KeyboardInterrupt
+
+    scene = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 33, "nominal.duration": "20000 s"})
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        scene.simulate(progress=interrupt)
+    assert len(parts) == 1 and 0.0 <= parts[0] < 0.5 and time.monotonic() - begin < 30.0
+
+
+#: What runs for long, of objects that are made before.
+LONG = {
+    "simulate": "disc.simulate()",
+    "one step": "disc.simulate(step=3000.0)",
+    "steady": "punch.steady(cells=257)",
+    "cycles": "punch.cycles(1e9, cells=257, tolerance=1e-6)",
+    "plan": "brake.plan(stops, tolerance=1e-5)",
+    "host": "host.run_schedule(own, {}, schedule, outputs=['dissipated_energy'], step=1e-3)",
+}
+
+
+INTERRUPTED = """
+import os, signal, tempfile, threading, time, warnings
+import numpy as np
+from sliding_contact import Scene, SceneWarning, host
+warnings.simplefilter("ignore", SceneWarning)
+brake, punch = Scene.load("disc_brake"), Scene.load("reciprocating_punch")
+disc = brake.copy().set({"solver.fidelity": "line", "solver.cells": 257, "nominal.duration": "3000 s"})
+stops = {"time [s]": np.arange(0.0, 3000.0, 5.0), "sliding_velocity [m/s]": [10.0, 0.0] * 300, "normal_load [N]": 4000}
+HOST
+def late(*_):
+    raise TimeoutError("late")
+signal.signal(signal.SIGUSR1, late)
+sent = []
+def send():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), NUMBER)
+threading.Timer(1.0, send).start()
+try:
+    CALL
+    print("done")
+except (KeyboardInterrupt, TimeoutError) as error:
+    print(type(error).__name__, time.monotonic() - sent[0])
+time.sleep(0.1)
+assert all(thread.name != "sliding_contact" for thread in threading.enumerate())
+"""
+
+
+OPENED = """
+own = host.Fmu(host.unpack("FMU", tempfile.mkdtemp() + "/fmu"))
+schedule = host.Schedule(("sliding_velocity", "normal_load"), [0.0, 1e5], [[1.0, 4000.0], [1.0, 4000.0]])
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+@pytest.mark.parametrize("signalled, raised", [("signal.SIGINT", "KeyboardInterrupt"), ("signal.SIGUSR1", "TimeoutError")])
+@pytest.mark.parametrize("call", LONG.values(), ids=LONG)
+def test_what_a_handler_of_a_signal_raises_ends_any_call_within_a_second(call, signalled, raised):
+    opened = ""
+    if "host" in call:
+        opened = OPENED.replace("FMU", str(fmu("disc_brake")))
+    code = INTERRUPTED.replace("HOST", opened).replace("NUMBER", signalled).replace("CALL", call)
+    run = subprocess.run([os.sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    name, seconds = run.stdout.split()
+    assert name == raised and float(seconds) < 1.5, run.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_a_handler_that_raises_nothing_ends_nothing():
+    import signal
+
+    seen = []
+    before = signal.signal(signal.SIGUSR1, lambda *_: seen.append(threading.current_thread()))
+    try:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+        state = Scene.load("reciprocating_punch").steady(cells=97)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert seen == [threading.main_thread()] and state.x.size == 97
