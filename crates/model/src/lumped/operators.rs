@@ -85,9 +85,10 @@ impl BodyOperators {
         self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
     }
 
-    /// Whether any face has cooling beyond the constant heat transfer.
-    pub fn is_cooled_variably(&self) -> bool {
-        self.air.iter().any(Air::acts)
+    /// Whether the face beside the contact has cooling that the fast path solves for: more than a linear one.
+    #[inline]
+    pub fn cools_beside(&self) -> bool {
+        self.air[BESIDE].acts() && !self.air[BESIDE].is_linear()
     }
 
     /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
@@ -178,6 +179,8 @@ pub struct LumpedOperators {
     pub least_flux: f64,
     /// The fast path is possible: see [`super::fast_path`].
     pub fast_path: bool,
+    /// A face has a flux that the fast path eliminates: see [`Air::is_linear`].
+    pub has_linear_faces: bool,
     /// Bounds of the fast path.
     pub fast_path_bounds: FastPathBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
@@ -259,6 +262,7 @@ impl LumpedOperators {
             half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
             strip_coverage: scene.coverage(),
             wear_follows_temperature: follows(&punch) || follows(&strip),
+            has_linear_faces: punch.air.iter().chain(&strip.air).any(Air::is_linear),
             punch,
             strip,
             flash,
@@ -281,6 +285,11 @@ impl LumpedOperators {
         operators
     }
 
+    /// Punch and strip.
+    pub fn bodies(&self) -> [&BodyOperators; 2] {
+        [&self.punch, &self.strip]
+    }
+
     /// Whether the scene can be in the regime of [`super::fast_path`] at all.
     fn allows_fast_path(&self) -> bool {
         self.punch.heat.is_some()
@@ -288,9 +297,8 @@ impl LumpedOperators {
             && self.scene.conductance > 0.0
             && self.series_stiffness == 0.0
             && !self.has_bristle()
-            && !self.punch.is_cooled_variably()
-            && !self.strip.air[FAR].acts()
-            && (!self.strip.air[BESIDE].acts() || self.strip.cooled_is_contact)
+            && self.punch.air.iter().chain([&self.strip.air[FAR]]).all(|air| !air.acts() || air.is_linear())
+            && (!self.strip.cools_beside() || self.strip.cooled_is_contact)
     }
 }
 
@@ -353,7 +361,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     BodyOperators {
         heat: None,
-        properties: Properties::of(body),
+        properties: Properties::of(body, scene.tolerance),
         heat_capacity: body.capacity() * body.height,
         uniform_mean: 1.0,
         loses_to_air: false,

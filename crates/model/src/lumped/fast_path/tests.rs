@@ -21,10 +21,9 @@ fn attempts(run: &Lumped, ends: [[f64; 2]; 2], step: f64) -> [(Option<Attempt>, 
     let constant = ends[0] == ends[1];
     [true, false].map(|by_fast_path| {
         let mut run = run.clone();
-        let index = run.propagators_of(step);
-        let propagators = &run.propagators[index];
+        let propagators = run.propagators.get(&run.operators, step, [0.0; 2]);
         let speeds = conditions.each_ref().map(|now| now.velocity.abs());
-        run.flash.prepare(&run.operators, propagators, speeds);
+        run.flash.prepare(&run.operators, &propagators, speeds);
         let mut stepper = Stepper {
             flash: &mut run.flash,
             cut: 1.0,
