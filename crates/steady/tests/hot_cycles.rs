@@ -12,7 +12,7 @@ use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
-use test_support::{Drive, scene};
+use test_support::{Drive, HELD, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[
@@ -529,7 +529,7 @@ fn stepping_with_property_tables_ends_in_the_cycle_found_directly() {
     println!("{low} {high}: {least} {most}, {effect} K by the properties");
     assert!(effect > 0.1 * rise, "{effect} K of {rise} K");
     for (direct, stepped) in [(low, least), (high, most)] {
-        assert!((direct - stepped).abs() < 5e-3 * rise, "{direct} {stepped}");
+        assert!((direct - stepped).abs() < 2e-3 * rise, "{direct} {stepped}");
     }
     // A map of cycles whose properties change is none.
     let operators = LineOperators::with_heat(&sliding_scene(&made(&tables)), true, steady::run_in).unwrap();
@@ -542,16 +542,16 @@ fn stepping_with_property_tables_ends_in_the_cycle_found_directly() {
 /// The steady state of unidirectional sliding is what both levels come to with the same tables.
 #[test]
 fn integration_with_property_tables_ends_in_the_steady_state() {
-    let tables = table("strip", [50.0, 460.0], 700.0);
+    let tables = table("strip", [50.0, 460.0], 380.0);
     let changes = |level: f64, tables: &[(String, f64)]| -> Vec<(String, f64)> {
         let fixed = [
             ("solver.fidelity", level),
             ("solver.cells", 9.0),
-            ("nominal.load", 500.0),
+            ("strip.base_thermal", HELD),
+            ("strip.conductivity", 50.0),
+            ("nominal.load", 1e4),
             ("nominal.velocity", 3.8),
-            ("nominal.duration", 4000.0),
-            ("punch.wear_coefficient", 0.0),
-            ("strip.wear_coefficient", 0.0),
+            ("nominal.duration", 100.0),
         ];
         fixed.iter().map(|(name, value)| ((*name).to_owned(), *value)).chain(tables.iter().cloned()).collect()
     };
@@ -564,23 +564,19 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
         hot(&Scene::new(&values, None).unwrap()).unwrap().1.heat
     };
     let [constant, own] = [&[][..], &tables].map(steady);
-    let flash = |heat: &steady::thermal::SteadyHeat| heat.contact_temperature[1] - heat.body_temperature[1];
+    let rise = own.contact_temperature[1] - 293.15;
     println!(
-        "steady: {:?} {:?}, flash {} {}",
-        own.contact_temperature,
-        own.body_temperature,
-        flash(&own),
-        flash(&constant)
+        "steady: {:?} {:?}, of constants {:?}",
+        own.contact_temperature, own.body_temperature, constant.contact_temperature
     );
-    assert!(flash(&own) > 1.03 * flash(&constant), "{} {}", flash(&own), flash(&constant));
+    assert!(rise > 1.06 * (constant.contact_temperature[1] - 293.15), "{rise} K");
     for (level, bound) in [(2.0, 2e-2), (3.0, 2e-3)] {
         let changes = changes(level, &tables);
         let mut drive = Drive::from_starts(&scene("disc_brake"), &named(&changes));
-        drive.set("normal_load", 500.0).set("sliding_velocity", 3.8);
+        drive.set("normal_load", 1e4).set("sliding_velocity", 3.8);
         (0..400).for_each(|_| {
-            drive.step(20.0);
+            drive.step(1.0);
         });
-        let rise = own.contact_temperature[1] - 293.15;
         for (name, exact) in
             [("contact_temperature", own.contact_temperature[1]), ("strip.mean_temperature", own.body_temperature[1])]
         {
