@@ -395,6 +395,10 @@ impl Problem<'_> {
             *[&mut flows.punch_top, &mut flows.strip_base][side] = all * far;
             flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].end.cooling);
         }
+        let body_temperature = std::array::from_fn(|side| {
+            let body = self.bodies[side].as_ref();
+            scene.ambient_temperature + body.map_or(0.0, |body| body.mean_temperature(&found.states[side]))
+        });
         let critical = CriticalSpeed::new(scene).modelled(stroke.friction.abs());
         if critical > 0.0 {
             accuracy.speed_ratio = self.velocity().abs() / critical;
@@ -412,6 +416,7 @@ impl Problem<'_> {
                 }],
                 contact_temperature: [mean; 3],
                 highest,
+                body_temperature,
                 flows,
                 accuracy,
             },

@@ -85,7 +85,7 @@ impl Bodies {
         let endless = scene.path == scene::Path::Straight && scene.nominal_stroke == 0.0;
         let [punch, strip] = bodies;
         let bodies = [(punch, &scene.punch, false), (strip, &scene.strip, endless)].map(|(own, body, endless)| {
-            match (own, Properties::of(body)) {
+            match (own, Properties::of(body, scene.tolerance)) {
                 // Fresh material arrives at the temperature for which the constants are.
                 (Some(own), Some(properties)) if !endless => {
                     Some(Box::new(PropertyBody::new(own, properties, body.far_is_prescribed())) as _)
