@@ -5,6 +5,7 @@ mod car;
 mod cycle;
 mod scene;
 
+use crate::columns::Reading;
 use crate::output::{self, print_text};
 use crate::{arguments, native, package, project, python, scenes};
 use anyhow::{Context, Result, bail};
@@ -37,6 +38,8 @@ pub struct Arguments {
     /// with their numbers.
     #[arg(long)]
     cycle: Option<String>,
+    #[command(flatten)]
+    columns: arguments::Columns,
     /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.
     #[arg(long, value_parser = arguments::number, allow_negative_numbers = true)]
     step: Option<f64>,
@@ -142,7 +145,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         Some(file) => bail!("--fmu {}: there is no such file", file.display()),
     }
     let output = arguments.output.clone().unwrap_or_else(|| example.output());
-    let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &output)?;
+    let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &arguments.columns.reading(), &output)?;
     let (python, fmu) = match &arguments.fmu {
         Some(file) => (python::environment()?, file.clone()),
         None => {
@@ -258,7 +261,7 @@ fn steady_states(scene: &str, changes: &[String], folder: &Path) -> Result<Vec<P
 /// # Errors
 /// As [`execute`].
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
-    let udds = cycle::file(CYCLE, folder)?;
+    let udds = cycle::file(CYCLE, &Reading::default(), folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);
     let output = command.arg("--one-level").arg("--cycle").arg(udds.path()).output()?;
     if !output.status.success() {

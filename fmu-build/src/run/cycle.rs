@@ -40,14 +40,16 @@ impl Drop for Cycle {
 }
 
 /// A cycle of the project by its name, or any other by its path, converted from its units for as long as the [`Cycle`] lives.
-/// Results have the name of its file, so the converted one has it too, in a folder of its own in cargo's target folder.
+/// Results have the name of its file, so the converted one has it too, in a folder of its own in cargo's target folder. `reading`: how
+/// its columns are read.
 ///
 /// # Errors
 /// Where there is no such file, what is wrong with it, by line, column and value, or that results in `output` would replace it.
-pub fn file(name: &str, output: &Path) -> Result<Cycle> {
+pub fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle> {
     let folder = project::root().join("examples/data");
     let own = folder.join(format!("{name}.csv"));
     if own.is_file() {
+        read(&own, reading)?;
         return Ok(Cycle { path: own, converted: None });
     }
     let path = Path::new(name);
@@ -57,7 +59,7 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
             folder.display()
         );
     }
-    let table = read(path)?;
+    let table = read(path, reading)?;
     let result = output.join(path.file_stem().unwrap_or_default()).with_extension("csv");
     if would_replace(&result, path) {
         bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
@@ -75,9 +77,9 @@ pub fn file(name: &str, output: &Path) -> Result<Cycle> {
     Ok(cycle)
 }
 
-fn read(path: &Path) -> Result<Table> {
+fn read(path: &Path, reading: &Reading) -> Result<Table> {
     let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
-    let table = columns::read(path, &[speed, Column::trip()], &Reading::default())?;
+    let table = columns::read(path, &[speed, Column::trip()], reading)?;
     if let Some((trip, line)) =
         table.column("trip").into_iter().flatten().zip(&table.lines).find(|(trip, _)| trip.fract() != 0.0)
     {
@@ -140,11 +142,20 @@ mod tests {
     use super::*;
 
     fn cycle(name: &str, text: &str) -> Result<Table> {
+        named(name, text, &[])
+    }
+
+    fn named(name: &str, text: &str, columns: &[&str]) -> Result<Table> {
         let path = std::env::temp_dir().join(format!("run-cycle-{}-{name}.csv", std::process::id()));
         fs::write(&path, text).unwrap();
-        let result = read(&path);
+        let columns = columns.iter().map(|named| named.parse().unwrap()).collect();
+        let result = read(&path, &Reading { columns, ..Reading::default() });
         fs::remove_file(&path).unwrap();
         result
+    }
+
+    fn own(name: &str) -> Result<Cycle> {
+        file(name, &Reading::default(), Path::new("unused"))
     }
 
     #[test]
@@ -170,6 +181,11 @@ mod tests {
             assert_eq!(text(&cycle("rig", &file).unwrap()), expected, "{header}");
         }
         assert_eq!(text_of("two", "time [s];speed [km/h]\n0;0\n1;1,8\n"), "time_s,speed_m_per_s\n0,0\n1,0.5\n");
+        let german = named("german", "Zeit;v_Ist\n0;0\n0,5;36\n", &["Zeit=time [s]", "v_Ist=speed [km/h]"]).unwrap();
+        assert_eq!(text(&german), "time_s,speed_m_per_s\n0,0\n0.5,10\n");
+        let missing =
+            named("missing", "time_s,speed_m_per_s\n0,0\n1,1\n", &["v=speed [km/h]"]).unwrap_err().to_string();
+        assert!(missing.contains("there is no column \"v\""), "{missing}");
         let half = cycle("half", "time [s],speed [km/h],trip\n0,0,1\n1,36,1.5\n").unwrap_err().to_string();
         assert!(half.contains("line 3: trip 1.5 must be a whole number"), "{half}");
     }
@@ -193,8 +209,8 @@ mod tests {
             told("jump", "time_s,speed_m_per_s\n0,20\n1,7\n").contains("line 3: the speed changes by -13.000 m/s2")
         );
         for name in ["udds", "hwfet", "us06", "wltc_3b"] {
-            let own = file(name, Path::new("unused")).unwrap();
-            assert!(own.path().is_file() && warnings(&read(own.path()).unwrap()).is_empty(), "{name}");
+            let path = own(name).unwrap().path().to_owned();
+            assert!(path.is_file() && warnings(&read(&path, &Reading::default()).unwrap()).is_empty(), "{name}");
         }
     }
 
@@ -202,17 +218,17 @@ mod tests {
     fn a_converted_cycle_leaves_nothing_behind() {
         let path = std::env::temp_dir().join(format!("run-cycle-{}-town.csv", std::process::id()));
         fs::write(&path, "time [s],speed [km/h]\n0,0\n10,36\n").unwrap();
-        let converted = file(path.to_str().unwrap(), Path::new("unused")).unwrap();
+        let converted = own(path.to_str().unwrap()).unwrap();
         assert_eq!(fs::read_to_string(converted.path()).unwrap(), "time_s,speed_m_per_s\n0,0\n10,10\n");
         assert_eq!(converted.path().file_stem(), path.file_stem());
         let folder = converted.path().parent().unwrap().to_owned();
         drop(converted);
         assert!(!folder.exists() && path.is_file());
-        let told = file(path.to_str().unwrap(), path.parent().unwrap()).unwrap_err().to_string();
+        let told = file(path.to_str().unwrap(), &Reading::default(), path.parent().unwrap()).unwrap_err().to_string();
         assert!(told.contains("would replace it"), "{told}");
         fs::remove_file(&path).unwrap();
         // One of the project is no file of the run's own.
-        drop(file("udds", Path::new("unused")).unwrap());
-        assert!(file("udds", Path::new("unused")).is_ok());
+        drop(own("udds").unwrap());
+        assert!(own("udds").is_ok());
     }
 }

@@ -3,6 +3,7 @@
 use super::machine;
 use crate::output::print_line;
 use crate::project;
+use ::scene::variables::{FLAT, TABLE};
 use anyhow::{Context, Result, anyhow, bail};
 use std::fmt::Write as _;
 use std::fs;
@@ -14,13 +15,19 @@ fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))
 }
 
-/// Fingerprint (FNV-1a) of everything that the reference depends on: start values, times and inputs at them.
+/// Fingerprint (FNV-1a) of everything that the reference depends on: names and values of the start values other than 0, so that a new
+/// variable which changes nothing does not count, times and inputs at them.
 fn fingerprint(problem: &DriveProblem) -> u64 {
     let inputs = problem.samples.iter().flat_map(|&time| {
         let [velocity, load] = (problem.inputs)(time);
         [time, velocity, load]
     });
-    ::scene::fnv::Fnv::of(problem.starts.iter().copied().chain(inputs).flat_map(f64::to_le_bytes)).0
+    let starts = FLAT.iter().zip(&problem.starts).filter(|(_, start)| **start != 0.0);
+    let starts = starts.flat_map(|(&(row, element), start)| {
+        let name = TABLE[usize::from(row)].element_name(u32::from(element));
+        name.into_bytes().into_iter().chain(start.to_le_bytes())
+    });
+    ::scene::fnv::Fnv::of(starts.chain(inputs.flat_map(f64::to_le_bytes))).0
 }
 
 /// Samples of the reference and its origin: the stored one if it belongs to this scene, otherwise computed within `budget` s.
