@@ -189,3 +189,30 @@ def test_a_fit_runs_the_scene_as_it_is():
             run = own.simulate({"time [s]": [0, 1e4], "sliding_velocity [m/s]": 0.1, "normal_load [N]": load}, step=200.0)
             assert volume == run["wear_volume_punch"][-1], settings
         assert settings["solver.fidelity"] in str(model)
+
+
+def test_an_interrupted_fit_has_what_it_found_and_goes_on_from_there():
+    lines = []
+
+    def stop(line):
+        lines.append(line)
+        if len(lines) == 3:
+            raise KeyboardInterrupt
+
+    records = archard(0.1)
+    far = pin(**{fit.COEFFICIENT: 2e-13})
+    with pytest.raises(Interrupted, match=f"after .* runs; so far {fit.COEFFICIENT} = .*: set these and fit again to go on") as stopped:
+        far.fit(records, progress=stop)
+    found = stopped.value.result
+    assert set(found) == {fit.COEFFICIENT, fit.PRESSURE_EXPONENT} and found[fit.COEFFICIENT] < 1e-13
+    assert far.set(found).fit(records).values == pytest.approx(pin().fit(records).values, rel=1e-3)
+
+
+def test_columns_of_other_names_are_fitted(tmp_path):
+    path = tmp_path / "ends.csv"
+    path.write_text("Kraft [N],speed [m/s],distance [m],Abtrag [mm3]\n" + "".join(f"{load},0.1,1000,{0.02 * load}\n" for load in (5, 10, 20, 40)))
+    columns = {"Kraft": "load", "Abtrag": "volume"}
+    assert pin().fit(path, columns=columns).values[1] == pytest.approx(1.0, abs=1e-3)
+    history = {"t [s]": np.linspace(0.0, 30.0, 40), "v [m/s]": 1.0, "normal_load [N]": 1000.0, "Reibung [N]": 700.0}
+    found = brake().fit(history, "contact.friction_coefficient", columns={"v": "sliding_velocity", "Reibung": "friction_force"})
+    assert found.values == pytest.approx([0.35], rel=1e-3)
