@@ -48,6 +48,7 @@ LARGEST_STEP = 0.1  # of a difference, in an exponent or a logarithm
 SCALE = 0.05  # standard deviation that residuals have at first, over the largest measured value; of temperatures over the rise
 FAR = 10.0  # first step at most, in an exponent or a logarithm: the whole step of Gauss and Newton, as worn volumes are nearly powers
 FEW = 4.0  # values beyond what parameters take up, at least, for a standard deviation from residuals
+NEAR = 0.25  # steps of a difference: at nearer points the derivatives are the same, to a quarter of what the step itself leaves out
 ALIKE = 0.02  # part of a parameter's effect that others do not have, at least: differences are not more accurate
 WIDEST = 1.5  # half of an interval, in an exponent or a logarithm: beyond it the records say nothing
 ROUNDS = 4  # of the estimate of the standard deviations
@@ -414,6 +415,8 @@ class _Problem:
         #: Parameters within a step of the end of their range.
         self.at_end: set[str] = set()
         self.step = min(float(np.cbrt(model.tolerance)), LARGEST_STEP)
+        #: Points at which derivatives were taken.
+        self.bases: list[np.ndarray] = []
         self.known = {tuple(self.point): model.predict(self.parameters(self.point))}
         # Quantities that share a standard deviation.
         keys = [(own.name, own.relative) for own in model.series]
@@ -471,11 +474,14 @@ class _Problem:
         if self.progress is not None and self.model.runs > self.told:
             self.told = self.model.runs
             self.progress(f"{self.model.runs} runs, sum of squares {np.sum(self.residuals(point) ** 2):.4g} of {self.model.measured.size} values")
+        base = next((own for own in self.bases if np.max(np.abs(own - point)) < NEAR * self.step), point)
+        if base is point:
+            self.bases.append(point)
         columns = []
         for step in self.step * np.eye(point.size):
-            above, below = self.tried(point + step), self.tried(point - step)
+            above, below = self.tried(base + step), self.tried(base - step)
             # At a bound of the scene the difference is to one side.
-            one, other = (above if np.all(np.isfinite(above)) else self.residuals(point)), (below if np.all(np.isfinite(below)) else self.residuals(point))
+            one, other = (above if np.all(np.isfinite(above)) else self.residuals(base)), (below if np.all(np.isfinite(below)) else self.residuals(base))
             sides = int(np.all(np.isfinite(above))) + int(np.all(np.isfinite(below)))
             if sides < 2:
                 self.at_end.add(self.names[int(np.argmax(step))])
@@ -517,9 +523,12 @@ class _Problem:
 
     def drop(self, names: Iterable[str]) -> None:
         kept = [at for at, name in enumerate(self.names) if name not in names]
+        if len(kept) == len(self.names):
+            return
         self.names, self.point = [self.names[at] for at in kept], np.zeros(len(kept))
         self.reached = self.point
         self.known.clear()
+        self.bases.clear()
 
     def solve(self) -> Any:
         """Least squares; then standard deviations and correlations from the residuals, and again until they stay."""
