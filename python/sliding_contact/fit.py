@@ -388,6 +388,8 @@ def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
 
 
 def _checked(model: Model, parameters: Sequence[str], confidence: float) -> list[str]:
+    if not isinstance(parameters, (str, list, tuple)):
+        raise Error(f"parameters = {parameters!r}: accepted are the name of a variable and lists of them")
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names or len(set(names)) < len(names):
         raise Error(f"parameters = {names}: at least one, and each once")

@@ -144,6 +144,7 @@ def test_a_wrong_fit_is_refused():
     records = archard(0.1)
     for wrong, text in (
         (lambda: pin().fit(3), "records: int is no file, no table"),
+        (lambda: pin().fit(records, 3), "parameters = 3: accepted are the name of a variable and lists of them"),
         (lambda: pin().fit(records, []), "at least one, and each once"),
         (lambda: pin().fit(records, (fit.COEFFICIENT, fit.COEFFICIENT)), "each once"),
         (lambda: pin().fit(records, "punch.wear_coeficient"), "did you mean punch.wear_coefficient"),
