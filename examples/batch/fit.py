@@ -38,6 +38,8 @@ def arguments():
     parser.add_argument("--scene", default="pin_on_disk", help="a shipped scene or a scene file of the tests")
     parser.add_argument("--output", type=Path, required=True, help="folder for picture and result")
     parser.add_argument("--records", type=Path, nargs="+", default=[HERE / "records" / "pin_on_disk.csv"], help="end values or histories of tests")
+    parser.add_argument("--column", action="append", default=[], metavar="HEADER=VARIABLE", help="what a column is")
+    parser.add_argument("--strict", action="store_true", help="refuse columns that are no known quantity")
     parser.add_argument("--parameters", nargs="+", default=[fit.COEFFICIENT, fit.PRESSURE_EXPONENT], help="names of variables")
     parser.add_argument("--set", nargs="+", default=[], help="KEY=VALUE of the scene")
     parser.add_argument("--confidence", type=float, default=0.95)
@@ -64,7 +66,9 @@ def main():
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     picture, result = options.output / "fit.svg", options.output / "fit.json"
     scene = Scene.load(options.scene).set(dict(own.split("=", 1) for own in options.set))
-    found = scene.fit([str(own) for own in options.records], options.parameters, options.confidence, progress=Progress())
+    columns = dict(own.rsplit("=", 1) for own in options.column)
+    records = [str(own) for own in options.records]
+    found = scene.fit(records, options.parameters, options.confidence, columns=columns, strict=options.strict, progress=Progress())
     options.output.mkdir(parents=True, exist_ok=True)
     found.plot(picture)
     files = [picture, result]

@@ -1,8 +1,34 @@
 //! Numbers and quantities among the arguments of a command.
 
 use scene::variables::units::SECOND;
+use scene_file::columns::{Named, Reading};
 use scene_file::quantity::text;
 use std::ops::RangeInclusive;
+
+/// How the columns of files are read.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Columns {
+    /// Read a column as a variable, as "COF=friction_coefficient" or "Load=normal_load [N]"; without a variable it is left out. May be
+    /// repeated.
+    #[arg(long, value_name = "HEADER=VARIABLE", value_parser = str::parse::<Named>)]
+    column: Vec<Named>,
+    /// Refuse files with columns that are no known quantity, instead of leaving these out.
+    #[arg(long)]
+    strict: bool,
+}
+
+impl Columns {
+    /// What a file is read with.
+    pub fn reading(&self) -> Reading {
+        Reading { columns: self.column.clone(), strict: self.strict, python: false }
+    }
+
+    /// The options again, for a script.
+    pub fn options(&self) -> impl Iterator<Item = String> {
+        let columns = self.column.iter().map(|named| format!("--column={named}"));
+        columns.chain(self.strict.then(|| "--strict".to_owned()))
+    }
+}
 
 /// A number.
 ///

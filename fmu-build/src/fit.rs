@@ -1,7 +1,6 @@
 //! `cargo fmu fit`: parameters of a scene from records of tests, by examples/batch/fit.py.
 
 use crate::batch::example;
-use crate::columns::Reading;
 use crate::{arguments, output, scenes};
 use anyhow::{Result, anyhow, bail};
 use scene::variables::{Causality, TABLE, find, lookup};
@@ -20,6 +19,8 @@ pub struct Arguments {
     /// Scene of the tests: a name in examples/ or the path of a scene file.
     #[arg(long, default_value = "pin_on_disk")]
     scene: String,
+    #[command(flatten)]
+    columns: arguments::Columns,
     /// Parameters to fit, with commas, from the scene's values on.
     #[arg(long, value_delimiter = ',', default_value = "punch.wear_coefficient,punch.wear_pressure_exponent")]
     parameters: Vec<String>,
@@ -66,9 +67,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::locate(&arguments.scene)?.display().to_string()
     };
     // Before anything is built.
-    for path in &arguments.records {
-        Tests::read(path, &Reading::default())?;
-    }
+    let reading = arguments.columns.reading();
+    let tests = arguments.records.iter().map(|path| Tests::read(path, &reading)).collect::<Result<Vec<_>>>()?;
+    reading.check(&tests.iter().map(Tests::headers).collect::<Vec<_>>())?;
     let mut passed = vec!["--scene".to_owned(), scene, "--confidence".to_owned(), confidence.to_string()];
     let records = arguments.records.iter().map(|path| path.display().to_string());
     let folder = arguments.output.iter().map(|path| path.display().to_string());
@@ -85,6 +86,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             passed.extend(values);
         }
     }
+    passed.extend(arguments.columns.options());
     example::run("fit.py", &[], &passed, arguments.json)
 }
 

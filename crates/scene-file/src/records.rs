@@ -27,6 +27,8 @@ pub struct Records {
     pub distance: Vec<f64>,
     /// Outputs at the end of the distance, by name and in SI units; NaN where a test has none.
     pub values: Vec<(String, Vec<f64>)>,
+    /// Headers of the file.
+    pub headers: Vec<String>,
     /// Notes of [`columns::Table`].
     pub notes: Vec<String>,
 }
@@ -68,7 +70,7 @@ impl Records {
             rows.push(cells.iter().map(|cell| cell.value).collect());
             Ok(())
         })?;
-        let mut records = Self { notes: read.notes, ..Self::default() };
+        let mut records = Self { headers: read.headers, notes: read.notes, ..Self::default() };
         for (at, name) in read.taken.iter().enumerate() {
             let values = rows.iter().map(|row| row[at]).collect();
             match name.as_str() {
@@ -96,6 +98,14 @@ pub enum Tests {
 }
 
 impl Tests {
+    /// Headers of the file.
+    pub fn headers(&self) -> &[String] {
+        match self {
+            Self::EndValues(records) => &records.headers,
+            Self::History(table) => &table.headers,
+        }
+    }
+
     /// Reads a file.
     ///
     /// # Errors

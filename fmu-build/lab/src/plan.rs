@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 
+use crate::arguments;
 use crate::output::{print_line, print_text};
 use crate::scenes;
 
@@ -29,6 +30,8 @@ pub struct Arguments {
     /// divided into communication steps as by `simulate`.
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
+    #[command(flatten)]
+    columns: arguments::Columns,
     /// Write the named level with its tolerance into the scene's file.
     #[arg(long, requires = "inputs", conflicts_with = "set")]
     write: bool,
@@ -55,6 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             file: arguments.scene.as_deref().map(scenes::locate).transpose()?,
             scene: file,
             inputs,
+            reading: arguments.columns.reading(),
             tolerance: arguments.tolerance,
             write: arguments.write,
             json: arguments.json,

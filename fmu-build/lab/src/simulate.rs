@@ -3,7 +3,7 @@
 mod write;
 
 use crate::arguments;
-use crate::columns::{self, Column, Named, Reading, Table};
+use crate::columns::{self, Column, Table};
 use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
@@ -50,13 +50,8 @@ pub struct Arguments {
     /// Empty cells and NaN are gaps. Without --step its times are communication points too, of more than 1000 every second, third and so on.
     #[arg(short, long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
-    /// Read a column as a variable, as "COF=friction_coefficient" or "Load=normal_load [N]"; without a variable it is left out. May be
-    /// repeated.
-    #[arg(long, value_name = "HEADER=VARIABLE", value_parser = str::parse::<Named>)]
-    column: Vec<Named>,
-    /// Refuse files with columns that are no known quantity, instead of leaving these out.
-    #[arg(long)]
-    strict: bool,
+    #[command(flatten)]
+    columns: arguments::Columns,
     /// Times of the profiles over the contact, as 0,10,"2 min"; by default the first, middle and last at which the load is at least half of
     /// its largest.
     #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = arguments::time, allow_negative_numbers = true)]
@@ -152,7 +147,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Inputs and record, which may be one file: then its inputs are not compared.
 fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
-    let reading = Reading { columns: arguments.column.clone(), strict: arguments.strict, python: false };
+    let reading = arguments.columns.reading();
     let accepted = [Column::inputs(), vec![Column::trip()]].concat();
     let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &accepted, &reading)).transpose()?;
     let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
@@ -172,7 +167,7 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
         record = Some(outputs);
     }
     let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
-    reading.check(&tables)?;
+    reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
     let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
     let first = |at: usize| !notes[..at].contains(&notes[at]);
     (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("{}", notes[at]));

@@ -226,8 +226,7 @@ mod tests {
         let cycles = format!(
             r#"{{"analysis": "cycles", {scene}, "cycles": 1e9, "tolerance": 1e-6, "cells": 257, "cold": false}}"#
         );
-        let text =
-            r#"{"text": "time [s],sliding_velocity [m/s],normal_load [N]\n0,10,4000\n1000,0,4000\n", "path": "stop", "columns": [], "strict": false}"#;
+        let text = r#"{"text": "time [s],sliding_velocity [m/s],normal_load [N]\n0,10,4000\n1000,0,4000\n", "path": "stop", "columns": [], "strict": false}"#;
         let plan = format!(r#"{{"analysis": "plan", {scene}, "inputs": {text}, "tolerance": 1e-4}}"#)
             .replace("reciprocating_punch", "disc_brake");
         for request in [long, steady, cycles, plan] {

@@ -84,7 +84,7 @@ impl Source {
 
 /// With a note where a named column is not there: it may be in another file that is read with the same names.
 fn with_missing(mut table: Table, reading: &Reading) -> Table {
-    let missing = reading.check(&[&table]).err();
+    let missing = reading.check(&[&table.headers]).err();
     table.notes.extend(missing.map(|wrong| format!("{}: {wrong}", table.path.display())));
     table
 }
@@ -309,7 +309,7 @@ fn tests(source: &Source) -> Result<Answer> {
     };
     let history = match source.tests()? {
         Tests::History(table) => table,
-        Tests::EndValues(Records { load, speed, distance, values, notes }) => {
+        Tests::EndValues(Records { load, speed, distance, values, notes, .. }) => {
             // JSON has no NaN.
             let gaps = |values: Vec<f64>| -> Vec<Option<f64>> {
                 values.into_iter().map(|value| value.is_finite().then_some(value)).collect()

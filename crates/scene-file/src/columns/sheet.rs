@@ -4,7 +4,7 @@
 //! of semicolon, tab and comma, in this order. Lines that begin with `#` are notes, and so are lines above the header: the first line
 //! that names a required column and another known one. A row of units may stand below it.
 
-use super::is_gap;
+use super::rows::is_gap;
 use anyhow::{Context, Result, anyhow, bail};
 use csv::StringRecord;
 use parquet::file::reader::{FileReader, SerializedFileReader};

@@ -20,6 +20,8 @@ pub struct Request<'a> {
     pub file: Option<PathBuf>,
     /// Inputs over time.
     pub inputs: &'a Path,
+    /// How their columns are read.
+    pub reading: Reading,
     pub tolerance: Option<f64>,
     pub write: bool,
     pub json: bool,
@@ -33,7 +35,8 @@ pub struct Request<'a> {
 pub fn execute(request: &Request) -> Result<()> {
     let name = &request.scene.packaged.name;
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;
-    let table = columns::read(request.inputs, &Column::inputs(), &Reading::default())?;
+    let table = columns::read(request.inputs, &Column::inputs(), &request.reading)?;
+    request.reading.check(&[&table.headers])?;
     table.notes.iter().for_each(|note| eprintln!("{note}"));
     let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
     let mut progress = Progress::default();

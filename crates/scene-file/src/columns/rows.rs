@@ -1,0 +1,329 @@
+//! Rows of a file: what its columns are, and its cells as numbers in SI units.
+
+use super::headers::{self, Match, alternatives};
+use super::sheet::Sheet;
+use super::{Column, Reading};
+use crate::quantity;
+use anyhow::{Context, Result, anyhow, bail};
+use scene::message::{Clipped, Quoted, listed};
+use scene::variables::units::{ONE, Unit};
+use std::io::Read;
+use std::path::Path;
+
+/// Whether a cell says that there is no value.
+pub(super) fn is_gap(text: &str) -> bool {
+    ["", "nan", "na", "n/a", "#n/a", "<na>", "null", "none", "-", "--"].iter().any(|gap| text.eq_ignore_ascii_case(gap))
+}
+
+/// A cell of a row.
+pub(crate) struct Cell<'a> {
+    /// Name of its quantity.
+    pub(crate) name: &'a str,
+    /// Its value in the SI unit; NaN of a gap.
+    pub(crate) value: f64,
+    path: &'a Path,
+    pub(super) line: u64,
+    column: usize,
+    header: &'a str,
+    text: &'a str,
+}
+
+impl Cell<'_> {
+    /// Where it stands and what it says, for messages.
+    pub(crate) fn place(&self) -> String {
+        let Self { path, line, column, header, text, .. } = self;
+        format!("{}, line {line}, column {column} ({}): {}", path.display(), Clipped(header), Quoted(text))
+    }
+}
+
+/// A required column that a file lacks, and whether another one has its unit.
+#[derive(Debug)]
+struct MissingColumn {
+    text: String,
+    has_candidate: bool,
+}
+
+impl std::fmt::Display for MissingColumn {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for MissingColumn {}
+
+/// Whether a file was refused because it lacks a required column, as a table without times is by [`Column::record`].
+pub(crate) fn lacks_column(error: &anyhow::Error) -> bool {
+    error.is::<MissingColumn>()
+}
+
+/// Whether a file that was refused for that has a column of that unit.
+pub(crate) fn has_candidate(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<MissingColumn>().is_some_and(|missing| missing.has_candidate)
+}
+
+/// Quantities of a file, in its order.
+pub(crate) struct Quantities {
+    pub(crate) taken: Vec<String>,
+    pub(crate) left_out: Vec<String>,
+    pub(crate) headers: Vec<String>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// Gives the rows of a file of `known` quantities to `take`, one after the other; returns what its columns are.
+///
+/// # Errors
+/// As [`super::read`], and those of `take`.
+pub(crate) fn rows(
+    mut content: impl Read,
+    path: &Path,
+    known: &[&Column],
+    reading: &Reading,
+    take: &mut dyn FnMut(&[Cell<'_>]) -> Result<()>,
+) -> Result<Quantities> {
+    let file = path.display();
+    let mut bytes = Vec::new();
+    content.read_to_end(&mut bytes).with_context(|| format!("reading {file}"))?;
+    let column_of = |header: &str| -> Option<&Column> {
+        match headers::find(&reading.renamed(header).unwrap_or_else(|| header.to_owned()), known) {
+            Ok(Match::Known(column, _) | Match::Meant(column, _)) => {
+                known.iter().copied().find(|own| own.name == column.name)
+            }
+            _ => None,
+        }
+    };
+    // A unit may stand in the row below.
+    let with_unit =
+        |header: &str| known.iter().copied().find(|own| headers::split(header).0.eq_ignore_ascii_case(&own.name));
+    let sheet = Sheet::new(
+        &bytes,
+        path,
+        |header| {
+            let column = column_of(header).or_else(|| with_unit(header));
+            (column.is_some(), column.is_some_and(|column| column.required))
+        },
+        |header, unit| {
+            let column = column_of(header).or_else(|| with_unit(header)).filter(|column| column.required);
+            column.is_some_and(|column| quantity::in_si(0.0, unit, column.unit, column.absolute).is_ok())
+        },
+    )?;
+    let Sheet { headers, line, separator, rows } = sheet;
+    if headers.iter().all(String::is_empty) {
+        let first = known.first().map_or_else(String::new, |column| format!("{} [{}]", column.name, column.unit.name));
+        bail!("{file} is empty; its first line must name the columns, as {first}");
+    }
+    let (found, notes) = columns(path, line, &headers, &rows, known, reading)?;
+    if let Some(missing) = known.iter().find(|known| known.required && found.iter().all(|own| own.name != known.name)) {
+        let fits = |symbol| quantity::in_si(0.0, symbol, missing.unit, missing.absolute).is_ok();
+        let unknown = headers.iter().zip(&found).filter(|(_, own)| own.is_ignored());
+        let candidates: Vec<&str> = unknown
+            .map(|(header, _)| header.as_str())
+            .filter(|header| headers::split(header).1.is_some_and(fits))
+            .collect();
+        let names = listed(headers.iter().map(String::as_str));
+        let mut text = format!("{file}, line {line}: no column {}; found are {names}", missing.headers());
+        if !candidates.is_empty() {
+            let [name, _] = reading.spelled();
+            text.push_str(&format!("; {name} names {}, which has its unit", candidates.join(" or ")));
+        }
+        bail!(MissingColumn { text, has_candidate: !candidates.is_empty() });
+    }
+    if rows.is_empty() {
+        bail!("{file} has no row below its header");
+    }
+    let mut mark = None;
+    for (line, record) in &rows {
+        let mut cells = Vec::with_capacity(found.len());
+        for (at, (text, column)) in
+            record.iter().zip(&found).enumerate().filter(|(_, (_, column))| !column.is_ignored())
+        {
+            let mut cell = Cell {
+                name: &column.name,
+                value: f64::NAN,
+                path,
+                line: *line,
+                column: at + 1,
+                header: &headers[at],
+                text,
+            };
+            if !is_gap(text) {
+                let number = number(text, separator, &mut mark).map_err(|wrong| anyhow!("{} {wrong}", cell.place()))?;
+                cell.value = quantity::in_si(number, &column.symbol, column.unit, column.absolute)
+                    .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
+                if column.name.is_empty() && number.fract() != 0.0 {
+                    bail!("{} is no number of a row, and its column has no name", cell.place());
+                }
+            }
+            if column.taken {
+                cells.push(cell);
+            }
+        }
+        take(&cells)?;
+    }
+    let of = |taken: bool| {
+        found
+            .iter()
+            .filter(|own| own.taken == taken && !own.is_ignored() && !own.name.is_empty())
+            .map(|own| own.name.clone())
+            .collect()
+    };
+    let [taken, left_out] = [of(true), of(false)];
+    Ok(Quantities { taken, left_out, headers, notes })
+}
+
+/// A number with a point, or where no comma separates the columns, with a comma: with one of them in all of the file, which is `mark`.
+fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &'static str> {
+    let own = ['.', ','].into_iter().find(|mark| text.contains(*mark));
+    let plain = if own == Some(',') && separator != ',' { text.replace(',', ".") } else { text.to_owned() };
+    let number = plain.parse().map_err(|_| match quantity::decimal_comma(text) {
+        Some(_) if separator != ',' => {
+            "has a point and a comma; one of them is the decimal mark, and thousands have none"
+        }
+        Some(hint) => hint,
+        None => "is no number",
+    })?;
+    if own.is_some() && *mark.get_or_insert(own.unwrap_or('.')) != own.unwrap_or('.') {
+        return Err("has another decimal mark than the numbers above");
+    }
+    Ok(number)
+}
+
+/// What the columns of a file are, and notes about those that are not known by their names.
+fn columns(
+    path: &Path,
+    line: u64,
+    headers: &[String],
+    rows: &[(u64, csv::StringRecord)],
+    known: &[&Column],
+    reading: &Reading,
+) -> Result<(Vec<Found>, Vec<String>)> {
+    let file = path.display();
+    let place = |at: usize| format!("{file}, line {line}, column {}", at + 1);
+    let [name, leave] = reading.spelled();
+    let (mut found, mut meant, mut ignored) = (Vec::<Found>::new(), Vec::new(), Vec::new());
+    for (at, header) in headers.iter().enumerate() {
+        let renamed = reading.renamed(header);
+        let read = renamed.as_deref().unwrap_or(header);
+        let has_values = || rows.iter().any(|(_, row)| !is_gap(&row[at]));
+        let own = if at == 0 && ["", "Unnamed: 0"].contains(&read) && renamed.is_none() {
+            Found::row_number()
+        } else if read.is_empty() && (renamed.is_some() || !has_values()) {
+            Found::ignored()
+        } else {
+            match headers::find(read, known).map_err(|wrong| anyhow!("{}: {wrong}", place(at)))? {
+                Match::Known(column, symbol) => Found::of(column, &symbol, true),
+                Match::Meant(column, symbol) => Found::of(column, &symbol, false),
+                Match::Unknown(candidates) if reading.strict || read.is_empty() || renamed.is_some() => {
+                    bail!(
+                        "{}: {} is not a known quantity with a known unit; {}{candidates}",
+                        place(at),
+                        Quoted(read),
+                        alternatives(known)
+                    );
+                }
+                Match::Unknown(candidates) => {
+                    ignored.push(format!("{}{candidates}", Quoted(header)));
+                    Found::ignored()
+                }
+            }
+        };
+        found.push(own);
+    }
+    for at in 0..found.len() {
+        let twice = found.iter().position(|other| other.name == found[at].name).filter(|other| *other != at);
+        let Some(other) = twice.filter(|_| !found[at].is_ignored() && !found[at].name.is_empty()) else { continue };
+        match (found[other].by_name, found[at].by_name) {
+            (true, true) => bail!("{}: {} stands in column {} already", place(at), found[at].name, other + 1),
+            (false, false) => bail!(
+                "{}: {} and column {}, {}, may both be {}; choose with {name}, and leave the other out with {leave}",
+                place(at),
+                Quoted(&headers[at]),
+                other + 1,
+                Quoted(&headers[other]),
+                found[at].name
+            ),
+            (first, _) => {
+                let less = if first { at } else { other };
+                ignored.push(Quoted(&headers[less]).to_string());
+                found[less] = Found::ignored();
+            }
+        }
+    }
+    meant.extend(
+        found
+            .iter()
+            .zip(headers)
+            .filter(|(own, _)| !own.by_name)
+            .map(|(own, header)| format!("{} as {}", Quoted(header), own.name)),
+    );
+    let mut notes = Vec::new();
+    if !meant.is_empty() {
+        notes.push(format!("{file}: read are {}", listed(meant.iter().map(String::as_str))));
+    }
+    if !ignored.is_empty() {
+        let names = listed(ignored.iter().map(String::as_str));
+        notes.push(format!("{file}: left out are {names}; {name} names a quantity"));
+    }
+    Ok((found, notes))
+}
+
+/// A row with as many cells as the header.
+///
+/// # Errors
+/// With file and line, where it has not.
+pub fn whole(record: csv::Result<csv::StringRecord>, path: &Path) -> Result<csv::StringRecord> {
+    let file = path.display();
+    record.map_err(|error| match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            let hint = if len > expected_len { "; numbers have a decimal point, a comma separates cells" } else { "" };
+            anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}{hint}")
+        }
+        csv::ErrorKind::Utf8 { .. } => anyhow!("{file} is no text in UTF-8; a CSV file is needed"),
+        _ => anyhow!(error).context(format!("reading {file}")),
+    })
+}
+
+/// Whether a header is separated by commas.
+///
+/// # Errors
+/// With what separates it.
+pub fn check_separator(headers: &csv::StringRecord) -> Result<(), String> {
+    match [';', '\t'].into_iter().find(|&separator| headers.iter().any(|header| header.contains(separator))) {
+        Some(separator) => Err(format!("columns are separated by commas, and this header has {separator:?}")),
+        None => Ok(()),
+    }
+}
+
+/// A column of a file.
+struct Found {
+    name: String,
+    symbol: String,
+    unit: &'static Unit,
+    absolute: bool,
+    taken: bool,
+    /// Whether its header is the name of the quantity.
+    by_name: bool,
+}
+
+impl Found {
+    fn of(column: &Column, symbol: &str, by_name: bool) -> Self {
+        let Column { name, unit, absolute, taken, .. } = column;
+        let (name, symbol) = (name.clone(), symbol.to_owned());
+        Self { name, symbol, unit, absolute: *absolute, taken: *taken, by_name }
+    }
+
+    /// A column without a name that numbers the rows.
+    fn row_number() -> Self {
+        let Column { unit, absolute, .. } = Column::optional("", &ONE);
+        Self { name: String::new(), symbol: ONE.name.into(), unit, absolute, taken: false, by_name: true }
+    }
+
+    /// A column whose cells are not read.
+    fn ignored() -> Self {
+        Self { symbol: String::new(), ..Self::row_number() }
+    }
+
+    fn is_ignored(&self) -> bool {
+        self.symbol.is_empty()
+    }
+}
