@@ -1,4 +1,4 @@
-//! `cargo fmu stability`: maps of where the methods are accurate, oscillate, grow or are refused, and a page with all of them.
+//! `cargo fmu stability`: maps of where the methods are accurate, oscillate, grow or are refused.
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
@@ -13,8 +13,7 @@ use verification::stability::{self, Definition, Grid, Map, Verdict};
 
 /// Compute stability maps: where each method is accurate, oscillates, grows or is refused, with the theoretical bound.
 ///
-/// Writes one SVG and one CSV per map, with all maps also the page README.md that shows them, and prints the number of runs
-/// of each verdict.
+/// Writes one SVG and one CSV per map and prints the number of runs of each verdict.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Map to compute, as often as wanted; by default all.
@@ -48,7 +47,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("stability"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let grid = if arguments.fine { Grid::Fine } else { Grid::Normal };
-    let (mut records, mut chapters) = (Vec::new(), Vec::new());
+    let mut records = Vec::new();
     for definition in definitions {
         let map = compute(&definition, grid)?;
         let (svg, csv) =
@@ -60,14 +59,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         } else {
             print_text!("{}", summary(&map));
             print_line!("  {}\n  {}", svg.display(), csv.display());
-        }
-        chapters.push((definition, map));
-    }
-    if arguments.maps.is_empty() {
-        let page = folder.join("README.md");
-        fs::write(&page, index(&chapters)).with_context(|| format!("writing {}", page.display()))?;
-        if !arguments.json {
-            print_line!("{}", page.display());
         }
     }
     if arguments.json {
@@ -200,38 +191,6 @@ fn summary(map: &Map) -> String {
     text
 }
 
-/// The page with all maps: what each shows, the picture, the numbers of its runs and what is seen.
-fn index(chapters: &[(Definition, Map)]) -> String {
-    let mut text = String::from(
-        "# Stability maps\n\n\
-         Where each method is accurate, oscillates, grows or refuses, with the bound of the theory (dashed). \
-         `cargo fmu stability -o docs/stability` writes this page with all numbers; `--map NAME` computes one map, `--fine` \
-         twice as many points on each axis.\n\n",
-    );
-    for (definition, map) in chapters {
-        let anchor = map.title.to_lowercase().replace(' ', "-").replace(',', "");
-        let _ = writeln!(text, "- [{}](#{anchor}) (`{}`)", map.title, definition.name);
-    }
-    for (definition, map) in chapters {
-        let name = definition.name;
-        let _ = writeln!(text, "\n## {}\n\n{}\n\n![{}]({name}.svg)\n", map.title, map.header.join("\n\n"), map.title);
-        for finding in &map.findings {
-            let _ = writeln!(text, "- {finding}");
-        }
-        let judged: Vec<_> = map.panels.iter().filter(|panel| !panel.points.is_empty()).collect();
-        let verdicts: Vec<Verdict> =
-            Verdict::ALL.into_iter().filter(|&verdict| judged.iter().any(|panel| panel.count(verdict) > 0)).collect();
-        let names: Vec<String> = verdicts.iter().map(Verdict::to_string).collect();
-        let _ = writeln!(text, "\n| runs | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
-        for panel in judged {
-            let counts: Vec<String> = verdicts.iter().map(|&verdict| panel.count(verdict).to_string()).collect();
-            let _ = writeln!(text, "| {} | {} |", panel.title, counts.join(" | "));
-        }
-        let _ = writeln!(text, "\nAll runs: [{name}.csv]({name}.csv).");
-    }
-    text
-}
-
 fn record(name: &str, map: &Map) -> Value {
     // JSON has no NaN: a refused run has no error.
     let error = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
@@ -295,18 +254,6 @@ mod tests {
         assert_eq!(record["panels"][0]["points"][1]["verdict"], "refused");
         assert!(record["panels"][0]["points"][1]["error"].is_null());
         assert!(summary(&map).contains("1 right") && summary(&map).contains("what is seen"));
-    }
-
-    #[test]
-    fn the_page_shows_every_map_with_its_numbers() {
-        let definition = stability::maps().remove(0);
-        let page = index(&[(definition, sample())]);
-        for text in
-            ["[A map](#a-map)", "## A map", "what it shows", "- what is seen", "| a method | 1 | 1 |", ".svg)", ".csv)"]
-        {
-            assert!(page.contains(text), "{text} is missing in\n{page}");
-        }
-        assert!(!page.contains("grows |"), "only verdicts that occur");
     }
 
     #[test]
