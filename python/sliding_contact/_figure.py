@@ -125,7 +125,7 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
             axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
     axis.set_xlabel(panel["x"])
     axis.set_ylabel(panel["y"])
-    ends = [x for series in curves for x in (series["x"][0], series["x"][-1])]
+    ends = [x for series in curves for x in (min(series["x"]), max(series["x"]))]
     axis.set_xlim(min(ends), max(ends))
     values = [y for series in panel["series"] for y in series["y"]]
     low, high = min(values), max(values)
@@ -204,24 +204,30 @@ def strokes(axis: Axes, panel: dict[str, Any]) -> None:
 
 
 def figure_of(content: dict[str, Any]) -> Figure:
-    courses, profiles = content["courses"], content["profiles"]
+    courses, rig, profiles = content["courses"], content.get("rig", []), content["profiles"]
     rows = (len(courses) + 1) // 2
     per_row = 3 if len(profiles) == 3 else 2
     lines = -(-len(profiles) // per_row)
     title, told = content["title"], textwrap.wrap(", ".join(content["constants"]), 110)
-    height = ROW * (rows + 1.3 * lines) + 0.3 + 0.15 * len(told)
+    ratios = [rows, *([1.3] if rig else []), *([1.3 * lines] if profiles else [])]
+    height = ROW * sum(ratios) + 0.3 + 0.15 * len(told)
     figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
     spread(figure)
-    parts: Any = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
+    parts: Any = figure.subfigures(len(ratios), 1, height_ratios=ratios) if len(ratios) > 1 else (figure,)
     over_time(parts[0], courses)
+    if rig:
+        for axis, panel in zip(parts[1].subplots(1, len(rig), squeeze=False).flatten(), rig):
+            draw(axis, panel)
+            legend_over_time(axis, panel, WIDTH / len(rig) - 0.7)
     if profiles:
-        axes = parts[1].subplots(lines, per_row, squeeze=False).flatten()
+        part = parts[-1]
+        axes = part.subplots(lines, per_row, squeeze=False).flatten()
         for axis, panel in zip(axes, profiles):
             draw(axis, panel | {"y": textwrap.fill(panel["y"], 20)})
         for axis in axes[len(profiles):]:
             axis.set_visible(False)
         handles, labels = axes[0].get_legend_handles_labels()
-        parts[1].legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact, at the time")
+        part.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact, at the time")
     figure.suptitle("\n".join([title, *told]), fontsize=9 if not told else 8)
     return figure
 

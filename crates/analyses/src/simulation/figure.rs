@@ -3,6 +3,7 @@
 
 use super::measured::Measured;
 use super::quantity::Shown;
+use super::rig::{Rig, interpolated, reversals};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use crate::curve::{CONTACT_POINTS, monotone_cubic};
 use serde::Serialize;
@@ -65,6 +66,8 @@ pub struct Figure {
     pub constants: Vec<String>,
     /// Panels over the time.
     pub courses: Vec<Panel>,
+    /// Panels of a test rig, one row: worn volume over distance, friction loop.
+    pub rig: Vec<Panel>,
     /// Panels over the contact, one row.
     pub profiles: Vec<Panel>,
 }
@@ -129,7 +132,7 @@ impl Figure {
                 .filter_map(|own| panel(&own.name.replace('_', " "), &[(own.name.as_str(), "")], recording, measured)),
         );
         let constants = constants.into_iter().map(|(_, text)| text).filter(|text| !text.is_empty()).collect();
-        Self { title, constants, courses, profiles: profiles(recording) }
+        Self { title, constants, courses, rig: rig(recording, measured), profiles: profiles(recording) }
     }
 }
 
@@ -163,15 +166,7 @@ fn rounded_to_four(value: f64) -> f64 {
 
 /// Rows of the last two strokes of a run over many: between three reversals of the sliding velocity, the last one of the same sense.
 fn last_strokes(recording: &Recording) -> Option<std::ops::Range<usize>> {
-    let velocity = &recording.channel("sliding_velocity")?.values;
-    let mut reversals = Vec::new();
-    let mut sign = 0.0;
-    for (row, value) in velocity.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-        if sign * value < 0.0 {
-            reversals.push(row);
-        }
-        sign = value.signum();
-    }
+    let reversals = reversals(recording);
     let last = reversals.len().checked_sub(1).filter(|_| reversals.len() > MANY)?;
     // Two strokes there and back are four half-strokes.
     Some(reversals[last - 4]..reversals[last])
@@ -244,6 +239,54 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         _ => {}
     }
     Some(Panel { x: "time (s)".into(), y: shown.label(label), series, strokes })
+}
+
+/// Worn volume over distance with the end of running-in, and the friction loop; of a run that is one of a rig.
+fn rig(recording: &Recording, measured: &[Measured]) -> Vec<Panel> {
+    let Some(own) = Rig::of(recording, measured) else { return Vec::new() };
+    let line = |name: &str, colour, (x, y)| Series { name: name.to_owned(), colour, measured: false, x, y };
+    let distance = recording.values("sliding_distance");
+    let along = Shown::of_difference("m", crate::largest(distance.iter().copied()));
+    let worn = ["punch", "strip"].map(|body| recording.values(&format!("wear_volume_{body}")));
+    let most = crate::largest(worn.iter().flat_map(|volume| volume.iter().copied()));
+    let volume = Shown::of_difference("m3", most);
+    let x: Vec<f64> = distance.iter().map(|own| along.value(*own)).collect();
+    let mut series = Vec::new();
+    for (colour, (name, worn)) in ["punch", "strip"].into_iter().zip(worn).enumerate() {
+        if most > 0.0 && crate::largest(worn.iter().copied()) > VISIBLE * most {
+            let y: Vec<f64> = worn.iter().map(|own| volume.value(*own)).collect();
+            series.push(line(name, colour, thinned(&x, &y, POINTS)));
+        }
+    }
+    if let Some([_, end]) = own.running_in.filter(|[_, end]| *end > 0.0) {
+        let end = along.value(end);
+        series.push(line("running-in ends", 2, (vec![end; 2], vec![0.0, volume.value(most)])));
+    }
+    let (x, y) = (along.label("sliding distance"), volume.label("worn volume"));
+    let mut panels = vec![Panel { x, y, series, strokes: Vec::new() }];
+    panels.retain(|panel| !panel.series.is_empty());
+    if let Some(own) = own.friction_loop {
+        let (displacement, force) =
+            (&recording.displacement[own.rows.clone()], &recording.values("friction_force")[own.rows.clone()]);
+        let along = Shown::of_difference("m", 0.5 * own.stroke);
+        let across = Shown::of("friction_force", "N", crate::largest(force.iter().copied()));
+        let (low, high) = extremes(displacement);
+        let middle = 0.5 * (low + high);
+        let x = displacement.iter().map(|x| along.value(x - middle)).collect();
+        let y = force.iter().map(|force| across.value(*force)).collect();
+        let mut series = vec![line("", 0, (x, y))];
+        let points = measured.iter().find(|own| own.name == "friction_force").map_or(&[][..], |own| &own.points);
+        let times = &recording.times[own.rows.clone()];
+        let within = points.iter().filter(|(time, _)| (times[0]..=times[times.len() - 1]).contains(time));
+        let at = |time: f64| along.value(interpolated(times, displacement, time) - middle);
+        let (x, y): (Vec<f64>, Vec<f64>) = within.map(|(time, force)| (at(*time), across.value(*force))).unzip();
+        if !x.is_empty() {
+            series.push(Series { measured: true, ..line("", 0, sampled(&x, &y, MARKERS)) });
+        }
+        let (x, y) = (along.label("displacement"), across.label("friction force"));
+        panels.push(Panel { x, y, series, strokes: Vec::new() });
+    }
+    panels
 }
 
 /// Panels over the contact; none of a run without profiles.

@@ -4,6 +4,7 @@ mod figure;
 pub mod measured;
 mod neglected_slip;
 pub mod quantity;
+mod rig;
 mod run;
 mod summary;
 mod trajectory;

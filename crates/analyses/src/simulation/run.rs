@@ -49,6 +49,8 @@ pub type Progress<'a> = &'a mut dyn FnMut(f64);
 pub struct Recording {
     /// Communication points, s.
     pub times: Vec<f64>,
+    /// Integral of the sliding velocity up to them, m.
+    pub displacement: Vec<f64>,
     /// Inputs and outputs at them.
     pub channels: Vec<Channel>,
     /// Distributions at the times asked for.
@@ -199,6 +201,7 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     };
     let mut recording = Recording {
         times: Vec::new(),
+        displacement: Vec::new(),
         channels: channels(),
         profiles: Vec::new(),
         level,
@@ -214,17 +217,22 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         neglected_slip: None,
         failure: None,
     };
-    let begin = Instant::now();
+    let (begin, mut displacement) = (Instant::now(), 0.0);
     for (count, &time) in points.iter().enumerate() {
         let stepped = match count {
-            0 => Ok(()),
+            0 => Ok(0.0),
             _ => step(&mut component, trajectory, points[count - 1], time),
         };
         recording.take_warnings(time, &mut component);
-        if let Err(reason) = stepped.and_then(|()| recording.record(time, &mut component)) {
+        let recorded = stepped.and_then(|moved| {
+            displacement += moved;
+            recording.record(time, &mut component)
+        });
+        if let Err(reason) = recorded {
             recording.failure = Some(reason);
             break;
         }
+        recording.displacement.push(displacement);
         if has_profiles && wanted.contains(&time) {
             recording.profiles.push(profiles(time, &mut component));
         }
@@ -241,8 +249,10 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
     Ok(recording)
 }
 
-/// A communication step with the inputs linear.
-fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) -> Result<(), String> {
+/// A communication step with the inputs linear; the displacement in it, m.
+fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) -> Result<f64, String> {
+    let velocity = find("sliding_velocity");
+    let mut displacement = 0.0;
     let interval = trajectory.interval(from);
     let step = to - from;
     for (input, values) in &trajectory.inputs {
@@ -251,10 +261,14 @@ fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) 
         if after != before {
             component.set_input_derivative(*input, (after - before) / step);
         }
+        if Some(*input) == velocity {
+            displacement = 0.5 * (before + after) * step;
+        }
     }
-    component.step(step).map_err(|text| {
+    let stepped = component.step(step).map_err(|text| {
         format!("the step from {} s to {} s failed{}: {text}", Number(from), Number(to), trajectory.place(interval))
-    })
+    });
+    stepped.map(|()| displacement)
 }
 
 /// Name of the level, and whether it has profiles over the contact.

@@ -3,6 +3,7 @@
 use super::measured::Measured;
 use super::neglected_slip::{NeglectedSlip, counted};
 use super::quantity::{Shown, number, rounded};
+use super::rig::Rig;
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use super::trips::{Trip, number_of, trips};
 use crate::largest;
@@ -179,6 +180,7 @@ impl Summary<'_> {
         .to_vec();
         lines.retain(|(name, _)| name != "airborne particles" || self.last("wear_mass_airborne") > 0.0);
         lines.extend(self.measured.iter().map(|own| (format!("deviation of {}", own.name), deviation(own))));
+        lines.extend(Rig::of(recording, self.measured).iter().flat_map(Rig::lines));
         lines.extend(trips(recording).iter().map(|trip| (format!("trip {}", number_of(trip.number)), trip.text())));
         lines.extend(recording.neglected_slip.iter().map(|slip| ("elastic slip, neglected".to_owned(), slip.text())));
         let warnings = &recording.warnings;
@@ -241,6 +243,7 @@ impl Summary<'_> {
             "estimated_error": self.last("estimated_error"),
             "neglected_slip": recording.neglected_slip.as_ref().map(NeglectedSlip::record),
             "wear_mass": self.masses(),
+            "rig": Rig::of(recording, self.measured).as_ref().map(Rig::record),
             "trips": trips(recording).iter().map(Trip::record).collect::<Vec<_>>(),
             "variables": recording.channels.iter().map(course).collect::<Map<String, Value>>(),
             "profiles": recording.profiles.iter().map(profiles).collect::<Vec<_>>(),
