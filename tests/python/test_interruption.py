@@ -66,7 +66,6 @@ LONG = {
     "host": "host.run_schedule(own, {}, schedule, outputs=['dissipated_energy'], step=1e-3)",
 }
 
-
 INTERRUPTED = """
 import os, signal, tempfile, threading, time, warnings
 import numpy as np
@@ -76,7 +75,7 @@ brake, punch = Scene.load("disc_brake"), Scene.load("reciprocating_punch")
 disc = brake.copy().set({"solver.fidelity": "line", "solver.cells": 257, "nominal.duration": "3000 s"})
 stops = {"time [s]": np.arange(0.0, 3000.0, 5.0), "sliding_velocity [m/s]": [10.0, 0.0] * 300, "normal_load [N]": 4000}
 line = Scene.load("pin_on_disk").set({"solver.fidelity": "line", "solver.cells": 129})
-tests = {"load [N]": [5, 10, 20, 40], "speed [m/s]": 0.1, "distance [m]": 1e5, "volume [mm3]": [10, 20, 40, 80]}
+tests = {"load [N]": [5, 10, 20, 40], "speed [m/s]": 0.1, "distance [m]": 1e4, "volume [mm3]": [1, 2, 4, 8]}
 HOST
 def late(*_):
     raise TimeoutError("late")
@@ -94,7 +93,6 @@ except (KeyboardInterrupt, TimeoutError) as error:
 time.sleep(0.1)
 assert all(thread.name != "sliding_contact" for thread in threading.enumerate())
 """
-
 
 OPENED = """
 own = host.Fmu(host.unpack("FMU", tempfile.mkdtemp() + "/fmu"))
