@@ -64,7 +64,7 @@ SCENE = Option(("scene",), "scene file, or name of a shipped scene (`sliding-con
 SET = Option(("-s", "--set"), 'another value of a variable, as punch.width="40 mm"; may be repeated', "KEY=VALUE", repeated=True)
 JSON = Option(("--json",), "print JSON instead of a table")
 PLOT = Option(("-p", "--plot"), "draw into this file (.svg, .pdf or .png); needs matplotlib", "FILE")
-INPUTS = Option(("-i", "--inputs"), "inputs over time (CSV): time [s], sliding_velocity [km/h], normal_load [kN], or any input with its unit", "FILE.csv")
+INPUTS = Option(("-i", "--inputs"), "inputs over time (CSV or Parquet): time [s], sliding_velocity [km/h], normal_load [kN], or any input with its unit", "FILE.csv")
 COLUMN = Option(("--column",), "what a column of another name is, as COF=friction_coefficient; may be repeated", "HEADER=VARIABLE", repeated=True)
 STRICT = Option(("--strict",), "refuse columns that are not known instead of leaving them out")
 CELLS = Option(("--cells",), "cells of the contact line; by default the scene's", "N")
@@ -201,7 +201,7 @@ COMMANDS = (
             SET,
             Option(("--step",), 'longest communication step, in seconds or as "20 ms"', "TIME"),
             Option(("--at",), 'times of the profiles over the contact, as 0,10,"2 min"', "TIMES", repeated=True),
-            Option(("-m", "--measured"), "measured record (CSV), drawn over the curves of the same names", "FILE.csv"),
+            Option(("-m", "--measured"), "measured record (CSV or Parquet), drawn over the curves of the same names", "FILE.csv"),
             Option(("-o", "--output"), "write every input and output over the time, in SI units", "FILE.csv"),
             COLUMN,
             STRICT,

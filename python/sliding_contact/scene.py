@@ -16,6 +16,7 @@ from . import _native
 from ._batch import Batch, batch
 from ._errors import Error, SceneWarning, writing
 from ._numbers import flag, number, plain
+from ._records import tests_of
 from ._tables import Columns, Table, source, tell
 from ._units import Value, converted, count, literal, seconds, split, tables, with_unit
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
@@ -330,7 +331,7 @@ class Scene:
         """
         from . import fit
 
-        return fit.fit(fit.Model(self, fit.tests_of(records, columns, strict)), parameters, confidence, scatter, progress)
+        return fit.fit(fit.Model(self, tests_of(records, columns, strict)), parameters, confidence, scatter, progress)
 
     def batch(
         self,
