@@ -5,56 +5,9 @@
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use fmu_build::native::Forwarded;
+use clap::Parser;
+use fmu_build::command_line::{Command, CommandLine};
 use fmu_build::{batch, bench, fit, native, output, package, realtime, reference, release, run, site, soak, test};
-
-/// Wear and heat in a sliding contact: makes, runs and tests the FMU.
-#[derive(Parser, Debug)]
-#[command(name = "cargo fmu", bin_name = "cargo fmu", version, arg_required_else_help = true)]
-struct CommandLine {
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Subcommand, Debug)]
-enum Command {
-    Package(package::Arguments),
-    Wheel(package::wheel::Arguments),
-    Release(release::Arguments),
-    Run(run::Arguments),
-    Test(test::Arguments),
-    Bench(bench::Arguments),
-    Realtime(realtime::Arguments),
-    Site(site::Arguments),
-    Reference(reference::Arguments),
-    Soak(soak::Arguments),
-    #[command(about = native::SIMULATE)]
-    Simulate(Forwarded),
-    #[command(about = native::STEADY)]
-    Steady(Forwarded),
-    #[command(about = native::CYCLES)]
-    Cycles(Forwarded),
-    #[command(about = native::TABLES)]
-    Tables(Forwarded),
-    #[command(about = native::VERIFY)]
-    Verify(Forwarded),
-    Batch(batch::Arguments),
-    Fit(fit::Arguments),
-    /// A process of `batch`, which starts it.
-    #[command(hide = true)]
-    BatchWorker,
-    #[command(about = native::STABILITY)]
-    Stability(Forwarded),
-    #[command(about = native::CHART)]
-    Chart(Forwarded),
-    #[command(about = native::PLAN)]
-    Plan(Forwarded),
-    #[command(about = native::GOLDEN)]
-    Golden(Forwarded),
-    #[command(about = native::FUZZ)]
-    Fuzz(Forwarded),
-}
 
 fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args_os().skip(1).collect();
@@ -84,6 +37,7 @@ fn main() -> ExitCode {
             | Command::Chart(_)
             | Command::Plan(_)
             | Command::Golden(_)
+            | Command::Man(_)
             | Command::Fuzz(_) => native::forward(&arguments),
         },
     };

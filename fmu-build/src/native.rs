@@ -30,6 +30,7 @@ commands! {
     PLAN = "plan", "Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out";
     GOLDEN = "golden", "Record what the golden scenes compute, or compare it with the records to the bit";
     FUZZ = "fuzz", "Call the library, its states, scene files and batch inputs with random values and sequences, and report what breaks";
+    MAN = "man", "Write man pages and completions of bash, zsh and fish for all commands to a folder";
 }
 
 /// Whether a command of this name is among them.

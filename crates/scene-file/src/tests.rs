@@ -1,7 +1,8 @@
 //! Valid scene files, and the message for every invalid entry.
 
 use super::*;
-use scene::variables::check_parameter;
+use scene::variables::{COUNT, check_parameter, lookup};
+use std::collections::BTreeSet;
 
 fn start(scene: &SceneFile, name: &str) -> f64 {
     scene.packaged.starts[find(name).unwrap() as usize]
@@ -367,4 +368,30 @@ fn messages_quote_no_more_than_the_beginning_of_a_text() {
     for message in messages {
         assert!(message.len() < 1000, "{} bytes: {}", message.len(), &message[..1000]);
     }
+}
+
+#[test]
+fn the_stock_brake_is_that_of_the_example_without_its_tables_radiation_limits_and_conditions() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let [stock, example] = [None, Some("disc_brake")].map(|name| shipped::load(name, &folder).unwrap().packaged);
+    let differing = (0..COUNT).filter(|&at| stock.starts[at] != example.starts[at]);
+    let names: BTreeSet<&str> = differing.map(|at| lookup(at as u32).unwrap().0.name).collect();
+    let expected = [
+        "contact.friction_fade.factor",
+        "contact.friction_fade.temperature",
+        "contact.temperature_limit",
+        "contact.temperature_limited",
+        "nominal.duration",
+        "nominal.load",
+        "nominal.velocity",
+        "punch.airborne_fraction",
+        "punch.wear_fade.factor",
+        "punch.wear_fade.temperature",
+        "punch.wear_limit",
+        "solver.fidelity",
+        "strip.airborne_fraction",
+        "strip.emissivity",
+        "strip.wear_limit",
+    ];
+    assert_eq!(names.into_iter().collect::<Vec<_>>(), expected);
 }

@@ -11,6 +11,7 @@ mod cycles;
 mod figure;
 mod fuzz;
 mod golden;
+mod man;
 mod plan;
 mod simulate;
 mod stability;
@@ -20,7 +21,7 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use fmu_build::{arguments, columns, output, package, parquet, plot, project, python, scenes};
 
 /// Commands of `cargo fmu` that compute natively.
@@ -46,6 +47,7 @@ enum Command {
     Plan(plan::Arguments),
     Golden(golden::Arguments),
     Fuzz(fuzz::Arguments),
+    Man(man::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => plan::execute(&arguments),
         Command::Golden(arguments) => golden::execute(&arguments),
         Command::Fuzz(arguments) => fuzz::execute(&arguments),
+        Command::Man(arguments) => man::execute(&arguments, CommandLine::command()),
     })
 }
 

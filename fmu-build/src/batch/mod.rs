@@ -2,6 +2,7 @@
 
 mod course;
 pub mod example;
+mod percentiles;
 mod pool;
 mod results;
 mod tables;
@@ -17,6 +18,7 @@ use crate::{arguments, package, parquet, project, scenes};
 use anyhow::{Context, Result, anyhow, bail};
 use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
+use percentiles::{Percentiles, percentiles};
 use results::{Identity, Results, Row};
 use scene::message::Clipped;
 use std::fs;
@@ -76,7 +78,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "wear_depth,contact_temperature,friction_force,dissipated_energy,limit_reached"
+        default_value = "wear_depth,wear_depth_punch,wear_depth_strip,contact_temperature,friction_force,dissipated_energy,limit_reached"
     )]
     record: Vec<String>,
     /// Outputs whose largest value is kept.
@@ -159,6 +161,7 @@ struct Summary {
     failed: usize,
     /// The most frequent reasons.
     reasons: Vec<results::Reason>,
+    percentiles: Vec<Percentiles>,
     ran_now: usize,
     seconds: f64,
     jobs: usize,
@@ -215,6 +218,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     };
     check(&job, &table, worker.description())?;
     let header = header(&job, &table, worker.description())?;
+    let description = worker.description().clone();
     drop(worker);
     let inputs = inputs.map(fs::read).transpose()?;
     let recorded = format!("{:?}", (&job.record, &job.peak));
@@ -240,11 +244,20 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         failed_now += usize::from(answer.status != worker::OK);
         results.add(&Row::of(scene, &table.rows[scene], answer, job.record.len() + job.peak.len()))?;
         done += 1;
-        progress.reached(done as f64 / count as f64, || format!("{done} of {count} scenes, {failed_now} failed"));
+        progress.reached(done as f64 / count as f64, || {
+            format!(
+                "{done} of {count} scenes, {failed_now} failed; ended with Ctrl-C, the same command goes on from here"
+            )
+        });
         Ok(())
     })?;
     drop(progress);
     let seconds = begin.elapsed().as_secs_f64();
+    let width = job.record.len() + job.peak.len();
+    let first = header.len() - 2 - width;
+    let start = |name: &str| description.find(name).ok().and_then(|own| own.start.parse().ok()).unwrap_or(0.0);
+    let columns = &header[1..];
+    let percentiles = percentiles(columns, first - 1..first - 1 + width, start, results.rows());
     let failures = results.finish()?;
     if as_parquet {
         parquet::write(rows, output)?;
@@ -252,7 +265,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let failed = failures.count;
     let reasons: Vec<results::Reason> = failures.reasons.into_iter().take(REASONS).collect();
     let output = output.clone();
-    let summary = Summary { scenes: table.rows.len(), failed, reasons, ran_now, seconds, jobs, output };
+    let summary = Summary { scenes: table.rows.len(), failed, reasons, percentiles, ran_now, seconds, jobs, output };
     if arguments.json {
         print_line!("{}", serde_json::to_string_pretty(&summary)?);
     } else {
@@ -261,6 +274,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             output::counted(summary.scenes, "scene"),
             summary.output.display()
         );
+        if summary.scenes - failed > 1 {
+            print_line!("{}", percentiles::table(&summary.percentiles));
+        }
         for results::Reason { reason, scenes, first } in &summary.reasons {
             print_line!("  {scenes} x {reason} (first in scene {first})");
         }

@@ -212,6 +212,11 @@ impl Results {
         Ok(Self { output: output.to_owned(), partial, batch, identity, header: header.to_vec(), file, rows })
     }
 
+    /// Cells of the rows that are there, without the number of the scene.
+    pub fn rows(&self) -> impl Iterator<Item = &Vec<String>> + Clone {
+        self.rows.values()
+    }
+
     /// Whether the scene's row is there.
     pub fn has(&self, scene: usize) -> bool {
         self.rows.contains_key(&scene)

@@ -1,5 +1,5 @@
-//! Parameters. The start values are those of a car's front disc brake, so that the stock FMU runs
-//! as it is.
+//! Parameters. The start values are those of the front disc brake of examples/disc_brake without its tables, radiation, limits and
+//! nominal conditions (test in `scene-file`), so that the stock FMU runs as it is.
 
 use super::super::units::*;
 use super::super::{EnumerationType, TOLERANCES};
