@@ -67,6 +67,23 @@ impl Case {
                 [velocity, load, (to - velocity) / step, (carried - load) / step]
             })
             .collect();
+        if number % 3 == 0 {
+            let (conductivity, specific_heat) = (random.between(5.0, 60.0), random.between(300.0, 900.0));
+            for (name, value) in [
+                ("strip.property_table.points", 3.0),
+                ("strip.property_table.temperature[1]", 250.0),
+                ("strip.property_table.temperature[2]", random.between(295.0, 330.0)),
+                ("strip.property_table.temperature[3]", 700.0),
+                ("strip.property_table.conductivity[1]", conductivity),
+                ("strip.property_table.conductivity[2]", conductivity * random.between(0.7, 1.3)),
+                ("strip.property_table.conductivity[3]", conductivity * random.between(0.5, 1.5)),
+                ("strip.property_table.specific_heat[1]", specific_heat),
+                ("strip.property_table.specific_heat[2]", specific_heat * random.between(1.0, 1.5)),
+                ("strip.property_table.specific_heat[3]", specific_heat * random.between(1.0, 3.0)),
+            ] {
+                changes.push((name, value));
+            }
+        }
         Case { changes, name, step, inputs }
     }
 

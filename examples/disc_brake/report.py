@@ -24,6 +24,7 @@ class Summary:
     pad_wear_um: float
     disc_wear_um: float
     stops: int
+    brake_applications: int
     worn_mass_mg: float
     airborne_mass_mg: float
     energy_in_kJ: float
@@ -40,9 +41,10 @@ class Summary:
         return asdict(self)
 
     def over_drive(self, mass):
-        """A mass [mg] over the distance that the car drives and over its stops."""
+        """A mass [mg] over the distance that the car drives, over its stops and over the times that the driver brakes."""
         distance = f", {mass / self.distance_km:.3g} mg/km" if self.distance_km > 0.0 else ""
-        return distance + (f", {mass / self.stops:.3g} mg a stop" if self.stops else "")
+        counts = ((self.stops, "stop"), (self.brake_applications, "brake application"))
+        return distance + "".join(f", {mass / count:.3g} mg a {name}" for count, name in counts if count)
 
     def rows(self):
         """Quantities compared between levels, and the statistics of the run, as pairs of texts."""
@@ -105,6 +107,7 @@ def of_trips(recording, drive, trips):
             "disc_temperature_start_degC": float(np.interp(start, time, recording["strip.mean_temperature"])) - ZERO_CELSIUS,
             "disc_temperature_peak_degC": float(recording["strip.mean_temperature"][within].max()) - ZERO_CELSIUS,
             "stops": stops(drive.speed[(drive.time >= start) & (drive.time <= end)]),
+            "brake_applications": brake_applications(drive, start, end),
             "worn_mass_mg": over["worn"],
             "airborne_mass_mg": over["airborne"],
         })
@@ -113,10 +116,11 @@ def of_trips(recording, drive, trips):
 
 def trips_table(trips):
     """One line of text for every trip."""
-    lines = ["  trip      km  stops  contact, peak  disc, start and peak, degC  worn, mg/km  of it airborne"]
+    lines = ["  trip      km  stops  brakings  contact, peak  disc, start and peak, degC  worn, mg/km  of it airborne"]
     for trip in trips:
         distance = trip["distance_km"] if trip["distance_km"] > 0.0 else math.nan
-        lines.append(f"  {trip['trip']:4} {trip['distance_km']:7.2f} {trip['stops']:6} {trip['contact_temperature_peak_degC']:14.1f} "
+        lines.append(f"  {trip['trip']:4} {trip['distance_km']:7.2f} {trip['stops']:6} {trip['brake_applications']:9} "
+                     f"{trip['contact_temperature_peak_degC']:14.1f} "
                      f"{trip['disc_temperature_start_degC']:16.1f} {trip['disc_temperature_peak_degC']:10.1f} "
                      f"{trip['worn_mass_mg'] / distance:12.3g} {trip['airborne_mass_mg'] / distance:15.3g}")
     return "\n".join(lines)
@@ -176,6 +180,16 @@ def stops(speed):
     return int(np.sum(~rests[:-1] & rests[1:]))
 
 
+def brake_applications(drive, start, end):
+    """How often the driver of a moving car begins to brake between two times, as the 303 events of the WLTP brake cycle are counted:
+    from released pads to released pads, a stop and the holding after it included."""
+    pressed = drive.normal_load > 0.0
+    begins = np.flatnonzero(pressed & ~np.insert(pressed[:-1], 0, False))
+    moving = [bool(np.any(pressed[first:last] & (drive.speed[first:last] > 0.0)))
+              for first, last in zip(begins, [*begins[1:], pressed.size])]
+    return sum(int(moved and start <= drive.time[first] < end) for first, moved in zip(begins, moving))
+
+
 def summarise(recording, drive):
     """The summary of a recording of `drive`."""
     time = recording["time"]
@@ -200,6 +214,7 @@ def summarise(recording, drive):
         pad_wear_um=float(recording["wear_depth_punch"][-1]) * 1e6,
         disc_wear_um=float(recording["wear_depth_strip"][-1]) * 1e6,
         stops=stops(drive.speed),
+        brake_applications=brake_applications(drive, 0.0, duration),
         worn_mass_mg=1e6 * float(recording["wear_mass_punch"][-1] + recording["wear_mass_strip"][-1]),
         airborne_mass_mg=1e6 * float(recording["wear_mass_airborne"][-1]),
         energy_in_kJ=energy / 1e3,

@@ -1,5 +1,6 @@
 """Published solutions, written down from their sources (README.md) and sharing nothing with the model."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,133 @@ def stop_disc(
     decay = np.exp(-np.outer(time, rate))
     modes = (1.0 - decay) * (1.0 + 1.0 / (rate * duration)) - np.outer(time, np.ones(terms)) / duration
     return mean + 2.0 * flux * height / (conductivity * np.pi**2) * (modes / n**2).sum(axis=1)
+
+
+def heated_annulus(
+    radii: tuple[float, float, float],
+    height: float,
+    flux: Callable[[np.ndarray, float, np.ndarray], np.ndarray],
+    duration: float,
+    conductivity: Callable[[np.ndarray], np.ndarray],
+    capacity: Callable[[np.ndarray], np.ndarray],
+    start: float,
+    cells: tuple[int, int] = (95, 11),
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Ring between the first and the last of `radii` (m), whose face takes up `flux` (W/m2) of radius, time and temperature of the
+    face from the second radius on; all other faces are insulated. Radii of the cells, their faces' temperature (K) at the end, and the highest ever.
+
+    Explicit finite volumes with the properties of the local temperature, W/(m.K) and J/(m3.K).
+    """
+    (inner, heated, outer), (rings, layers) = radii, cells
+    edges = np.linspace(inner, outer, rings + 1)
+    r, dr, dz = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0], height / layers
+    field, face, highest = np.full((rings, layers), start), np.full(rings, start), start
+    count = int(duration * 5.0 * conductivity(field[0, 0]) / capacity(field[0, 0]) / min(dr, dz) ** 2) + 1
+    step = duration / count
+    radial, axial = np.zeros((rings + 1, layers)), np.zeros((rings, layers + 1))
+    for index in range(count):
+        local = conductivity(field)
+        radial[1:-1] = -0.5 * (local[1:] + local[:-1]) * np.diff(field, axis=0) / dr * edges[1:-1, None]
+        axial[:, 1:-1] = -0.5 * (local[:, 1:] + local[:, :-1]) * np.diff(field, axis=1) / dz
+        enters = np.where(r >= heated, flux(r, (index + 0.5) * step, face), 0.0)
+        axial[:, -1] = -enters
+        field = field - step / capacity(field) * (np.diff(radial, axis=0) / (r[:, None] * dr) + np.diff(axial, axis=1) / dz)
+        face = field[:, -1] + 0.5 * dz * enters / local[:, -1]
+        highest = max(highest, float(face.max()))
+    return r, face, highest
+
+
+def steel_conductivity(kelvin: np.ndarray) -> np.ndarray:
+    """EN 1993-1-2, 3.4.1.3: conductivity (W/(m.K)) of carbon steel."""
+    celsius = kelvin - 273.15
+    return np.where(celsius < 800.0, 54.0 - 3.33e-2 * celsius, 27.3)
+
+
+def steel_capacity(kelvin: np.ndarray) -> np.ndarray:
+    """EN 1993-1-2, 3.4.1.2: heat capacity (J/(m3.K)) of carbon steel below 735 degC, at 7,850 kg/m3."""
+    celsius = kelvin - 273.15
+    low = 425.0 + 0.773 * celsius - 1.69e-3 * celsius**2 + 2.22e-6 * celsius**3
+    return 7850.0 * np.where(celsius < 600.0, low, 666.0 + 13002.0 / (738.0 - np.minimum(celsius, 735.0)))
+
+
+def moving_source(
+    length: float,
+    height: float,
+    contact: float,
+    speed: float,
+    flux: float,
+    duration: float,
+    conductivity: Callable[[np.ndarray], np.ndarray],
+    capacity: Callable[[np.ndarray], np.ndarray],
+    start: float,
+    every: float,
+    cells: int = 100,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Closed strip under a contact that slides round it and heats it by `flux` (W/m2), insulated elsewhere, with the properties of the
+    local temperature: times, mean temperature, mean and highest of the face in the contact (K).
+
+    Plane finite volumes fixed to the strip; the contact moves by a cell in a step. Crank and Nicolson's scheme in depth on layers that
+    grow by 15 % from 40 µm on, explicit along the strip, enthalpy conserved up to the iteration: two rounds.
+    """
+    width = length / cells
+    step, covered = width / speed, round(contact / width)
+    layers = [4e-5]
+    while sum(layers) < height:
+        layers.append(1.15 * layers[-1])
+    layer = np.array(layers)[:, None] * height / sum(layers)
+    gap = 0.5 * (layer[1:] + layer[:-1])
+    kelvin = np.linspace(start, start + 1000.0, 10001)
+    stored = np.concatenate(([0.0], np.cumsum(0.05 * (capacity(kelvin)[1:] + capacity(kelvin)[:-1]))))
+    field, found = np.full((layer.size, cells), start), []
+    for index in range(round(duration / step)):
+        heated = (index + np.arange(covered + 1)) % cells
+        taken = np.zeros(cells)
+        taken[heated] = flux
+        taken[heated[[0, -1]]] *= 0.5
+        local = conductivity(field)
+        along = -0.5 * (local + np.roll(local, -1, 1)) * (np.roll(field, -1, 1) - field) / width
+        source = (np.roll(along, 1, 1) - along) * layer / width
+        source[0] += taken
+        before, ahead = np.interp(field, kelvin, stored), field
+        for _ in range(2):
+            change = np.where(ahead == field, 1.0, ahead - field)
+            secant = np.where(ahead == field, capacity(field), (np.interp(ahead, kelvin, stored) - before) / change)
+            middle = conductivity(0.5 * (field + ahead))
+            half = 0.25 * (middle[1:] + middle[:-1]) / gap
+            explicit = np.zeros_like(field)
+            explicit[:-1] += half * np.diff(field, axis=0)
+            explicit[1:] -= half * np.diff(field, axis=0)
+            ahead = field + tridiagonal(secant * layer / step, half, source + 2.0 * explicit)
+        field = ahead
+        if (index + 1) % round(every / step) == 0:
+            under = (index + 1 + np.arange(covered)) % cells
+            face = field[0, under] + 0.5 * layer[0] * flux / conductivity(field[0, under])
+            found.append(((index + 1) * step, float((field * layer).sum()) / (height * cells), face.mean(), face.max()))
+    times, mean, average, highest = np.array(found).T
+    return times, mean, average, highest
+
+
+def tridiagonal(diagonal: np.ndarray, couplings: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Columns x with (diagonal + sum of the row's couplings) x - couplings times the neighbours = right: Thomas's algorithm."""
+    size = len(diagonal)
+    upper, values = np.zeros_like(diagonal), np.zeros_like(right)
+    for row in range(size):
+        pivot = diagonal[row] + (couplings[row] if row + 1 < size else 0.0)
+        known = right[row]
+        if row > 0:
+            pivot = pivot + couplings[row - 1] * (1.0 - upper[row - 1])
+            known = known + couplings[row - 1] * values[row - 1]
+        upper[row] = couplings[row] / pivot if row + 1 < size else 0.0
+        values[row] = known / pivot
+    for row in range(size - 2, -1, -1):
+        values[row] += upper[row] * values[row + 1]
+    return values
+
+
+def brake_emission(speed: np.ndarray) -> np.ndarray:
+    """EMEP/EEA: PM10 (mg/km) from the brakes of a car over its mean speed (km/h)."""
+    factor = np.where(speed < 40.0, 1.67, np.where(speed > 95.0, 0.185, 2.75 - 0.027 * speed))
+    return 7.5 * 0.98 * factor
 
 
 def repeated_stops(rise: float, exponent: float, count: np.ndarray) -> np.ndarray:

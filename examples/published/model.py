@@ -25,6 +25,7 @@ OUTPUTS = {
     "strip_heat": "heat_received_strip",
     "mean_pressure": "pressure_mean",
     "fraction": "contact_fraction",
+    "airborne": "wear_mass_airborne",
     "x": "profile.x",
     "pressure": "profile.pressure",
     "local_temperature": "profile.temperature",

@@ -103,7 +103,7 @@ def region(axis: Axes, found: Any) -> None:
         power = 0 if -2 <= power <= 2 else power
         units[at] = factor / 10.0**power
         scale = f"$10^{{{power}}}$ " if power else ""
-        labels.append(name.replace("_", " ") + (f" ({scale}{shown})" if scale or shown else ""))
+        labels.append(name + (f" ({scale}{shown})" if scale or shown else ""))
     curve = [
         units[at] * (found.values[at] + outline[at] if fit.is_exponent(name) else found.values[at] * np.exp(outline[at]))
         for at, name in enumerate(found.names[:2])

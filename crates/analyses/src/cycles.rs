@@ -1,11 +1,13 @@
 //! Reciprocating sliding over many cycles by cycle jumps.
 
-use ::steady::thermal::{instability, nominal_half_strokes};
+use crate::steady::cell_count;
+use ::steady::states::Sliding;
+use ::steady::thermal::{at_steady_properties, instability, nominal_half_strokes};
 use anyhow::{Context, Result, anyhow, bail};
+use elasticity::discretization::{cells_for, compliances};
 use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
-
 use model::line::operators::{LineOperators, StripWear};
 use scene::{Path, Scene};
 use scene_file::SceneFile;
@@ -102,6 +104,14 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     scene.nominal_duration = scene.nominal_duration.max(period * options.cycles);
     let warm = !options.cold && is_resolved(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
+    if warm && [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()) {
+        // The cycles have the properties of the temperatures to which they lead.
+        let cells = cells_for(&scene, cell_count(&scene, None))?;
+        let bodies = compliances(&scene, &cells)?;
+        let steady = at_steady_properties(&scene, &cells, &bodies, &Sliding::nominal(&scene));
+        let steady = steady.with_context(|| format!("the scene {name}: properties of its steady cycle"))?;
+        scene = steady.0;
+    }
     let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
     let cycled = if tracked { scene.clone() } else { sliding_scene(&scene) };
     let operators = LineOperators::with_heat(&cycled, warm, steady::run_in)

@@ -48,14 +48,21 @@ pub struct Properties {
     steepest: f64,
     /// Relative change of the property that changes more, added up from the first point of the table to each.
     changes: [f64; PROPERTY_POINTS],
+    /// Relative change over a part of the temperature in which the properties count as constant.
+    part: f64,
 }
 
-/// Relative change of the properties over a part of the temperature in which they count as constant.
+/// Largest relative change of the properties over a part of the temperature in which they count as constant, and the same over the
+/// tolerance of the scene: half of it, times the deviation from the mean, is the error of a step by it.
 const PART: f64 = 0.01;
+const PART_OVER_TOLERANCE: f64 = 10.0;
+
+/// Distance from the ends of a part within which rounding decides to which of both a temperature belongs, K.
+const WITHIN: f64 = 1e-6;
 
 impl Properties {
-    /// Of a body with a table; `None` for constants, and for an insulator.
-    pub fn of(body: &Body) -> Option<Properties> {
+    /// Of a body with a table in a scene of this `tolerance`; `None` for constants, and for an insulator.
+    pub fn of(body: &Body, tolerance: f64) -> Option<Properties> {
         let table = body.properties.filter(|_| body.conductivity > 0.0)?;
         let steepest = (1..table.points).flat_map(|i| {
             let width = table.temperature[i] - table.temperature[i - 1];
@@ -68,7 +75,8 @@ impl Properties {
             let logarithms = [&table.conductivity, &table.specific_heat].map(|row| (row[i] / row[i - 1]).ln().abs());
             changes[i] = changes[i - 1] + logarithms[0].max(logarithms[1]);
         }
-        Some(Properties { table, constants: [body.conductivity, body.specific_heat], steepest, changes })
+        let (constants, part) = ([body.conductivity, body.specific_heat], PART.min(PART_OVER_TOLERANCE * tolerance));
+        Some(Properties { table, constants, steepest, changes, part })
     }
 
     /// Specific heat of the reduced model, J/(kg K).
@@ -84,9 +92,9 @@ impl Properties {
         Scales { flux, pace: self.constants[1] / (specific_heat * flux) }
     }
 
-    /// Temperature (K) that stands for the part of the temperature around `temperature` in which the properties count as constant: the middle of
-    /// the part, by the change of the properties.
-    pub fn part(&self, temperature: f64) -> f64 {
+    /// Temperature (K) that stands for the part of the temperature around `temperature` in which the properties count as constant: the middle
+    /// of the part, by the change of the properties; and ends between which all temperatures have it.
+    pub fn part(&self, temperature: f64) -> (f64, [f64; 2]) {
         let (points, changes) = (&self.table.temperature[..self.table.points], &self.changes);
         let next = points.partition_point(|point| *point <= temperature);
         let change = if next == 0 || next == points.len() {
@@ -95,12 +103,19 @@ impl Properties {
             let part = (temperature - points[next - 1]) / (points[next] - points[next - 1]);
             changes[next - 1] + (changes[next] - changes[next - 1]) * part
         };
-        let last = changes[points.len() - 1];
-        let middle = (((change / PART).floor() + 0.5) * PART).min(last);
-        let at = changes[..points.len()].partition_point(|known| *known < middle).clamp(1, points.len() - 1);
-        let width = changes[at] - changes[at - 1];
-        let inside = if width > 0.0 { (middle - changes[at - 1]) / width } else { 1.0 };
-        points[at - 1] + inside * (points[at] - points[at - 1])
+        let (number, last) = ((change / self.part).floor(), changes[points.len() - 1]);
+        let at = |change: f64| {
+            let at = changes[..points.len()].partition_point(|known| *known < change).clamp(1, points.len() - 1);
+            let width = changes[at] - changes[at - 1];
+            let inside = if width > 0.0 { (change - changes[at - 1]) / width } else { 1.0 };
+            points[at - 1] + inside * (points[at] - points[at - 1])
+        };
+        let end = |number: f64, beyond: f64| {
+            let change = number * self.part;
+            if change > 0.0 && change <= last { at(change) } else { beyond }
+        };
+        let ends = [end(number, f64::NEG_INFINITY) + WITHIN, end(number + 1.0, f64::INFINITY) - WITHIN];
+        (at(((number + 0.5) * self.part).min(last)), ends)
     }
 
     /// Larger relative change of conductivity and specific heat between two temperatures, K; its bound by the steepest part of the table
@@ -127,7 +142,7 @@ impl Properties {
             conductivity: [conductivity; PROPERTY_POINTS],
             specific_heat: [specific_heat; PROPERTY_POINTS],
         };
-        Properties { table, constants, steepest: 0.0, changes: [0.0; PROPERTY_POINTS] }
+        Properties { table, constants, steepest: 0.0, changes: [0.0; PROPERTY_POINTS], part: PART }
     }
 }
 
@@ -149,7 +164,7 @@ mod tests {
                 set(format!("strip.property_table.{row}[{}]", i + 1), value);
             }
         }
-        Properties::of(&Scene::new(&starts, None).unwrap().strip).unwrap()
+        Properties::of(&Scene::new(&starts, None).unwrap().strip, PART).unwrap()
     }
 
     #[test]
@@ -158,8 +173,9 @@ mod tests {
         let mut parts = Vec::new();
         for i in 0..4000 {
             let t = 250.0 + 0.2 * f64::from(i);
-            let part = properties.part(t);
-            assert_eq!(properties.part(part), part, "{t}: {part}");
+            let (part, ends) = properties.part(t);
+            assert_eq!(properties.part(part), (part, ends), "{t}: {part}");
+            assert!(ends[0] <= t + 1e-5 && t <= ends[1] + 1e-5, "{t}: {ends:?}");
             let [one, other] = [properties.table.at(t), properties.table.at(part)];
             for k in 0..2 {
                 assert!((one[k] / other[k] - 1.0).abs() < 0.7 * PART, "{t} {part}: {one:?} {other:?}");

@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
+use super::block::Block;
 pub use super::body_error::{BodyError, BodyReason};
 use super::{Cells, Compliance, OutOfRange, kinds};
 use scene::{Geometry, Scene};
@@ -46,10 +47,33 @@ pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
 /// # Errors
 /// Elastic constants or a height outside their range, a block too slender or too flat.
 pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
-    let punch =
-        kinds::compliance(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
-    let strip =
-        kinds::compliance(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;
+    compliances_with(scene, cells, punch_block(scene, cells, false)?.as_ref())
+}
+
+/// Finite elements of the punch, where its compliance or, if it is heated, its distortion is that of a block.
+///
+/// # Errors
+/// As [`compliances`].
+pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<Block>, BodyError> {
+    let is_distorted = heated
+        && scene.punch.conductivity > 0.0
+        && scene.punch.thermal_expansion > 0.0
+        && kinds::is_distorted_as_block(scene);
+    if !(is_distorted || kinds::is_pressed_as_block(scene)) {
+        return Ok(None);
+    }
+    kinds::block(scene, cells).map(Some).map_err(|reason| BodyError { body: "punch", reason })
+}
+
+/// [`compliances`] with the block of [`punch_block`].
+///
+/// # Errors
+/// As [`compliances`].
+pub fn compliances_with(scene: &Scene, cells: &Cells, block: Option<&Block>) -> Result<[Compliance; 2], BodyError> {
+    let punch = kinds::compliance(scene, cells, &scene.punch, true, block)
+        .map_err(|reason| BodyError { body: "punch", reason })?;
+    let strip = kinds::compliance(scene, cells, &scene.strip, false, None)
+        .map_err(|reason| BodyError { body: "strip", reason })?;
     let mut both = [punch, strip];
     if !scene.shear_coupling || scene.geometry == Geometry::Annular {
         both.iter_mut().for_each(|compliance| compliance.shear.fill(0.0));

@@ -27,17 +27,13 @@ const MEAN_TOLERANCE: f64 = 1e-1;
 const MEAN_PROPORTIONS: [f64; 2] = [0.1, 2.0];
 
 /// Compliance of a body on the cells; see [`crate::discretization::compliances`].
-pub(crate) fn compliance(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
-    compliance_within(scene, cells, body, punch, scene.tolerance.min(PRESSURE_TOLERANCE))
-}
-
-/// [`compliance`] with finite elements of this tolerance.
-fn compliance_within(
+/// `block` is that of the punch, if it is one.
+pub(crate) fn compliance(
     scene: &Scene,
     cells: &Cells,
     body: &Body,
     punch: bool,
-    tolerance: f64,
+    block: Option<&Block>,
 ) -> Result<Compliance, BodyReason> {
     if body.mechanical == MechanicalBody::Rigid {
         return Ok(Rigid.compliance(cells));
@@ -64,11 +60,22 @@ fn compliance_within(
             Strip::new(material, body.height, base, extent)?.try_compliance(cells)?
         }
         (MechanicalBody::Elastic, _) => {
-            let compliance = block(scene, cells, body, tolerance)?.compliance(cells.edges())?;
+            let compliance = block.expect("an elastic punch is a block").compliance(cells.edges())?;
             Compliance { normal: compliance.normal, shear: compliance.shear }
         }
     };
     Ok(compliance)
+}
+
+/// Whether the distortion of the heated punch is that of a block: also of a rigid one and of a half-plane, which conduct as blocks of
+/// their own height.
+pub fn is_distorted_as_block(scene: &Scene) -> bool {
+    scene.geometry != Geometry::Periodic && scene.punch.mechanical != MechanicalBody::Winkler
+}
+
+/// Whether the compliance of the punch is that of a block.
+pub(crate) fn is_pressed_as_block(scene: &Scene) -> bool {
+    scene.geometry != Geometry::Periodic && scene.punch.mechanical == MechanicalBody::Elastic
 }
 
 /// Checks the height of an elastic body over the width of the contact: by the variables of the scene, before a method that knows
@@ -84,15 +91,26 @@ fn check_proportions(scene: &Scene, body: &Body, punch: bool) -> Result<(), Body
     Err(BodyReason::Proportions { height, width, least, largest })
 }
 
-/// The finite-element block of the punch.
-fn block(scene: &Scene, cells: &Cells, body: &Body, tolerance: f64) -> Result<Block, BodyReason> {
+/// Finite elements of the punch, of the tolerance of the scene.
+pub(crate) fn block(scene: &Scene, cells: &Cells) -> Result<Block, BodyReason> {
+    let is_pressed = is_pressed_as_block(scene);
+    if is_pressed {
+        check_proportions(scene, &scene.punch, true)?;
+    }
+    // Without a compliance of its own the punch may have any modulus, on which its distortion does not depend.
+    let youngs_modulus = if is_pressed { scene.punch.youngs_modulus } else { 1.0 };
+    let body = Body { youngs_modulus, ..scene.punch.clone() };
+    block_within(cells, &body, scene.tolerance.min(PRESSURE_TOLERANCE))
+}
+
+fn block_within(cells: &Cells, body: &Body, tolerance: f64) -> Result<Block, BodyReason> {
     let properties = BlockProperties {
-        width: scene.width,
+        width: 2.0 * cells.half_width(),
         height: body.height,
         youngs_modulus: body.youngs_modulus,
         poissons_ratio: body.poissons_ratio,
     };
-    let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
+    let discretization = Discretization::for_cells(properties.width, body.height, cells.edges(), tolerance);
     Ok(Block::new(properties, discretization)?)
 }
 
@@ -116,18 +134,7 @@ pub(crate) fn tangential_by_shear(
     body: &Body,
     compliance: Compliance,
     punch: bool,
-) -> Result<DMatrix<f64>, BodyReason> {
-    tangential_within(scene, cells, body, compliance, punch, scene.tolerance.min(PRESSURE_TOLERANCE))
-}
-
-/// [`tangential_by_shear`] with finite elements of this tolerance.
-fn tangential_within(
-    scene: &Scene,
-    cells: &Cells,
-    body: &Body,
-    compliance: Compliance,
-    punch: bool,
-    tolerance: f64,
+    block: Option<&Block>,
 ) -> Result<DMatrix<f64>, BodyReason> {
     let count = cells.count();
     let periodic = scene.geometry == Geometry::Periodic;
@@ -135,7 +142,7 @@ fn tangential_within(
         MechanicalBody::Rigid | MechanicalBody::Winkler => DMatrix::zeros(count, count),
         MechanicalBody::HalfPlane => compliance.normal,
         MechanicalBody::Elastic if punch && !periodic => {
-            block(scene, cells, body, tolerance)?.tangential_by_shear(cells.edges())?
+            block.expect("an elastic punch is a block").tangential_by_shear(cells.edges())?
         }
         MechanicalBody::Elastic => {
             let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
@@ -198,12 +205,13 @@ pub fn mean_tangential_compliance(scene: &Scene, body: &Body, punch: bool) -> f6
     let resolved = Body { height, ..body.clone() };
     let cell = Cells::uniform(0.5 * scene.width, 1).expect("a scene has a width");
     let on_cell = || -> Result<f64, BodyReason> {
+        let block = is_block.then(|| block_within(&cell, &resolved, MEAN_TOLERANCE)).transpose()?;
         let compliance = match is_block {
             // Not asked for by a block.
             true => Compliance { normal: DMatrix::zeros(1, 1), shear: DMatrix::zeros(1, 1) },
-            false => compliance_within(scene, &cell, &resolved, punch, MEAN_TOLERANCE)?,
+            false => compliance(scene, &cell, &resolved, punch, None)?,
         };
-        let by_shear = tangential_within(scene, &cell, &resolved, compliance, punch, MEAN_TOLERANCE)?;
+        let by_shear = tangential_by_shear(scene, &cell, &resolved, compliance, punch, block.as_ref())?;
         Ok(tangential_to_far_face(scene, &cell, &resolved, by_shear)?[(0, 0)])
     };
     let beside = on_cell().expect("within the proportions");
@@ -242,7 +250,8 @@ pub fn mean_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
     let height = body.height.clamp(least * scene.width, largest * scene.width);
     let resolved = Body { height, ..body.clone() };
     let cell = Cells::uniform(0.5 * scene.width, 1).expect("a scene has a width");
-    let on_cell = compliance_within(scene, &cell, &resolved, punch, MEAN_TOLERANCE);
+    let block = is_block.then(|| block_within(&cell, &resolved, MEAN_TOLERANCE).expect("within the proportions"));
+    let on_cell = compliance(scene, &cell, &resolved, punch, block.as_ref());
     let resolved = confined(&resolved);
     let beside = on_cell.expect("within the proportions").normal[(0, 0)];
     if body.height < height {
@@ -339,7 +348,8 @@ mod tests {
     /// Mean displacement under uniform pressure on many cells.
     fn on_cells(scene: &Scene, body: &Body, punch: bool) -> f64 {
         let cells = crate::discretization::cells_for(scene, 33).unwrap();
-        let by_pressure = compliance(scene, &cells, body, punch).unwrap().normal.column_sum();
+        let block = is_pressed_as_block(scene).then(|| block(scene, &cells).unwrap());
+        let by_pressure = compliance(scene, &cells, body, punch, block.as_ref()).unwrap().normal.column_sum();
         cells.integral(by_pressure.as_slice()) / scene.width
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Theory: docs/theory.md, section 3.8.
 
-use super::discretization::{BodyError, BodyReason, compliances};
+use super::block::Block;
+use super::discretization::{BodyError, BodyReason, compliances_with, punch_block};
 use super::kinds::mean_tangential_compliance;
 use super::kinds::{tangential_by_shear, tangential_to_far_face};
 use super::{Cells, Compliance};
@@ -38,13 +39,26 @@ pub fn tangential_stiffness(scene: &Scene) -> f64 {
 /// ignored.
 ///
 /// # Errors
-/// As [`compliances`].
+/// As [`compliances_with`].
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
+    tangential_compliances_with(scene, cells, punch_block(scene, cells, false)?.as_ref())
+}
+
+/// [`tangential_compliances`] with the block of [`punch_block`].
+///
+/// # Errors
+/// As [`compliances_with`].
+pub fn tangential_compliances_with(
+    scene: &Scene,
+    cells: &Cells,
+    block: Option<&Block>,
+) -> Result<[TangentialCompliance; 2], BodyError> {
     let coupled = Scene { shear_coupling: true, ..scene.clone() };
-    let [punch, strip] = compliances(&coupled, cells)?;
+    let [punch, strip] = compliances_with(&coupled, cells, block)?;
+    let of = |own: &Body, compliance, is_punch| body(scene, cells, own, compliance, is_punch, block);
     Ok([
-        body(scene, cells, &scene.punch, punch, true).map_err(|reason| BodyError { body: "punch", reason })?,
-        body(scene, cells, &scene.strip, strip, false).map_err(|reason| BodyError { body: "strip", reason })?,
+        of(&scene.punch, punch, true).map_err(|reason| BodyError { body: "punch", reason })?,
+        of(&scene.strip, strip, false).map_err(|reason| BodyError { body: "strip", reason })?,
     ])
 }
 
@@ -54,10 +68,11 @@ fn body(
     body: &Body,
     compliance: Compliance,
     punch: bool,
+    block: Option<&Block>,
 ) -> Result<TangentialCompliance, BodyReason> {
     let (count, widths) = (cells.count(), cells.widths());
     let by_pressure = DMatrix::from_fn(count, count, |i, j| widths[j] * compliance.shear[(j, i)] / widths[i]);
-    let by_shear = tangential_by_shear(scene, cells, body, compliance, punch)?;
+    let by_shear = tangential_by_shear(scene, cells, body, compliance, punch, block)?;
     let to_far_face = tangential_to_far_face(scene, cells, body, by_shear.clone())?;
     Ok(TangentialCompliance { by_pressure, by_shear, to_far_face })
 }

@@ -2,6 +2,9 @@
 //!
 //! They are taken where a scene asks for them by `property_table.material`; a `material` alone keeps its constants.
 
+use crate::materials::{MATERIALS, Material};
+use scene::PropertyTable;
+
 /// A material with a table.
 pub struct Tabulated {
     /// Name in the scene file, as that of the material.
@@ -37,6 +40,12 @@ fn aluminium(t: f64) -> [f64; 2] {
     [190.0 + 0.07 * t, 903.0 + 0.41 * t]
 }
 
+/// Grey cast iron EN-GJL-250: EN 1561, informative annex of physical properties. Its conductivity from 100 to 500 degC, to a hundredth;
+/// its mean specific heats of 460 J/(kg.K) from 20 to 200 degC and 535 J/(kg.K) from 20 to 600 degC, as those of a line.
+fn grey_iron(t: f64) -> [f64; 2] {
+    [49.5 - 0.01 * t, 460.0 + 0.375 * (t - 110.0)]
+}
+
 /// Dense at the peak.
 const OF_STEEL: &[f64] =
     &[20.0, 150.0, 300.0, 450.0, 550.0, 650.0, 690.0, 712.0, 723.0, 729.0, 733.0, 735.0, 739.0, 750.0, 790.0, 900.0];
@@ -58,6 +67,12 @@ pub static TABLES: &[Tabulated] = &[
         law: carbon_steel,
     },
     Tabulated {
+        name: "grey_cast_iron",
+        source: "EN 1561, EN-GJL-250, to 600 degC",
+        temperatures: &[20.0, 600.0],
+        law: grey_iron,
+    },
+    Tabulated {
         name: "stainless_steel",
         source: "EN 1993-1-2, annex C, to 1200 degC",
         temperatures: OF_STAINLESS,
@@ -70,6 +85,12 @@ pub static TABLES: &[Tabulated] = &[
         law: carbon_steel,
     },
 ];
+
+/// The table of the material whose preset has these constants, W/(m.K) and J/(kg.K).
+pub fn of_constants([conductivity, specific_heat]: [f64; 2]) -> Option<&'static Tabulated> {
+    let is_it = |material: &&Material| (material.conductivity, material.specific_heat) == (conductivity, specific_heat);
+    find(MATERIALS.iter().find(is_it)?.name)
+}
 
 /// The table of this name.
 pub fn find(name: &str) -> Option<&'static Tabulated> {
@@ -84,6 +105,13 @@ impl Tabulated {
             [t + ZERO_CELSIUS, conductivity, specific_heat]
         };
         self.temperatures.iter().map(point).collect()
+    }
+
+    /// The table as a body takes it.
+    pub fn table(&self) -> PropertyTable {
+        let points = self.points();
+        let row = |k: usize| std::array::from_fn(|i| points.get(i).map_or(0.0, |point| point[k]));
+        PropertyTable { points: points.len(), temperature: row(0), conductivity: row(1), specific_heat: row(2) }
     }
 
     /// The table as pairs of the variable's name behind the body and its value.
@@ -121,6 +149,18 @@ mod tests {
                 assert!((of_table / constant - 1.0).abs() < 0.15, "{}: {of_table} {constant}", table.name);
             }
         }
+    }
+
+    #[test]
+    fn the_specific_heat_of_grey_iron_has_the_means_of_the_standard() {
+        let table = find("grey_cast_iron").unwrap().table();
+        for (to, mean) in [(200.0, 460.0), (600.0, 535.0)] {
+            let heat = table.heat_between(20.0 + ZERO_CELSIUS, to + ZERO_CELSIUS) / (to - 20.0);
+            assert!((heat - mean).abs() < 1e-9 * mean, "{to} degC: {heat}");
+        }
+        let preset = materials::find("grey_cast_iron").unwrap();
+        let found = of_constants([preset.conductivity, preset.specific_heat]).map(|table| table.name);
+        assert_eq!((found, of_constants([preset.conductivity, 461.0]).is_none()), (Some("grey_cast_iron"), true));
     }
 
     #[test]

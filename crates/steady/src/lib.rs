@@ -88,12 +88,12 @@ pub enum SteadyError {
         /// Path by which heat could leave, which is closed.
         closed: &'static str,
     },
-    /// With heat: conductivity and specific heat follow the temperature.
-    PropertyTable {
-        /// Body, as in the names of variables.
-        body: &'static str,
-        /// Points of its table.
-        points: usize,
+    /// With heat: the iteration for conductivity and specific heat over temperature did not converge.
+    PropertiesNotSettled {
+        /// Iterations done.
+        iterations: usize,
+        /// Last change of a property over itself.
+        change: f64,
     },
     /// With heat: the iteration for temperatures and pressure of unidirectional sliding did not converge.
     NotSettled {
@@ -180,11 +180,10 @@ impl fmt::Display for SteadyError {
             Self::NoHeatLeaves { closed } => {
                 write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
             }
-            Self::PropertyTable { body, points } => write!(
+            Self::PropertiesNotSettled { iterations, change } => write!(
                 f,
-                "no steady state with heat at {body}.property_table.points = {points}: it is known for constants alone; \
-                 simulate the scene to its steady state, or set 0 points and {body}.conductivity and {body}.specific_heat at the \
-                 temperature of that"
+                "no steady state with heat found in {iterations} iterations for the properties: the last one changed conductivity or \
+                 specific heat by {change:.1e} of itself; simulate the scene to its steady state"
             ),
             Self::NotSettled { iterations, change } if !change.is_finite() => {
                 write!(

@@ -19,8 +19,9 @@ use super::SteadyError;
 use super::states::{Sliding, SteadyState, steady_state};
 use bodies::{heat_leaves, with_steady_bodies};
 use elasticity::{Cells, Compliance};
-use scene::Scene;
+use numerics::maximum::maximum;
 use scene::message::Number;
+use scene::{Path, Scene};
 
 /// Steady state of a scene with its heat.
 #[derive(Clone, PartialEq, Debug)]
@@ -43,6 +44,8 @@ pub struct SteadyHeat {
     pub contact_temperature: [f64; 3],
     /// Maximum of `contact_temperature_max` over the cycle, see [`Hottest`](model::line::hottest::Hottest).
     pub highest: f64,
+    /// Mean temperatures of the whole bodies, K; the ambient temperature for an insulator.
+    pub body_temperature: [f64; 2],
     /// Heat flows, means over the cycle, all punches and faces.
     pub flows: HeatFlows,
     /// Convergence of the solution.
@@ -114,29 +117,65 @@ pub fn instability(what: &str, speed: f64, ratio: f64) -> Option<String> {
 /// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.
 ///
 /// Friction and wear depend on the temperature where they have tables. Distortion is measured from the ambient temperature.
-/// External temperatures of faces are the ambient temperature.
+/// External temperatures of faces are the ambient temperature. Conductivity and specific heat are those of the mean temperatures of the bodies.
 ///
 /// # Errors
-/// Those of [`steady_state`]; [`SteadyError::NoHeatLeaves`].
+/// Those of [`steady_state`]; [`SteadyError::NoHeatLeaves`]; [`SteadyError::PropertiesNotSettled`].
 pub fn hot_state(
     scene: &Scene,
     cells: &Cells,
     compliances: &[Compliance; 2],
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
+    Ok(at_steady_properties(scene, cells, compliances, sliding)?.1)
+}
+
+/// Change of a property in an iteration over itself at which the iteration has converged.
+const SAME_PROPERTIES: f64 = 1e-5;
+
+const MOST_ITERATIONS: usize = 50;
+
+/// [`hot_state`], and the scene with its conductivities and specific heats there as constants: those of the mean temperatures of both bodies,
+/// found by fixed-point iteration.
+///
+/// # Errors
+/// Those of [`hot_state`].
+pub fn at_steady_properties(
+    scene: &Scene,
+    cells: &Cells,
+    compliances: &[Compliance; 2],
+    sliding: &Sliding,
+) -> Result<(Scene, HotState), SteadyError> {
     let cold = steady_state(scene, cells, compliances, sliding)?;
-    for (body, properties) in [("punch", &scene.punch.properties), ("strip", &scene.strip.properties)] {
-        if let Some(table) = properties {
-            return Err(SteadyError::PropertyTable { body, points: table.points });
-        }
-    }
     let speed = cold.strokes.iter().map(|stroke| stroke.velocity.abs()).fold(0.0, f64::max);
     heat_leaves(scene, speed)?;
-    let scene = with_steady_bodies(scene, speed);
-    match *sliding {
-        Sliding::Unidirectional { .. } => unidirectional::solve(&scene, cells, compliances, &cold, sliding),
-        Sliding::Reciprocating { strokes, speeds } => cycle::solve(&scene, cells, &cold, strokes, speeds),
+    let mut own = scene.clone();
+    let tables =
+        [&mut own.punch, &mut own.strip].map(|body| body.properties.take().filter(|_| body.conductivity > 0.0));
+    // Fresh material has the properties at its initial temperature.
+    let fresh = scene.path == Path::Straight && scene.nominal_stroke == 0.0;
+    let tables = [tables[0], tables[1].filter(|_| !fresh)];
+    let mut change = 0.0;
+    for _ in 0..MOST_ITERATIONS {
+        let lasting = with_steady_bodies(&own, speed);
+        let hot = match *sliding {
+            Sliding::Unidirectional { .. } => unidirectional::solve(&lasting, cells, compliances, &cold, sliding),
+            Sliding::Reciprocating { strokes, speeds } => cycle::solve(&lasting, cells, &cold, strokes, speeds),
+        }?;
+        change = 0.0;
+        for (side, body) in [&mut own.punch, &mut own.strip].into_iter().enumerate() {
+            let Some(table) = &tables[side] else { continue };
+            let found = table.at(hot.heat.body_temperature[side]);
+            for (old, new) in [&mut body.conductivity, &mut body.specific_heat].into_iter().zip(found) {
+                change = maximum(change, (new / *old - 1.0).abs());
+                *old = new;
+            }
+        }
+        if change <= SAME_PROPERTIES {
+            return Ok((own, hot));
+        }
     }
+    Err(SteadyError::PropertiesNotSettled { iterations: MOST_ITERATIONS, change })
 }
 
 /// Whether a scene has a steady state with heat: steady sliding heats its contact, and the state can be computed.

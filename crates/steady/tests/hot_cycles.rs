@@ -12,7 +12,7 @@ use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
-use test_support::{Drive, scene};
+use test_support::{Drive, HELD, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[
@@ -494,32 +494,95 @@ fn long_cycles_above_the_critical_speed_are_refused_with_it() {
     assert!(refused.contains("critical speed") && refused.contains("0.4000 m/s"), "{refused}");
 }
 
+/// A table of `body` whose conductivity falls by two fifths and whose specific heat doubles from 20 degC to `hot` (K).
+fn table(body: &str, [conductivity, specific_heat]: [f64; 2], hot: f64) -> Vec<(String, f64)> {
+    let points = [(293.15, conductivity, specific_heat), (hot, 0.6 * conductivity, 2.0 * specific_heat)];
+    let mut changes = vec![(format!("{body}.property_table.points"), 2.0)];
+    for (i, (temperature, conductivity, specific_heat)) in points.into_iter().enumerate() {
+        let rows = [("temperature", temperature), ("conductivity", conductivity), ("specific_heat", specific_heat)];
+        changes.extend(rows.map(|(row, value)| (format!("{body}.property_table.{row}[{}]", i + 1), value)));
+    }
+    changes
+}
+
+fn named(changes: &[(String, f64)]) -> Vec<(&str, f64)> {
+    changes.iter().map(|(name, value)| (name.as_str(), *value)).collect()
+}
+
+/// The cycle whose properties are those of its mean temperatures is the limit cycle of the component with the tables.
 #[test]
-fn a_body_with_a_property_table_is_refused_by_name() {
-    let table = [
-        ("strip.property_table.points", 2.0),
-        ("strip.property_table.temperature[1]", 293.15),
-        ("strip.property_table.temperature[2]", 900.0),
-        ("strip.property_table.conductivity[1]", 50.0),
-        ("strip.property_table.conductivity[2]", 35.0),
-        ("strip.property_table.specific_heat[1]", 460.0),
-        ("strip.property_table.specific_heat[2]", 700.0),
-    ];
-    let scene = made(&table);
-    let named = |text: String| {
-        assert!(text.contains("strip.property_table.points = 2") && text.contains("constants alone"), "{text}");
+fn stepping_with_property_tables_ends_in_the_cycle_found_directly() {
+    let tables = [table("punch", [50.0, 460.0], 300.0), table("strip", [50.0, 460.0], 300.0)].concat();
+    let tables = named(&tables);
+    let [constant, own] = [&[][..], &tables].map(|changes| hot(&made(changes)).unwrap().1.heat);
+    let mut drive =
+        Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &[("solver.tolerance", 1e-4)], &tables].concat());
+    drive.set("normal_load", 1e3);
+    reciprocating(&mut drive, 100, 10, |_, _| ());
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    reciprocating(&mut drive, 1, 40, |drive, _| {
+        let t = drive.get("contact_temperature");
+        (least, most) = (least.min(t), most.max(t));
+    });
+    let [low, mean, high] = own.contact_temperature;
+    let (rise, effect) = (mean - 293.15, mean - constant.contact_temperature[1]);
+    println!("{low} {high}: {least} {most}, {effect} K by the properties");
+    assert!(effect > 0.1 * rise, "{effect} K of {rise} K");
+    for (direct, stepped) in [(low, least), (high, most)] {
+        assert!((direct - stepped).abs() < 2e-3 * rise, "{direct} {stepped}");
+    }
+    // A map of cycles whose properties change is none.
+    let operators = LineOperators::with_heat(&sliding_scene(&made(&tables)), true, steady::run_in).unwrap();
+    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&made(&tables)), Resolution::WITH_HEAT) else {
+        panic!("cycles with tables")
     };
-    let Err(error) = hot(&scene) else { panic!("a state with heat") };
-    named(error.to_string());
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), true, steady::run_in).unwrap();
-    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::WITH_HEAT) else {
-        panic!("cycles with heat")
+    assert!(error.to_string().contains("punch.property_table.points = 2"), "{error}");
+}
+
+/// The steady state of unidirectional sliding is what both levels come to with the same tables.
+#[test]
+fn integration_with_property_tables_ends_in_the_steady_state() {
+    let tables = table("strip", [50.0, 460.0], 380.0);
+    let changes = |level: f64, tables: &[(String, f64)]| -> Vec<(String, f64)> {
+        let fixed = [
+            ("solver.fidelity", level),
+            ("solver.cells", 9.0),
+            ("strip.base_thermal", HELD),
+            ("strip.conductivity", 50.0),
+            ("nominal.load", 1e4),
+            ("nominal.velocity", 3.8),
+            ("nominal.duration", 100.0),
+        ];
+        fixed.iter().map(|(name, value)| ((*name).to_owned(), *value)).chain(tables.iter().cloned()).collect()
     };
-    named(error.to_string());
-    // Without heat nothing depends on them.
-    let cells = cells_for(&scene, scene.cells).unwrap();
-    let bodies = compliances(&scene, &cells).unwrap();
-    assert!(steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).is_ok());
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), false, steady::run_in).unwrap();
-    assert!(CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::COLD).is_ok());
+    let steady = |tables: &[(String, f64)]| {
+        let changes = changes(3.0, tables);
+        let mut values = scene("disc_brake");
+        for (name, value) in &changes {
+            values[find(name).unwrap() as usize] = *value;
+        }
+        hot(&Scene::new(&values, None).unwrap()).unwrap().1.heat
+    };
+    let [constant, own] = [&[][..], &tables].map(steady);
+    let rise = own.contact_temperature[1] - 293.15;
+    println!(
+        "steady: {:?} {:?}, of constants {:?}",
+        own.contact_temperature, own.body_temperature, constant.contact_temperature
+    );
+    assert!(rise > 1.06 * (constant.contact_temperature[1] - 293.15), "{rise} K");
+    for (level, bound) in [(2.0, 2e-2), (3.0, 2e-3)] {
+        let changes = changes(level, &tables);
+        let mut drive = Drive::from_starts(&scene("disc_brake"), &named(&changes));
+        drive.set("normal_load", 1e4).set("sliding_velocity", 3.8);
+        (0..400).for_each(|_| {
+            drive.step(1.0);
+        });
+        for (name, exact) in
+            [("contact_temperature", own.contact_temperature[1]), ("strip.mean_temperature", own.body_temperature[1])]
+        {
+            let found = drive.get(name);
+            println!("level {level}, {name}: {found} {exact}");
+            assert!((found - exact).abs() < bound * rise, "{level} {name}: {found} {exact}");
+        }
+    }
 }

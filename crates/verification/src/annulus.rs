@@ -73,9 +73,11 @@ fn parted(mate: bool) -> Result<f64, String> {
         values[find(&format!("{body}.{name}")).ok_or("no such variable")? as usize] = value;
     }
     let scene = Scene::new(&values, None).map_err(|error| format!("{error:?}"))?;
-    let made = if mate { reduce_mate } else { reduce };
-    let mut heat: ReducedHeat =
-        made(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?.ok_or("an insulator")?;
+    let made = match mate {
+        true => reduce_mate(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?,
+        false => reduce(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?,
+    };
+    let mut heat: ReducedHeat = made.ok_or("an insulator")?;
     let outer = parted_ring().1;
     let flux: Vec<f64> = (0..CELLS).map(|cell| if cell < PARTING { 1e4 } else { outer }).collect();
     let around = Surroundings::default();

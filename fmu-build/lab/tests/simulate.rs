@@ -186,7 +186,7 @@ fn worn_mass_is_stated_over_the_distance_and_over_the_stops() {
     let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
     let mass = end("wear_mass_punch") + end("wear_mass_strip");
     let stated = |kind: &str, over: &str| result["wear_mass"][kind][over].as_f64().unwrap();
-    assert_eq!(result["wear_mass"]["stops"], 2);
+    assert_eq!([&result["wear_mass"]["stops"], &result["wear_mass"]["applications"]], [2, 2]);
     assert!(mass > 0.0 && (stated("worn", "mass") / mass - 1.0).abs() < 1e-12);
     assert!((2.0 * stated("worn", "per_stop") / mass - 1.0).abs() < 1e-12);
     // 2.5 m, four triangles of 2.5 and 5 m, and 4 m.
@@ -225,7 +225,12 @@ fn trips_divide_temperatures_and_masses_and_one_stop_is_one() {
     let hottest = of(0, "contact_temperature_max").max(of(1, "contact_temperature_max"));
     assert_eq!(hottest, result["variables"]["contact_temperature_max"]["maximum"].as_f64().unwrap());
     let table = folder.run(&run).1;
-    assert!(table.contains("mg in 1 stop\n") && table.contains("trip 1 ") && table.contains("trip 2 "), "{table}");
+    assert!(table.contains("mg in 1 stop, ") && table.contains("trip 1 ") && table.contains("trip 2 "), "{table}");
+    // From the released contact to the released contact.
+    let masses = &result["wear_mass"];
+    assert_eq!([&masses["stops"], &masses["applications"]], [1, 2]);
+    assert_eq!(masses["worn"]["per_application"].as_f64().unwrap() * 2.0, masses["worn"]["mass"].as_f64().unwrap());
+    assert!(table.contains("mg in each of 2 applications\n"), "{table}");
 }
 
 #[test]

@@ -162,6 +162,13 @@ mod tests {
         let expected = "time_s,speed_m_per_s,trip\n0,0,1\n0.5,10,2\n";
         assert_eq!(text_of("semicolons", "# WLTP\ntime [s];trip;speed [km/h]\n0;1;0\n0,5;2;36\n"), expected);
         assert_eq!(text_of("commas", "time [s],speed [km/h],trip\n0,0,1\n0.5,36,2\n"), expected);
+        // As rigs write the WLTP brake cycle.
+        for header in
+            ["Time [s];Linear Speed [km/h];Trip #;Brake Event #", "Time (s);Vehicle speed (km/h);Trip No.;Stop"]
+        {
+            let file = format!("{header}\n0,0;0,0;1;0\n0,5;36,0;2;1\n");
+            assert_eq!(text(&cycle("rig", &file).unwrap()), expected, "{header}");
+        }
         assert_eq!(text_of("two", "time [s];speed [km/h]\n0;0\n1;1,8\n"), "time_s,speed_m_per_s\n0,0\n1,0.5\n");
         let half = cycle("half", "time [s],speed [km/h],trip\n0,0,1\n1,36,1.5\n").unwrap_err().to_string();
         assert!(half.contains("line 3: trip 1.5 must be a whole number"), "{half}");

@@ -2,7 +2,8 @@
 
 use super::groups::Groups;
 use model::line::operators::LineOperators;
-use scene::Scene;
+use scene::{Body, Scene};
+use scene_file::property_tables;
 
 /// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
@@ -18,7 +19,8 @@ pub struct Effect {
 }
 
 /// Effects of a scene; `line` is a contact line of it, `on_line` whether it runs on one.
-pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bool) -> Vec<Effect> {
+/// `rise`: highest of the contact temperature over the nominal course, K.
+pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bool, rise: f64) -> Vec<Effect> {
     let uneven = line.unevenness();
     let by_cells = on_line && line.heat.is_some();
     let effect = |name, measure, number, included| Effect { name, measure, number, included };
@@ -35,6 +37,12 @@ pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bo
         ),
         effect("heat along the contact", "Peclet number", groups.peclet, by_cells),
         effect(
+            "properties over temperature",
+            "part of the rise that constants add",
+            excess_of_constants(scene, rise),
+            [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()),
+        ),
+        effect(
             "elastic slip",
             "part of a nominal stroke",
             if scene.nominal_stroke > 0.0 { line.mean.deformation_at_reversal() / scene.nominal_stroke } else { 0.0 },
@@ -42,4 +50,18 @@ pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bo
         ),
         effect("strip wear", "its part of the worn depth", groups.strip_wear, scene.strip.wear_coefficient > 0.0),
     ]
+}
+
+/// Largest part of the rise `rise` (K) by which a body with constant specific heat gets too hot from the same heat: the mean specific heat over
+/// the rise, over the constant one, less 1. By the table of the body or, where it has constants, of the preset with these; 0 where
+/// there is none.
+fn excess_of_constants(scene: &Scene, rise: f64) -> f64 {
+    let excess = |body: &Body| {
+        let of_preset =
+            || property_tables::of_constants([body.conductivity, body.specific_heat]).map(|own| own.table());
+        let Some(table) = body.properties.or_else(of_preset).filter(|_| rise > 0.0) else { return 0.0 };
+        let first = if body.initial_temperature > 0.0 { body.initial_temperature } else { scene.ambient_temperature };
+        table.heat_between(first, first + rise) / (rise * table.specific_heat_at(first)) - 1.0
+    };
+    excess(&scene.punch).max(excess(&scene.strip))
 }

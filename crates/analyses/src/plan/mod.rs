@@ -39,10 +39,10 @@ pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
     let rise = choice.comparison.as_ref().map_or(0.0, |comparison| comparison.rise);
     let groups = Groups::new(&scene, &prepared.operators.mean().growth.critical, rise);
     let effects = match &prepared.operators {
-        ModelOperators::Line(line) => effects(&scene, &groups, line, true),
+        ModelOperators::Line(line) => effects(&scene, &groups, line, true, rise),
         _ if scene.has_rigid_bodies() => Vec::new(),
         lumped => match lumped.line_beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
-            Ok(ModelOperators::Line(line)) => effects(&scene, &groups, &line, false),
+            Ok(ModelOperators::Line(line)) => effects(&scene, &groups, &line, false, rise),
             _ => Vec::new(),
         },
     };

@@ -74,7 +74,22 @@ impl Summary<'_> {
             .count()
     }
 
-    /// A mass, and that over the distance slid and over the stops.
+    /// How often a load is applied and slides: from a contact without load to the next, as the events of a brake cycle are counted.
+    fn applications(&self) -> usize {
+        let [loads, powers] = ["normal_load", "friction_power"].map(|name| self.recording.values(name));
+        let mut counted = false;
+        loads
+            .iter()
+            .zip(powers)
+            .filter(|&(load, power)| {
+                let begins = !counted && *load > 0.0 && *power > 0.0;
+                counted = *load > 0.0 && (counted || begins);
+                begins
+            })
+            .count()
+    }
+
+    /// A mass, and that over the distance slid, over the stops and over the applications of the load.
     fn mass(&self, mass: f64) -> String {
         let distance = 1e-3 * self.last("sliding_distance");
         let stops = self.stops();
@@ -86,10 +101,15 @@ impl Summary<'_> {
             let each = if stops == 1 { "in" } else { "in each of" };
             text += &format!(", {} mg {each} {}", number(1e6 * mass / stops as f64), counted(stops, "stop"));
         }
+        let applications = self.applications();
+        if applications > 1 && applications != stops {
+            text +=
+                &format!(", {} mg in each of {applications} applications", number(1e6 * mass / applications as f64));
+        }
         text
     }
 
-    /// Masses with what they are over the distance slid and over the stops.
+    /// Masses with what they are over the distance slid, over the stops and over the applications of the load.
     fn masses(&self) -> Value {
         let distance = self.last("sliding_distance");
         let of = |mass: f64| {
@@ -97,12 +117,14 @@ impl Summary<'_> {
                 "mass": mass,
                 "per_distance_slid": (distance > 0.0).then(|| mass / distance),
                 "per_stop": (self.stops() > 0).then(|| mass / self.stops() as f64),
+                "per_application": (self.applications() > 0).then(|| mass / self.applications() as f64),
             })
         };
         json!({
             "worn": of(self.last("wear_mass_punch") + self.last("wear_mass_strip")),
             "airborne": of(self.last("wear_mass_airborne")),
             "stops": self.stops(),
+            "applications": self.applications(),
         })
     }
 

@@ -118,7 +118,7 @@ impl PropertyBody {
         if reference == 0.0 {
             return Scales::ONE;
         }
-        self.properties.at(self.properties.part(reference + self.constant.mean_temperature(own)))
+        self.properties.at(self.properties.part(reference + self.constant.mean_temperature(own)).0)
     }
 
     /// Scales the matrices of the prepared step.
@@ -177,7 +177,7 @@ impl ThermalBody for PropertyBody {
 
     fn set_temperature(&mut self, mean: f64, reference: f64) -> Scales {
         self.reference = reference;
-        self.scales = self.properties.at(self.properties.part(mean));
+        self.scales = self.properties.at(self.properties.part(mean).0);
         self.scales
     }
 

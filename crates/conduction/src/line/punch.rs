@@ -45,7 +45,8 @@ use assembly::Assembly;
 use depth::Depth;
 use distortion::Distortion;
 use elasticity::Cells;
-use elasticity::block::BlockError;
+use elasticity::block::{Block, BlockError};
+use elasticity::discretization::{BodyError, punch_block};
 use galerkin::Points;
 use scene::{Geometry, Scene};
 use shift_selection::{Scale, Selection};
@@ -77,18 +78,21 @@ const FAR: usize = 2;
 ///
 /// # Errors
 /// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
-pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BlockError> {
-    reduce_with_mean(scene, cells, [tolerance; 2], duration)
+pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BodyError> {
+    let block = punch_block(scene, cells, true)?;
+    let refused = |error: BlockError| BodyError { body: "punch", reason: error.into() };
+    reduce_with_mean(scene, cells, block.as_ref(), [tolerance; 2], duration).map_err(refused)
 }
 
-/// [`reduce`] with a separate tolerance, the second, for the longest modes, of which the uniform one alone carries the mean
-/// temperature of the contact.
+/// [`reduce`] with the finite elements of the punch, and a separate tolerance, the second, for the longest modes, of which the
+/// uniform one alone carries the mean temperature of the contact.
 ///
 /// # Errors
 /// As [`reduce`].
 pub fn reduce_with_mean(
     scene: &Scene,
     cells: &Cells,
+    block: Option<&Block>,
     tolerances: [f64; 2],
     duration: f64,
 ) -> Result<Option<ReducedHeat>, BlockError> {
@@ -118,7 +122,7 @@ pub fn reduce_with_mean(
     };
     let cooled =
         Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
-    let distortion = Distortion::new(scene, cells)?;
+    let distortion = Distortion::new(scene, block);
     project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration, divides: true }).map(Some)
 }
 
@@ -138,7 +142,7 @@ fn project(
     across: Across,
     depth: Depth,
     cooled: Cooled,
-    mut distortion: Option<Distortion>,
+    mut distortion: Option<Distortion<'_>>,
     cells: &Cells,
     wanted: &Wanted,
 ) -> Result<ReducedHeat, BlockError> {

@@ -277,7 +277,9 @@ mod tests {
     use super::super::boundary::top_values;
     use super::super::{BlockProperties, Discretization, ThermalProperties};
     use super::*;
+    use crate::Cells;
     use scene::FarBoundary;
+    use std::f64::consts::PI;
 
     fn pair(width: f64, poissons_ratio: f64) -> (Block, ThermalBlock) {
         let discretization = Discretization::uniform(6, 4);
@@ -291,6 +293,37 @@ mod tests {
             top: FarBoundary::Held,
         };
         (Block::new(elastic, discretization).unwrap(), ThermalBlock::new(thermal, discretization).unwrap())
+    }
+
+    /// A harmonic temperature leaves a free body without stress in the plane, so sides do not matter, and the surface rises by
+    /// alpha (1 + nu) cos(q x)/q (Boley and Weiner, 4.6). Up to waves of four of the largest cells.
+    #[test]
+    fn harmonic_fields_of_short_wavelength_distort_by_their_closed_form() {
+        let (width, nu) = (0.06, 0.3);
+        for (height, count, tolerance) in [(0.12, 17, 1e-3), (0.06, 33, 1e-3), (0.02, 33, 1e-3), (0.06, 65, 1e-5)] {
+            let cells = Cells::graded(0.5 * width, count).unwrap();
+            let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio: nu };
+            let discretization = Discretization::for_cells(width, height, cells.edges(), tolerance);
+            let block = Block::new(properties, discretization).unwrap();
+            for m in [count / 4, count / 3] {
+                let q = m as f64 * PI / width;
+                let profile: Vec<f64> = block.depth_points().iter().map(|point| (-q * point.z).exp()).collect();
+                let functions = FunctionsAcross {
+                    count: 1,
+                    steepest: q,
+                    value: &|_, x| (q * (x + 0.5 * width)).cos(),
+                    parity: &|_| None,
+                };
+                let found = block.product_distortion(cells.edges(), &functions, &[(0, &profile)]).unwrap();
+                let amplitude = (1.0 + nu) / q;
+                let exact = cells.means_from_primitive(|x| -amplitude / q * (q * (x + 0.5 * width)).sin());
+                // The held top moves by exp(-q h) of the amplitude.
+                let bound = amplitude * (1e-3 + 2.0 * (-q * height).exp());
+                for (found, exact) in found.iter().zip(&exact) {
+                    assert!((found - exact).abs() < bound, "{height} {count} {m}: {found:e} {exact:e} {bound:e}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -12,8 +12,8 @@ use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactState, Normal, Tilt, check_operators};
-use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
-use elasticity::tangential::tangential_compliances;
+use elasticity::discretization::{cells_for, compliances_with, load_weights, punch_block, relative_radii};
+use elasticity::tangential::tangential_compliances_with;
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
 use scene::message::Number;
@@ -171,7 +171,8 @@ impl LineOperators {
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
-        let bodies = compliances(scene, &cells).map_err(|error| error.to_string())?;
+        let block = punch_block(scene, &cells, heat).map_err(|error| error.to_string())?;
+        let bodies = compliances_with(scene, &cells, block.as_ref()).map_err(|error| error.to_string())?;
         let [punch, strip] = &bodies;
         let mut initial_gap = match &scene.initial_shape {
             InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
@@ -183,7 +184,8 @@ impl LineOperators {
                 .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let tangential = if scene.elastic_slip && scene.geometry != Geometry::Annular {
-            let [punch, strip] = tangential_compliances(scene, &cells).map_err(|error| error.to_string())?;
+            let [punch, strip] =
+                tangential_compliances_with(scene, &cells, block.as_ref()).map_err(|error| error.to_string())?;
             Some(punch.to_far_face + strip.to_far_face)
         } else {
             None
@@ -207,7 +209,7 @@ impl LineOperators {
         let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
         let mean = lumped::operators::LumpedOperators::beneath(&mean_scene(scene, heat), compliance, moves, known);
         let mean = Arc::new(mean);
-        let heat = heat.then(|| Bodies::new(scene, &cells).map(Arc::new)).transpose()?;
+        let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref()).map(Arc::new)).transpose()?;
         let [punch, strip] = laws;
         let operators = LineOperators {
             heat,

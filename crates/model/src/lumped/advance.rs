@@ -4,18 +4,16 @@
 //! Theory: docs/theory.md, sections 5.1, 7.3.
 
 use super::conditions::Conditions;
-use super::operators::{BodyOperators, LumpedOperators};
-use super::property_step::{ATTEMPTS, PropertyPropagators};
+use super::operators::BodyOperators;
+use super::property_step::{ATTEMPTS, PropertyStep};
 use super::state::LumpedState;
-use super::stepper::{Attempt, Propagators, Stepper};
+use super::stepper::{Attempt, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
-use conduction::properties::Scales;
-use numerics::cache::KeyedCache;
 use pulp::NullaryFnOnce;
 use scene::message::Number;
 use std::fmt;
@@ -40,36 +38,6 @@ impl InputTrajectory<'_> {
     }
 }
 
-/// Propagators of the prepared step: at the properties of the step where these follow temperatures.
-fn propagators<'a>(
-    constant: &'a KeyedCache<u64, Propagators>,
-    at_properties: &'a Option<Box<PropertyPropagators>>,
-    index: usize,
-) -> &'a Propagators {
-    match at_properties {
-        Some(prepared) => &prepared.step,
-        None => &constant[index],
-    }
-}
-
-/// [`PropertyPropagators::prepare`], compiled for every vector unit; no operation is fused, so all give the same bits.
-struct Prepare<'a> {
-    propagators: &'a mut PropertyPropagators,
-    operators: &'a LumpedOperators,
-    step: f64,
-    scales: [Scales; 2],
-    complete: bool,
-}
-
-impl NullaryFnOnce for Prepare<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.propagators.prepare(self.operators, self.step, self.scales, self.complete);
-    }
-}
-
 /// Single-step attempt on the fast path, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct SingleStepAttempt<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
@@ -83,7 +51,7 @@ impl<const CONSTANT: bool> NullaryFnOnce for SingleStepAttempt<'_, CONSTANT> {
 
     #[inline(always)]
     fn call(mut self) -> Option<Attempt> {
-        let (operators, propagators) = (self.stepper.operators, self.stepper.propagators);
+        let (operators, propagators) = (self.stepper.operators, &self.stepper.propagators);
         if CONSTANT {
             let speed = self.at[0].velocity.abs();
             self.stepper.flash.prepare_steady(operators, propagators, speed);
@@ -117,7 +85,7 @@ impl Lumped {
         self.update_conditions(inputs);
         let mut attempt = 0;
         loop {
-            let index = self.prepare(step, attempt);
+            let temperatures = self.predict(step, attempt);
             let stepper = Stepper {
                 flash: &mut self.flash,
                 cut: 1.0,
@@ -125,8 +93,8 @@ impl Lumped {
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,
-                propagators: propagators(&self.propagators, &self.property_propagators, index),
-                properties: self.property_propagators.is_some().then_some(&mut self.property_step),
+                propagators: self.propagators.get(&self.operators, step, temperatures),
+                properties: self.property_step.as_mut(),
             };
             let single = SingleStepAttempt::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] };
             let outcome = self.arch.dispatch(single);
@@ -141,30 +109,26 @@ impl Lumped {
         }
     }
 
-    /// Prepares the propagators of a step of `step` (s), of the fast path at least; returns their place among those for constants.
-    /// `attempt`: number of attempts of the same step before.
+    /// Temperatures (K) of whose properties a step of `step` (s) is computed. `attempt`: number of attempts of the same step before.
     #[inline]
-    fn prepare(&mut self, step: f64, attempt: usize) -> usize {
-        let Some(propagators) = &mut self.property_propagators else { return self.propagators_of(step) };
-        let scales = match attempt {
-            0 => self.property_step.predict(&self.operators, &self.state, step),
-            _ => self.property_step.correct(&self.operators),
-        };
-        let complete = !self.operators.fast_path;
-        self.arch.dispatch(Prepare { propagators, operators: &self.operators, step, scales, complete });
-        0
+    fn predict(&mut self, step: f64, attempt: usize) -> [f64; 2] {
+        match &mut self.property_step {
+            None => [0.0; 2],
+            Some(own) if attempt == 0 => own.predict(&self.operators, &self.state, step),
+            Some(own) => own.correct(&self.operators),
+        }
     }
 
     /// Whether the last attempt is to be repeated at other properties.
     fn repeats(&self) -> bool {
-        self.property_propagators.is_some() && self.property_step.repeats()
+        self.property_step.as_ref().is_some_and(PropertyStep::repeats)
     }
 
     /// Completes an accepted step of `step` (s) where properties follow temperatures.
     #[inline]
     fn settle(&mut self, step: f64) {
-        if self.property_propagators.is_some() {
-            self.property_step.settle(&self.operators, &mut self.state, step);
+        if let Some(own) = &self.property_step {
+            own.settle(&self.operators, &mut self.state, step);
         }
     }
 
@@ -303,16 +267,13 @@ impl Lumped {
             };
             let mut repeated = 0;
             let attempt = loop {
-                let index = self.prepare(step, repeated);
-                let prepared = propagators(&self.propagators, &self.property_propagators, index);
-                self.flash.prepare(&self.operators, prepared, speeds);
+                let temperatures = self.predict(step, repeated);
+                let propagators = self.propagators.get(&self.operators, step, temperatures);
+                self.flash.prepare(&self.operators, &propagators, speeds);
                 let mut attempt = None;
                 for by_fast_path in [true, false] {
                     if by_fast_path && !self.operators.fast_path {
                         continue;
-                    }
-                    if let (false, Some(propagators)) = (by_fast_path, &mut self.property_propagators) {
-                        propagators.complete(&self.operators);
                     }
                     let mut stepper = Stepper {
                         flash: &mut self.flash,
@@ -321,8 +282,8 @@ impl Lumped {
                         operators: &self.operators,
                         friction: &self.friction,
                         tunables: &self.tunables,
-                        propagators: propagators(&self.propagators, &self.property_propagators, index),
-                        properties: self.property_propagators.is_some().then_some(&mut self.property_step),
+                        propagators,
+                        properties: self.property_step.as_mut(),
                     };
                     let state = &mut self.state;
                     attempt = match (by_fast_path, &varying) {
@@ -365,12 +326,6 @@ impl Lumped {
         }
         self.state.refinement = control.level();
         Ok(())
-    }
-
-    /// Index of the weights for this step size (s), made if they are not among the recent ones.
-    pub(super) fn propagators_of(&mut self, step: f64) -> usize {
-        let operators = &self.operators;
-        self.propagators.get_or_compute(step.to_bits(), |made| *made = Propagators::new(operators, step))
     }
 
     /// Whether the step could wear a body through: only then is the initial state saved.

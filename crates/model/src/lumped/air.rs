@@ -63,6 +63,12 @@ impl Air {
         self.is_cooled() || self.path > 0.0
     }
 
+    /// Whether there is a flux, in proportion to the temperature above the ambient and to nothing that changes from step to step.
+    #[inline]
+    pub fn is_linear(&self) -> bool {
+        self.within > 0.0 && self.forced == 0.0 && self.emissivity == 0.0 && self.path == 0.0
+    }
+
     /// Whether the air takes more than by the heat transfer within the states.
     #[inline]
     pub fn is_cooled(&self) -> bool {

@@ -9,12 +9,12 @@
 #[cfg(test)]
 mod tests;
 
-use super::air::{Air, BESIDE};
+use super::air::{Air, BESIDE, FACES, PORTS_OF_FACES};
 use super::conditions::Conditions;
 use super::estimate::{LEAST_RISE, cooling_error, layer_allowance};
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_slope, strip_entry};
-use super::stage::{BASIS, Observed, QUADRATURE};
+use super::stage::{BASIS, Observed, Propagator, QUADRATURE};
 use numerics::maximum::{all_finite, maximum};
 
 use super::state::LumpedState;
@@ -190,7 +190,8 @@ impl Stepper<'_> {
         if !operators.fast_path || elsewhere(first) || !CONSTANT && elsewhere(last) {
             return None;
         }
-        let (punch, strip) = (self.propagators.punch.as_ref()?, self.propagators.strip.as_ref()?);
+        let (punch, strip) = (self.propagators.punch?, self.propagators.strip?);
+        let ([punch_contact, punch_mean], [strip_contact, strip_mean]) = (&punch.fast, &strip.fast);
         let (punch_count, strip_count) = (operators.punch.heat.as_ref()?.count, operators.strip.heat.as_ref()?.count);
         let reference = state.reference;
         // The load does not change its sign within a piece: its middle determines whether the contact is closed.
@@ -209,16 +210,16 @@ impl Stepper<'_> {
         let forced = both::<CONSTANT>([first, last], |now| now.forced);
 
         let punch_level = punch.contact_at_stages(&state.punch.heat, punch_count);
-        let punch_gain = gain_at_stages(&punch.contact, 0);
+        let punch_gain = gain_at_stages(punch_contact, 0);
         let uncooled = strip.contact_at_stages(&state.strip.heat, strip_count);
-        let cools = operators.strip.air[BESIDE].acts();
+        let cools = operators.strip.cools_beside();
         let surface = if cools {
             // Nearly all of the heat enters the better conductor.
             let factor = fade.factor(state.end_temperature + reference);
             let guess = driver.map(|driver| driver * factor);
-            Surface::new(&strip.air[BESIDE], &strip.contact, reference, uncooled, guess, forced)
+            Surface::new(&strip.air[BESIDE], strip_contact, reference, uncooled, guess, forced)
         } else {
-            let gain = gain_at_stages(&strip.contact, 0);
+            let gain = gain_at_stages(strip_contact, 0);
             Surface { level: uncooled, gain, offset: [0.0; 2], slope: [0.0; 2] }
         };
         let entry = strip_entry(operators, state);
@@ -289,16 +290,16 @@ impl Stepper<'_> {
             if error.is_nan() || error > 1.0 {
                 // No bound, or the bound is too large: the residual of the contact conditions at the point 2/3 is evaluated.
                 self.flash.prepare_middle(operators);
-                let mut gain = strip.contact.gain[0][1];
+                let mut gain = strip_contact.gain[0][1];
                 let mut strip_middle = strip.contact_at_middle(&state.strip.heat, strip_count) + entry;
                 if operators.flash.is_some() {
                     strip_middle += self.flash.homogeneous(1, &state.flash);
                     gain = sum(gain, self.flash.gain[1]);
                 }
                 if cools {
-                    strip_middle += strip.contact.of_flux(COOLING, 1, surface.flux(into_strip));
+                    strip_middle += strip_contact.of_flux(COOLING, 1, surface.flux(into_strip));
                 }
-                let own = &punch.contact.gain[0][1];
+                let own = &punch_contact.gain[0][1];
                 let punch_middle = punch.contact_at_middle(&state.punch.heat, punch_count)
                     + own[0] * into_punch[0]
                     + own[1] * into_punch[1];
@@ -322,7 +323,7 @@ impl Stepper<'_> {
             }
         }
         if cools && operators.strip.air[BESIDE].emissivity > 0.0 {
-            let left = surface.left(&strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
+            let left = surface.left(&strip.air[BESIDE], strip_contact, reference, into_strip, forced);
             if left.is_nan() || left > operators.budget.iteration.lumped_radiation * (1e-3 + state.peak_rise) {
                 return None;
             }
@@ -331,11 +332,11 @@ impl Stepper<'_> {
             // Residual of the law of cooling at the point 2/3.
             let (air, flux) = (&strip.air[BESIDE], surface.flux(into_strip));
             let t = strip.contact_at_middle(&state.strip.heat, strip_count)
-                + strip.contact.of_flux(0, 1, into_strip)
-                + strip.contact.of_flux(COOLING, 1, flux);
+                + strip_contact.of_flux(0, 1, into_strip)
+                + strip_contact.of_flux(COOLING, 1, flux);
             let residual = air_flux(air, reference, t, 0.0, middle.forced) - 0.5 * (flux[0] + flux[1]);
-            let [own, mean] = [&strip.contact, &strip.mean]
-                .map(|observed| observed.gain[COOLING][2][0] + observed.gain[COOLING][2][1]);
+            let [own, mean] =
+                [strip_contact, strip_mean].map(|observed| observed.gain[COOLING][2][0] + observed.gain[COOLING][2][1]);
             let slope = cooling_slope(air, reference, t, middle.forced);
             let hot = surface.temperature(into_strip);
             let rise = state.peak_rise.max(LEAST_RISE).max(hot[0].abs()).max(hot[1].abs());
@@ -344,6 +345,22 @@ impl Stepper<'_> {
             if error.is_nan() || error > 1.0 {
                 return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
             }
+        }
+        let (mut punch_faces, mut strip_faces) = ([None; FACES], [None; FACES]);
+        let air_flux = if cools { surface.flux(into_strip) } else { [0.0; 2] };
+        if operators.has_linear_faces {
+            let of = |body: &Propagator, states, count, fluxes| {
+                let faces = body.linear_fluxes(states, count, fluxes);
+                (faces, body.linear_error(states, count, fluxes, &faces))
+            };
+            let (wrong, wrong_strip);
+            (punch_faces, wrong) = of(punch, &state.punch.heat, punch_count, [into_punch, [0.0; 2]]);
+            (strip_faces, wrong_strip) = of(strip, &state.strip.heat, strip_count, [into_strip, air_flux]);
+            let rise = state.peak_rise.max(LEAST_RISE);
+            error = maximum(error, (wrong + wrong_strip) / (operators.budget.steps.whole * rise));
+        }
+        if cools {
+            strip_faces[BESIDE] = Some(air_flux);
         }
         let punch_surface = sum(punch_level, apply(&punch_gain, into_punch));
         let strip_surface = sum(strip_level, apply(&strip_gain, into_strip));
@@ -377,12 +394,15 @@ impl Stepper<'_> {
             return error.is_finite().then_some(Attempt { error, hottest });
         }
         if let Some(properties) = self.properties.as_deref_mut() {
-            let mut ends = [
-                punch.mean.of_states(2, &state.punch.heat, punch_count) + punch.mean.of_flux(0, 2, into_punch),
-                strip.mean.of_states(2, &state.strip.heat, strip_count) + strip.mean.of_flux(0, 2, into_strip),
-            ];
-            if cools {
-                ends[1] += strip.mean.of_flux(COOLING, 2, surface.flux(into_strip));
+            let mut ends = [0.0; 2];
+            if operators.punch.properties.is_some() {
+                ends[0] =
+                    punch_mean.of_states(2, &state.punch.heat, punch_count) + punch_mean.of_flux(0, 2, into_punch);
+            }
+            if operators.strip.properties.is_some() {
+                ends[1] = strip_mean.of_states(2, &state.strip.heat, strip_count)
+                    + strip_mean.of_flux(0, 2, into_strip)
+                    + strip_mean.of_flux(COOLING, 2, air_flux);
             }
             let contact = rises[1] + reference;
             let of_properties =
@@ -408,16 +428,17 @@ impl Stepper<'_> {
         if !all_finite(&fluxes) || !all_finite(&[worn[0], worn[1], travel, end_force]) {
             return None;
         }
-        punch.advance_surface(&mut state.punch.heat, punch_count, into_punch, None);
-        let air_flux = cools.then(|| surface.flux(into_strip));
-        strip.advance_surface(&mut state.strip.heat, strip_count, into_strip, air_flux);
+        punch.advance_surface(&mut state.punch.heat, punch_count, into_punch, punch_faces);
+        strip.advance_surface(&mut state.strip.heat, strip_count, into_strip, strip_faces);
         if operators.flash.is_some() {
             state.flash = self.flash.advanced(&state.flash, into_strip);
         }
         state.punch.received[0] += mean(into_punch);
         state.strip.received[0] += mean(into_strip);
-        if let Some(air_flux) = air_flux {
-            state.strip.received[COOLING] += mean(air_flux);
+        for (received, faces) in [(&mut state.punch.received, punch_faces), (&mut state.strip.received, strip_faces)] {
+            for (port, flux) in PORTS_OF_FACES.into_iter().zip(faces) {
+                received[port] += flux.map_or(0.0, mean);
+            }
         }
         state.dissipated += mean(heat);
         state.distance += travel.abs();

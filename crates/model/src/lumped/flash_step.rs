@@ -108,7 +108,7 @@ impl FlashStep {
     /// Computes the weights for `speeds` (m/s) at the start and at the three points of the step `step` (s), with the decays
     /// at rest of [`decays_at_rest`] and the properties of `propagators`. They are a function of these alone, so that a replay gives the
     /// same bits.
-    pub fn prepare(&mut self, operators: &LumpedOperators, propagators: &Propagators, speeds: [f64; 4]) {
+    pub fn prepare(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speeds: [f64; 4]) {
         let [speed, ..] = speeds;
         if speeds == [speed; 4] {
             return self.prepare_steady(operators, propagators, speed);
@@ -128,7 +128,7 @@ impl FlashStep {
 
     /// [`FlashStep::prepare`] at the constant speed `speed` (m/s).
     #[inline(always)]
-    pub fn prepare_steady(&mut self, operators: &LumpedOperators, propagators: &Propagators, speed: f64) {
+    pub fn prepare_steady(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speed: f64) {
         let Some(flash) = &operators.flash else { return };
         let key = ([speed; 4], propagators.step, propagators.scales);
         if self.steady && self.key.0[0] == speed && self.key.1 == key.1 && self.key.2 == key.2 {
@@ -150,9 +150,9 @@ impl FlashStep {
     }
 
     #[inline(always)]
-    fn begin(&mut self, propagators: &Propagators, key: ([f64; 4], f64, Scales)) {
+    fn begin(&mut self, propagators: &Propagators<'_>, key: ([f64; 4], f64, Scales)) {
         if self.key.1 != key.1 || self.key.2 != key.2 {
-            self.at_rest = propagators.at_rest;
+            self.at_rest = *propagators.at_rest;
             self.length = key.1 * key.2.pace;
         }
         self.key = key;
@@ -330,7 +330,8 @@ mod tests {
         let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-5, 1e-3, 0.1, 20.0] {
-            let at_rest = Propagators { at_rest: decays_at_rest(flash, step), step, ..Propagators::empty() };
+            let at_rest = decays_at_rest(flash, step);
+            let at_rest = Propagators { step, punch: None, strip: None, at_rest: &at_rest, scales: Scales::ONE };
             for speed in [0.0, 1e-6, 1e-3, 0.1, 4.0, 90.0] {
                 let mut made = FlashStep::empty();
                 made.prepare(&operators, &at_rest, [speed; 4]);
@@ -367,7 +368,8 @@ mod tests {
         let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-3, 0.01, 0.1] {
-            let at_rest = Propagators { at_rest: decays_at_rest(flash, step), step, ..Propagators::empty() };
+            let at_rest = decays_at_rest(flash, step);
+            let at_rest = Propagators { step, punch: None, strip: None, at_rest: &at_rest, scales: Scales::ONE };
             for [first, last] in [[10.0, 10.5], [10.5, 10.0], [2.0, 2.1], [0.2, 0.19], [3.0, 2.0], [1.0, 2.0]] {
                 let speed = |x: f64| first + (last - first) * x;
                 let mut made = FlashStep::empty();

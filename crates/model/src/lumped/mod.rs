@@ -29,17 +29,16 @@ use crate::{Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
-use numerics::cache::KeyedCache;
 use numerics::scalar::Dual;
 use operators::LumpedOperators;
 use point::{Frozen, Point};
-use property_step::{PropertyPropagators, PropertyStep};
+use property_step::PropertyStep;
 use pulp::Arch;
 use scene::Scene;
 use scene::message::Number;
 use state::LumpedState;
 use std::sync::Arc;
-use stepper::Propagators;
+use stepper::PropagatorCache;
 
 /// Bits of [`LumpedState::limits`].
 pub mod limit {
@@ -65,9 +64,6 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 
 /// Fraction of a body's height up to which a step may wear without a saved initial state.
 const NEAR_END: f64 = 0.9;
-
-/// Step sizes whose weights are kept.
-const CACHED_STEPS: usize = 12;
 
 /// Factor by which load and speed may exceed their nominal values before the plan becomes invalid.
 const NOMINAL_MARGIN: f64 = 10.0;
@@ -114,11 +110,9 @@ pub struct Lumped {
     state: LumpedState,
     frozen: Frozen,
     frozen_is_current: bool,
-    /// Weights of recent step sizes by their bits; never part of the state, always rebuilt to the same bits.
-    propagators: KeyedCache<u64, Propagators>,
-    /// In their place where properties follow temperatures.
-    property_propagators: Option<Box<PropertyPropagators>>,
-    property_step: PropertyStep,
+    propagators: PropagatorCache,
+    /// Where properties follow temperatures.
+    property_step: Option<PropertyStep>,
     /// The machine's vector unit.
     arch: Arch,
     flash: FlashStep,
@@ -142,9 +136,8 @@ impl Lumped {
             friction,
             tunables,
             state,
-            propagators: KeyedCache::new(std::iter::repeat_n(Propagators::empty(), CACHED_STEPS)),
-            property_propagators: PropertyPropagators::of(&operators),
-            property_step: PropertyStep::new(&operators),
+            propagators: PropagatorCache::new(&operators),
+            property_step: PropertyStep::of(&operators),
             arch: Arch::new(),
             flash: FlashStep::empty(),
             known,

@@ -101,9 +101,10 @@ impl BodyOperators {
         self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
     }
 
-    /// Whether any face has cooling beyond the constant heat transfer.
-    pub fn is_cooled_variably(&self) -> bool {
-        self.air.iter().any(Air::acts)
+    /// Whether the face beside the contact has cooling that the fast path solves for: more than a linear one.
+    #[inline]
+    pub fn cools_beside(&self) -> bool {
+        self.air[BESIDE].acts() && !self.air[BESIDE].is_linear()
     }
 
     /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
@@ -194,6 +195,8 @@ pub struct LumpedOperators {
     pub least_flux: f64,
     /// The fast path is possible: see [`super::fast_path`].
     pub fast_path: bool,
+    /// A face has a flux that the fast path eliminates: see [`Air::is_linear`].
+    pub has_linear_faces: bool,
     /// Bounds of the fast path.
     pub fast_path_bounds: FastPathBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
@@ -273,6 +276,7 @@ impl LumpedOperators {
             fast_path_bounds: FastPathBounds::new(scene),
             half_resistance: 0.0,
             strip_coverage: scene.coverage(),
+            has_linear_faces: false,
             punch,
             strip,
             flash,
@@ -315,7 +319,13 @@ impl LumpedOperators {
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         self.wear_follows_temperature = follows(&self.punch) || follows(&self.strip);
         self.half_resistance = if self.scene.conductance > 0.0 { 0.5 / self.scene.conductance } else { 0.0 };
+        self.has_linear_faces = self.punch.air.iter().chain(&self.strip.air).any(Air::is_linear);
         self.fast_path = self.allows_fast_path();
+    }
+
+    /// Punch and strip.
+    pub fn bodies(&self) -> [&BodyOperators; 2] {
+        [&self.punch, &self.strip]
     }
 
     /// Whether the scene can be in the regime of [`super::fast_path`] at all.
@@ -325,9 +335,8 @@ impl LumpedOperators {
             && self.scene.conductance > 0.0
             && self.series_stiffness == 0.0
             && !self.has_bristle()
-            && !self.punch.is_cooled_variably()
-            && !self.strip.air[FAR].acts()
-            && (!self.strip.air[BESIDE].acts() || self.strip.cooled_is_contact)
+            && self.punch.air.iter().chain([&self.strip.air[FAR]]).all(|air| !air.acts() || air.is_linear())
+            && (!self.strip.cools_beside() || self.strip.cooled_is_contact)
     }
 }
 
@@ -390,7 +399,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let mut operators = BodyOperators {
         heat: None,
-        properties: Properties::of(body),
+        properties: Properties::of(body, scene.tolerance),
         heat_capacity: body.capacity() * body.height,
         uniform_mean: 1.0,
         loses_to_air: false,

@@ -186,7 +186,7 @@ fn held_cooling<S: Scalar>(
     into: S,
 ) -> [S; FACES] {
     let mut flux = [S::from(0.0); FACES];
-    if !body.is_cooled_variably() {
+    if !body.air.iter().any(Air::acts) {
         return flux;
     }
     let faces = cooled_faces(heat);

@@ -10,11 +10,19 @@
 //! without error at any r h. [`Propagator`] holds these weights for one step size at the three points at which the contact is
 //! solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
 //!
+//! At other properties than the constants of the body it is the propagator of its own time, with fluxes that weigh more or less
+//! ([`conduction::properties`]).
+//!
 //! Theory: docs/theory.md, section 5.3.
 
-use super::air::{Air, BESIDE, FACES, FAR};
+use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
+use super::estimate::cooling_error;
+use super::operators::BodyOperators;
 use conduction::properties::Scales;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use nalgebra::{SMatrix, SVector};
+use numerics::factorization;
+use scene::ThermalBoundary;
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
 pub const POINTS: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
@@ -77,7 +85,14 @@ impl Observed {
         Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] }
     }
 
-    fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, driven: &Driven) -> Observed {
+    /// `weight`: factors of the fluxes, by port.
+    fn new(
+        body: &ReducedBody,
+        observation: &Observation,
+        decay: &Decay,
+        driven: &Driven,
+        weight: &[f64; PORTS],
+    ) -> Observed {
         let mut observed = Observed::none();
         for point in 0..3 {
             for k in 0..body.count {
@@ -92,34 +107,12 @@ impl Observed {
             }
             for port in 0..PORTS {
                 for stage in 0..2 {
-                    observed.gain[port][point][stage] += observation.direct[port] * BASIS[point][stage];
+                    let gain = &mut observed.gain[port][point][stage];
+                    *gain = (*gain + observation.direct[port] * BASIS[point][stage]) * weight[port];
                 }
             }
         }
         observed
-    }
-
-    /// Interpolates the gains of this observation.
-    #[inline(always)]
-    fn mix_gains(&mut self, of: [&Observed; 4], between: &Between) {
-        for port in 0..PORTS {
-            let weights = between.plain.map(|weight| weight * between.scale(port));
-            for point in 0..3 {
-                for stage in 0..2 {
-                    self.gain[port][point][stage] = combined(&weights, of.map(|one| one.gain[port][point][stage]));
-                }
-            }
-        }
-    }
-
-    /// Interpolates the weights of the first `count` states.
-    #[inline(always)]
-    fn mix_states(&mut self, of: [&Observed; 4], between: &Between, count: usize) {
-        for point in 0..3 {
-            for k in 0..count {
-                self.homogeneous[point][k] = between.of(of.map(|one| one.homogeneous[point][k]));
-            }
-        }
     }
 
     /// Observation at `point` from the initial states alone.
@@ -140,34 +133,71 @@ type Decay = [[f64; MAX_STATES]; 3];
 /// Weights of the stage fluxes in every state at the three points.
 type Driven = [[[f64; 2]; MAX_STATES]; 3];
 
-/// Cubic interpolation between four step sizes in a row.
-#[derive(Clone, Copy, Debug)]
-pub struct Between {
-    /// Weights of the four.
-    pub plain: [f64; 4],
-    /// The same times the step size over that of each: what is in proportion to the step is interpolated exactly.
-    pub by_step: [f64; 4],
-    /// Properties during the step.
-    pub scales: Scales,
-    /// Ports of fluxes, whose effect on temperatures is in proportion to K0/K.
-    pub is_flux: [bool; PORTS],
+/// Faces whose fluxes are linear in their temperatures and in nothing else ([`Air::is_linear`]), eliminated from a step whose only other
+/// fluxes are those of contact and cooling, at no ambient temperature.
+#[derive(Clone, Debug)]
+struct LinearFaces {
+    acts: [bool; FACES],
+    /// Stage fluxes per initial state: `[face][stage][state]`.
+    by_state: [[[f64; MAX_STATES]; 2]; FACES],
+    /// Stage fluxes per stage flux of contact and cooling: `[port][face][stage][stage]`.
+    by_flux: [[[[f64; 2]; 2]; FACES]; 2],
 }
 
-impl Between {
-    /// Combination of four numbers.
-    #[inline(always)]
-    pub fn of(&self, values: [f64; 4]) -> f64 {
-        combined(&self.plain, values)
+impl LinearFaces {
+    fn new(cooled: &[Observed; FACES], air: &[Air; FACES]) -> LinearFaces {
+        const UNKNOWNS: usize = 2 * FACES;
+        let acts = air.each_ref().map(Air::is_linear);
+        let mut faces =
+            LinearFaces { acts, by_state: [[[0.0; MAX_STATES]; 2]; FACES], by_flux: [[[[0.0; 2]; 2]; FACES]; 2] };
+        if acts == [false; FACES] {
+            return faces;
+        }
+        let unknowns = || (0..UNKNOWNS).map(|k| (k, k / 2, k % 2));
+        let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity();
+        for (k, face, stage) in unknowns().filter(|(_, face, _)| acts[*face]) {
+            for (l, other, at) in unknowns().filter(|(_, face, _)| acts[*face]) {
+                matrix[(k, l)] += air[face].rest * cooled[face].gain[PORTS_OF_FACES[other]][2 * stage][at];
+            }
+        }
+        let solved = |of: &dyn Fn(usize, usize) -> f64| {
+            let wanted =
+                unknowns().map(|(_, face, stage)| if acts[face] { -air[face].rest * of(face, stage) } else { 0.0 });
+            factorization::solve(&matrix, &SVector::<f64, UNKNOWNS>::from_iterator(wanted))
+                .unwrap_or_else(|_| SVector::repeat(f64::NAN))
+        };
+        for state in 0..MAX_STATES {
+            let flux = solved(&|face, stage| cooled[face].homogeneous[2 * stage][state]);
+            unknowns().for_each(|(k, face, stage)| faces.by_state[face][stage][state] = flux[k]);
+        }
+        for port in 0..2 {
+            for at in 0..2 {
+                let flux = solved(&|face, stage| cooled[face].gain[port][2 * stage][at]);
+                unknowns().for_each(|(k, face, stage)| faces.by_flux[port][face][stage][at] = flux[k]);
+            }
+        }
+        faces
     }
 
-    fn scale(&self, port: usize) -> f64 {
-        if self.is_flux[port] { self.scales.flux } else { 1.0 }
+    /// What is observed with these faces.
+    fn observed(&self, without: &Observed) -> Observed {
+        let mut with = without.clone();
+        for face in (0..FACES).filter(|&face| self.acts[face]) {
+            for (point, gain) in without.gain[PORTS_OF_FACES[face]].iter().enumerate() {
+                for (stage, gain) in gain.iter().enumerate() {
+                    for (with, flux) in with.homogeneous[point].iter_mut().zip(&self.by_state[face][stage]) {
+                        *with += gain * flux;
+                    }
+                    for port in 0..2 {
+                        for at in 0..2 {
+                            with.gain[port][point][at] += gain * self.by_flux[port][face][stage][at];
+                        }
+                    }
+                }
+            }
+        }
+        with
     }
-}
-
-#[inline(always)]
-fn combined(weights: &[f64; 4], values: [f64; 4]) -> f64 {
-    (weights[0] * values[0] + weights[1] * values[1]) + (weights[2] * values[2] + weights[3] * values[3])
 }
 
 /// Exact propagator of a reduced body over one step size.
@@ -179,6 +209,9 @@ pub struct Propagator {
     pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
+    /// Contact and mean temperature for the fast path: with the linear faces.
+    pub fast: [Observed; 2],
+    linear: LinearFaces,
     /// Cooling of the faces beyond the heat transfer within the states.
     pub air: [Air; FACES],
     decay: [f64; MAX_STATES],
@@ -216,9 +249,19 @@ fn total(sum: [f64; LANES]) -> f64 {
 }
 
 impl Propagator {
-    /// Propagator of `body` over the step `step` (s); `air`: the cooling of its faces, whose temperature is observed where it acts.
-    pub fn new(body: &ReducedBody, step: f64, air: &[Air; FACES]) -> Propagator {
+    /// Propagator of the body `of` over the step `step` (s) at the properties `scales`; `None` for an insulator. The temperature of a face
+    /// is observed where its cooling acts.
+    pub fn new(of: &BodyOperators, step: f64, scales: Scales) -> Option<Propagator> {
+        let body = of.heat.as_ref()?;
+        let step = step * scales.pace;
+        let air = of.air.each_ref().map(|air| air.at(scales));
         let cools = air.each_ref().map(Air::acts);
+        // A prescribed temperature does not weigh more where the body conducts less.
+        let mut weight = [scales.flux; PORTS];
+        weight[Port::Ambient as usize] = 1.0;
+        if matches!(of.far, ThermalBoundary::Held | ThermalBoundary::External) {
+            weight[Port::Base as usize] = 1.0;
+        }
         let mut decay = [[1.0; MAX_STATES]; 3];
         for (point, row) in decay.iter_mut().enumerate() {
             for (value, rate) in row.iter_mut().zip(&body.rate[..body.count]) {
@@ -233,90 +276,49 @@ impl Propagator {
         }
         let mut update = [[[0.0; MAX_STATES]; 2]; PORTS];
         for k in 0..body.count {
-            let weight = driven[2][k];
+            let by_stage = driven[2][k];
             for port in 0..PORTS {
                 for stage in 0..2 {
-                    update[port][stage][k] = body.input[port][k] * weight[stage];
+                    update[port][stage][k] = body.input[port][k] * by_stage[stage] * weight[port];
                 }
             }
         }
-        let contact = Observed::new(body, &body.contact_temperature, &decay, &driven);
+        let observed = |observation: &Observation| Observed::new(body, observation, &decay, &driven, &weight);
+        let [contact, mean] = [&body.contact_temperature, &body.mean_temperature].map(observed);
+        let cooled = [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])]
+            .map(|(observation, asked)| if asked { observed(observation) } else { Observed::none() });
+        let linear = LinearFaces::new(&cooled, &air);
+        let fast = [&contact, &mean].map(|without| linear.observed(without));
         let surface = std::array::from_fn(|group| {
             let of = |row: &[f64; MAX_STATES]| std::array::from_fn(|lane| row[LANES * group + lane]);
             Group {
-                contact: contact.homogeneous.each_ref().map(of),
+                contact: fast[0].homogeneous.each_ref().map(of),
                 decay: of(&decay[2]),
                 update: update[Port::Contact as usize].each_ref().map(of),
                 cooling: update[Port::Cooling as usize].each_ref().map(of),
             }
         });
-        Propagator {
-            contact,
-            cooled: [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])].map(
-                |(observation, asked)| match asked {
-                    true => Observed::new(body, observation, &decay, &driven),
-                    false => Observed::none(),
-                },
-            ),
-            mean: Observed::new(body, &body.mean_temperature, &decay, &driven),
-            air: *air,
-            decay: decay[2],
-            update,
-            surface,
-        }
+        Some(Propagator { contact, cooled, mean, fast, linear, air, decay: decay[2], update, surface })
     }
 
-    /// Interpolates the entries of the fast path for `count` states: those of contact, cooling and mean temperature.
+    /// Stage fluxes into the linear faces from the initial states and the stage fluxes of contact and cooling; `None` where there are no
+    /// such faces.
     #[inline(always)]
-    pub fn mix_surface(&mut self, of: [&Propagator; 4], between: &Between, count: usize) {
-        let by_flux = between.by_step.map(|weight| weight * between.scales.flux);
-        for group in 0..count.div_ceil(LANES) {
-            let (new, of) = (&mut self.surface[group], of.map(|one| &one.surface[group]));
-            for point in 0..3 {
-                for lane in 0..LANES {
-                    new.contact[point][lane] = between.of(of.map(|one| one.contact[point][lane]));
-                }
-            }
-            for lane in 0..LANES {
-                new.decay[lane] = between.of(of.map(|one| one.decay[lane]));
-            }
-            for stage in 0..2 {
-                for lane in 0..LANES {
-                    new.update[stage][lane] = combined(&by_flux, of.map(|one| one.update[stage][lane]));
-                    new.cooling[stage][lane] = combined(&by_flux, of.map(|one| one.cooling[stage][lane]));
-                }
-            }
-        }
-        let whole = LANES * count.div_ceil(LANES);
-        for k in 0..whole {
-            self.mean.homogeneous[2][k] = between.of(of.map(|one| one.mean.homogeneous[2][k]));
-        }
-        self.contact.mix_gains(of.map(|one| &one.contact), between);
-        self.mean.mix_gains(of.map(|one| &one.mean), between);
-        self.air = of[1].air.map(|air| air.at(between.scales));
-    }
-
-    /// Interpolates the other entries, which the general form of a step has in addition.
-    pub fn mix_rest(&mut self, of: [&Propagator; 4], between: &Between, count: usize) {
-        let whole = LANES * count.div_ceil(LANES);
-        self.contact.mix_states(of.map(|one| &one.contact), between, whole);
-        self.mean.mix_states(of.map(|one| &one.mean), between, whole);
-        for face in 0..FACES {
-            let (own, of) = (&mut self.cooled[face], of.map(|one| &one.cooled[face]));
-            own.mix_states(of, between, whole);
-            own.mix_gains(of, between);
-        }
-        for k in 0..whole {
-            self.decay[k] = between.of(of.map(|one| one.decay[k]));
-        }
-        for port in 0..PORTS {
-            let weights = between.by_step.map(|weight| weight * between.scale(port));
-            for stage in 0..2 {
-                for k in 0..whole {
-                    self.update[port][stage][k] = combined(&weights, of.map(|one| one.update[port][stage][k]));
-                }
-            }
-        }
+    pub fn linear_fluxes(
+        &self,
+        states: &[f64; MAX_STATES],
+        count: usize,
+        fluxes: [[f64; 2]; 2],
+    ) -> [Option<[f64; 2]>; FACES] {
+        let LinearFaces { acts, by_state, by_flux } = &self.linear;
+        let flux = |face: usize, stage: usize| {
+            let driven = |port: usize| {
+                let gain = &by_flux[port][face][stage];
+                gain[0] * fluxes[port][0] + gain[1] * fluxes[port][1]
+            };
+            dot(&by_state[face][stage], states, count) + (driven(0) + driven(1))
+        };
+        [BESIDE, FAR].map(|face| acts[face].then(|| [flux(face, 0), flux(face, 1)]))
     }
 
     /// Temperature of the contact surface at both stages from the initial states alone.
@@ -342,14 +344,38 @@ impl Propagator {
         total(sum)
     }
 
-    /// [`Propagator::advance`] where only contact and cooling have fluxes.
+    /// Error of the temperatures at the end of the step by the linear faces, K: see [`cooling_error`]. `fluxes` as in
+    /// [`Propagator::linear_fluxes`], which gives `faces`.
+    pub fn linear_error(
+        &self,
+        states: &[f64; MAX_STATES],
+        count: usize,
+        fluxes: [[f64; 2]; 2],
+        faces: &[Option<[f64; 2]>; FACES],
+    ) -> f64 {
+        let mut error = 0.0;
+        for (face, port) in PORTS_OF_FACES.into_iter().enumerate() {
+            let (Some(flux), observed, rest) = (faces[face], &self.cooled[face], self.air[face].rest) else { continue };
+            let by_faces = PORTS_OF_FACES.into_iter().zip(faces).filter_map(|(port, flux)| Some((port, (*flux)?)));
+            let driven =
+                fluxes.into_iter().enumerate().chain(by_faces).map(|(port, flux)| observed.of_flux(port, 1, flux));
+            let t = observed.of_states(1, states, count) + driven.sum::<f64>();
+            let residual = -rest * t - (BASIS[1][0] * flux[0] + BASIS[1][1] * flux[1]);
+            let [own, contact, mean] =
+                [observed, &self.contact, &self.mean].map(|one| one.gain[port][2][0] + one.gain[port][2][1]);
+            error += cooling_error(residual, rest, own, [contact, mean]);
+        }
+        error
+    }
+
+    /// [`Propagator::advance`] where only the contact and the faces `faces` have fluxes.
     #[inline(always)]
     pub fn advance_surface(
         &self,
         states: &mut [f64; MAX_STATES],
         count: usize,
         contact: [f64; 2],
-        cooling: Option<[f64; 2]>,
+        [cooling, far]: [Option<[f64; 2]>; FACES],
     ) {
         for (weights, states) in self.surface.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES))
         {
@@ -365,6 +391,12 @@ impl Propagator {
                 accumulate(&mut new, &weights.cooling[1], &[cooling[1]; LANES]);
             }
             *states = new;
+        }
+        if let Some(far) = far {
+            let [first, last] = &self.update[PORTS_OF_FACES[FAR]];
+            for k in 0..LANES * count.div_ceil(LANES) {
+                states[k] += first[k] * far[0] + last[k] * far[1];
+            }
         }
     }
 

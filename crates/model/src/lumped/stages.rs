@@ -53,8 +53,7 @@ impl Stages {
         strip: &StageBody,
     ) -> Stages {
         let operators = stepper.operators;
-        let mut strip_gain =
-            stepper.propagators.strip.as_ref().map_or([[0.0; 2]; 3], |propagator| propagator.contact.gain[0]);
+        let mut strip_gain = stepper.propagators.strip.map_or([[0.0; 2]; 3], |propagator| propagator.contact.gain[0]);
         if operators.flash.is_some() {
             for (gain, extra) in strip_gain.iter_mut().zip(&stepper.flash.gain) {
                 gain[0] += extra[0];

@@ -31,14 +31,14 @@ impl Stepper<'_> {
             [0, 1].map(|side| Around { ambient, forced, neighbour: [first.neighbours[side], last.neighbours[side]] });
         let mut punch = StageBody::new(
             &operators.punch,
-            self.propagators.punch.as_ref(),
+            self.propagators.punch,
             &state.punch,
             ambient,
             [first.punch_far, last.punch_far],
         );
         let mut strip = StageBody::new(
             &operators.strip,
-            self.propagators.strip.as_ref(),
+            self.propagators.strip,
             &state.strip,
             ambient,
             [first.strip_far, last.strip_far],

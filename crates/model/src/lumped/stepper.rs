@@ -10,31 +10,65 @@ use super::stage::Propagator;
 use conduction::flash::MAX_FLASH_STATES;
 use conduction::properties::Scales;
 use contact::friction::FrictionLaw;
+use numerics::cache::KeyedCache;
 
-/// Propagators of both bodies over one step size.
-#[derive(Clone, Debug)]
-pub struct Propagators {
+/// Propagators that are kept of a body: recent step sizes.
+const CACHED_STEPS: usize = 12;
+
+/// The same of a body whose properties follow its temperature, 1 MB: of a few step sizes at the temperatures of a stop.
+const CACHED_PROPERTIES: usize = 96;
+
+/// Propagators of both bodies over one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Propagators<'a> {
     /// Step size, s.
     pub step: f64,
-    pub(super) punch: Option<Propagator>,
-    pub(super) strip: Option<Propagator>,
+    pub(super) punch: Option<&'a Propagator>,
+    pub(super) strip: Option<&'a Propagator>,
     /// Decay factors of the moving source at rest up to the point 1/3.
-    pub(super) at_rest: [f64; MAX_FLASH_STATES],
+    pub(super) at_rest: &'a [f64; MAX_FLASH_STATES],
     /// Properties of the strip.
     pub(super) scales: Scales,
 }
 
-impl Propagators {
-    /// Memory for the weights of a step.
-    pub fn empty() -> Propagators {
-        Propagators { step: f64::NAN, punch: None, strip: None, at_rest: [1.0; MAX_FLASH_STATES], scales: Scales::ONE }
+/// Recent propagators of both bodies, by the bits of the step size and of the temperature of their properties. Never part of the state,
+/// always rebuilt to the same bits.
+#[derive(Clone, Debug)]
+pub struct PropagatorCache([KeyedCache<[u64; 2], Cached>; 2]);
+
+#[derive(Clone, Debug)]
+struct Cached {
+    own: Option<Propagator>,
+    at_rest: [f64; MAX_FLASH_STATES],
+    scales: Scales,
+}
+
+impl PropagatorCache {
+    /// Memory for those of these bodies.
+    pub fn new(operators: &LumpedOperators) -> PropagatorCache {
+        let vacant = Cached { own: None, at_rest: [1.0; MAX_FLASH_STATES], scales: Scales::ONE };
+        PropagatorCache(operators.bodies().map(|body| {
+            let capacity = if body.properties.is_some() { CACHED_PROPERTIES } else { CACHED_STEPS };
+            KeyedCache::new(std::iter::repeat_n(vacant.clone(), capacity))
+        }))
     }
 
-    /// Weights for the step `step` (s).
-    pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
-        let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step, &body.air));
-        let at_rest = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
-        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), at_rest, scales: Scales::ONE }
+    /// Propagators over `step` (s) with the properties at these temperatures of punch and strip, K; of a body of constants at any.
+    #[inline]
+    pub fn get(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> Propagators<'_> {
+        let [punch, strip] = &mut self.0;
+        let of = |cache: &mut KeyedCache<[u64; 2], Cached>, body: &BodyOperators, temperature: f64| {
+            cache.get_or_compute([step.to_bits(), temperature.to_bits()], |made| {
+                made.scales = body.properties.as_ref().map_or(Scales::ONE, |properties| properties.at(temperature));
+                made.own = Propagator::new(body, step, made.scales);
+                if let Some(flash) = &operators.flash {
+                    made.at_rest = decays_at_rest(flash, step * made.scales.pace);
+                }
+            })
+        };
+        let slots = [of(punch, &operators.punch, temperatures[0]), of(strip, &operators.strip, temperatures[1])];
+        let Cached { own, at_rest, scales } = &strip[slots[1]];
+        Propagators { step, punch: punch[slots[0]].own.as_ref(), strip: own.as_ref(), at_rest, scales: *scales }
     }
 }
 
@@ -55,7 +89,7 @@ pub struct Stepper<'a> {
     /// Values that may change between steps.
     pub tunables: &'a Tunables,
     /// Of the thermal states over the step.
-    pub propagators: &'a Propagators,
+    pub propagators: Propagators<'a>,
     /// Number of parts of the piece without events, and the conditions at its ends where they change: scale of the wear error of
     /// a part.
     pub cut: f64,

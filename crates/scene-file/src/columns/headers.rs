@@ -60,6 +60,8 @@ const NAMES: &[(&[&str], &[&str])] = &[
     (&["striptemperature"], &["strip.mean_temperature"]),
     (&["punchtemperature"], &["punch.mean_temperature"]),
     (&["distance"], &["sliding_distance"]),
+    (&["vehiclespeed", "linearspeed", "carspeed", "roadspeed"], &["speed"]),
+    (&["tripnumber", "tripno", "tripnr", "tripid"], &["trip"]),
 ];
 
 /// What a header is found to be.

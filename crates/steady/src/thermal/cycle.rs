@@ -122,6 +122,7 @@ fn assembled(map: &CycleMap, kind: SteadyKind, memory: &[f64], passage: &Passage
             range: passage.range.each_ref().map(|pair| pair.each_ref().map(absolute)),
             contact_temperature: passage.contact_temperature.map(|t| t + reference),
             highest: passage.highest + reference,
+            body_temperature: map.body_temperatures(memory).map(|rise| rise + reference),
             flows: HeatFlows {
                 friction: rate(totals.dissipated),
                 punch: rate(totals.received[0]),

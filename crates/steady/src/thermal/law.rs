@@ -34,6 +34,7 @@ use super::partition::ActivePartition;
 use crate::states::{Sliding, SteadyState, depth_rate, steady_state};
 use crate::{CycleProblem, SteadyError};
 use conduction::line::Stage;
+use elasticity::discretization::punch_block;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::cycle::{Resolution, SolveOptions};
@@ -159,7 +160,8 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let speed = scene.nominal_velocity.abs();
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
-    let made = Bodies::new(&scene, cells).map_err(SteadyError::Heat)?;
+    let block = punch_block(&scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
+    let made = Bodies::new(&scene, cells, block.as_ref()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));

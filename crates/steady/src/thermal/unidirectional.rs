@@ -17,7 +17,7 @@ use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
 use contact::{ContactSolver, Normal};
-use elasticity::discretization::relative_radii;
+use elasticity::discretization::{punch_block, relative_radii};
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::heat::air::cooling;
@@ -75,7 +75,8 @@ pub(super) fn solve(
     cold: &SteadyState,
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
-    let made = Bodies::new(scene, cells).map_err(SteadyError::Heat)?;
+    let block = punch_block(scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
+    let made = Bodies::new(scene, cells, block.as_ref()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let velocity = cold.strokes[0].velocity;
     let step = FOR_EVER * scene.nominal_duration;
@@ -394,6 +395,10 @@ impl Problem<'_> {
             *[&mut flows.punch_top, &mut flows.strip_base][side] = all * far;
             flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].end.cooling);
         }
+        let body_temperature = std::array::from_fn(|side| {
+            let body = self.bodies[side].as_ref();
+            scene.ambient_temperature + body.map_or(0.0, |body| body.mean_temperature(&found.states[side]))
+        });
         let critical = CriticalSpeed::new(scene).modelled(stroke.friction.abs());
         if critical > 0.0 {
             accuracy.speed_ratio = self.velocity().abs() / critical;
@@ -411,6 +416,7 @@ impl Problem<'_> {
                 }],
                 contact_temperature: [mean; 3],
                 highest,
+                body_temperature,
                 flows,
                 accuracy,
             },

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use fmu_build::scenes;
 use scene::Scene;
 use scene::variables::{Causality, FLAT, TABLE, check_parameter};
+use scene_file::property_tables::TABLES;
 
 use super::random::Random;
 use super::text;
@@ -93,6 +94,11 @@ fn change(text: &mut String, random: &mut Random) {
         }
         4 if !lines.is_empty() => {
             lines.remove(at);
+        }
+        5 if random.one_in(2) => {
+            let names: Vec<&str> = TABLES.iter().map(|table| table.name).chain(["unobtainium"]).collect();
+            let at = lines.iter().position(|line| line.starts_with("material")).unwrap_or(at);
+            lines.insert(at.min(lines.len()), format!("property_table.material = {:?}", random.pick(&names)));
         }
         5 => {
             let line = format!("{} = {}", key(random), value(random));

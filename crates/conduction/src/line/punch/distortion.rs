@@ -16,7 +16,7 @@ use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, DISTORTING_MODES, FAR, SUMMED_MODES};
 use crate::line::reduced::{PORTS, ReducedOperators};
 use crate::line::strip::dilatation;
-use elasticity::block::{Block, BlockError, BlockProperties, Discretization, FunctionsAcross};
+use elasticity::block::{Block, BlockError, FunctionsAcross};
 use elasticity::{Base, Cells};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 use numerics::factorization::{self, Unfactorable};
@@ -25,17 +25,17 @@ use scene::{Body, Geometry, MechanicalBody, Scene};
 
 /// Law of distortion.
 #[derive(Debug)]
-enum Kind {
+enum Kind<'a> {
     Columns,
-    Block(Box<Block>),
+    Block(&'a Block),
     Layer { deep: bool },
     OnBase(Base),
 }
 
 /// Law of distortion, and the points through the height at which the profiles of the fields are needed.
 #[derive(Debug)]
-pub(super) struct Distortion {
-    kind: Kind,
+pub(super) struct Distortion<'a> {
+    kind: Kind<'a>,
     /// Thermal expansion coefficient, 1/K.
     expansion: f64,
     poissons_ratio: f64,
@@ -44,23 +44,12 @@ pub(super) struct Distortion {
     points: Vec<(f64, f64)>,
 }
 
-/// Order and corner layers of the elements: temperature fields are smooth, so only the corners need layers. One order and
-/// one layer more change the distortion by less than 1e-6 of its largest value; for tolerances from [`COARSE`] on, one layer
-/// fewer changes it by up to 2e-5.
-fn discretization(tolerance: f64) -> Discretization {
-    let (contact_layers, top_layers) = if tolerance >= COARSE { (3, 2) } else { (4, 3) };
-    Discretization { order: 6, contact_layers, top_layers, grading: Discretization::CORNER_GRADING }
-}
-
-/// Least tolerance at which one layer fewer suffices.
-const COARSE: f64 = 5e-3;
-
-impl Distortion {
-    /// Distortion of the punch of `scene`; None without thermal expansion.
-    pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
+impl<'a> Distortion<'a> {
+    /// Distortion of the punch of `scene`, whose finite elements are `block`; None without thermal expansion.
+    pub fn new(scene: &Scene, block: Option<&'a Block>) -> Option<Distortion<'a>> {
         let body = &scene.punch;
         if body.thermal_expansion == 0.0 {
-            return Ok(None);
+            return None;
         }
         let (poissons_ratio, height) = (body.poissons_ratio, body.height);
         let kind = if body.mechanical == MechanicalBody::Winkler {
@@ -68,20 +57,17 @@ impl Distortion {
         } else if scene.geometry == Geometry::Periodic {
             Kind::Layer { deep: body.mechanical == MechanicalBody::HalfPlane }
         } else {
-            let width = 2.0 * cells.half_width();
-            let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
-            let discretization = discretization(scene.tolerance);
-            Kind::Block(Box::new(Block::new(properties, discretization)?))
+            Kind::Block(block.expect("a heated punch that expands has its finite elements"))
         };
         let points = match &kind {
             Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),
             Kind::Columns | Kind::Layer { .. } | Kind::OnBase(_) => Vec::new(),
         };
-        Ok(Some(Distortion { kind, expansion: body.thermal_expansion, poissons_ratio, height, points }))
+        Some(Distortion { kind, expansion: body.thermal_expansion, poissons_ratio, height, points })
     }
 
     /// Distortion of a layer on its base; None without thermal expansion.
-    pub fn on_base(body: &Body, base: Base) -> Option<Distortion> {
+    pub fn on_base(body: &Body, base: Base) -> Option<Distortion<'a>> {
         (body.thermal_expansion > 0.0).then(|| Distortion {
             kind: Kind::OnBase(base),
             expansion: body.thermal_expansion,
@@ -255,7 +241,11 @@ impl LayerDilatation {
 
 impl Assembly<'_> {
     /// Distortion by the states, and the static correction of fast fields and fields of short wavelength.
-    pub(super) fn distort(&self, distortion: &Distortion, operators: &mut ReducedOperators) -> Result<(), BlockError> {
+    pub(super) fn distort(
+        &self,
+        distortion: &Distortion<'_>,
+        operators: &mut ReducedOperators,
+    ) -> Result<(), BlockError> {
         let positions = distortion.positions();
         let (depth, cells) = (&self.depth, self.cells);
         let mut fields = Vec::new();

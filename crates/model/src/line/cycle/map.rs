@@ -142,8 +142,8 @@ impl CycleMap {
         let tabulated = bodies.into_iter().find(|(_, body)| operators.heat.is_some() && body.properties.is_some());
         if let Some((name, points)) = tabulated.and_then(|(name, body)| Some((name, body.properties?.points))) {
             return Err(CycleError::Unsuitable(format!(
-                "cycles: with heat at {name}.property_table.points = {points}, jumps over cycles are known for constants alone; set 0 \
-                 points and {name}.conductivity and {name}.specific_heat at the temperature of the cycles"
+                "cycle map: with heat at {name}.property_table.points = {points}, whose properties change from cycle to cycle; see \
+                 steady::thermal::at_steady_properties"
             )));
         }
         // Every step is accepted, so that the cycle is a smooth function of its start.
@@ -283,6 +283,15 @@ impl CycleMap {
             );
         }
         temperature
+    }
+
+    /// Mean temperatures of the bodies (K above the reference) in a state.
+    pub fn body_temperatures(&self, memory: &[f64]) -> [f64; 2] {
+        let [punch, strip] = self.heat_ranges();
+        [(0, punch), (1, strip)].map(|(side, range)| match (self.body(side), self.full(side, &memory[range])) {
+            (Some(body), Some(state)) => body.mean_temperature(&state),
+            _ => 0.0,
+        })
     }
 
     /// Temperatures of punch and strip (N values, K above the reference) in the present state.

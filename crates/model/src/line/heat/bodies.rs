@@ -12,6 +12,7 @@ use conduction::line::property_body::PropertyBody;
 use conduction::line::punch;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::properties::Properties;
+use elasticity::block::Block;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
@@ -48,17 +49,17 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Builds both bodies under the given cells.
+    /// Builds both bodies under the given cells; `block`: the finite elements of the heated punch.
     ///
     /// # Errors
     /// The reason for which a body cannot be built, as a text with the numbers.
-    pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
+    pub fn new(scene: &Scene, cells: &Cells, block: Option<&Block>) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
         let reduction = ToleranceBudget::of(scene).reduction;
         let of_the_mean = reduction.punch_mean(error_weights[0].tolerance);
         let (whole, tolerance) = (reduction.whole(), reduction.strip(error_weights[1].tolerance));
         let duration = scene.nominal_duration;
-        let punch = punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
+        let punch = punch::reduce_with_mean(scene, cells, block, [whole, of_the_mean], duration)
             .map_err(|error| format!("punch: {error}"))?
             .map(|body| Box::new(body) as Box<dyn ThermalBody>);
         if scene.geometry == Geometry::Annular {
@@ -84,7 +85,7 @@ impl Bodies {
         let endless = scene.path == scene::Path::Straight && scene.nominal_stroke == 0.0;
         let [punch, strip] = bodies;
         let bodies = [(punch, &scene.punch, false), (strip, &scene.strip, endless)].map(|(own, body, endless)| {
-            match (own, Properties::of(body)) {
+            match (own, Properties::of(body, scene.tolerance)) {
                 // Fresh material arrives at the temperature for which the constants are.
                 (Some(own), Some(properties)) if !endless => {
                     Some(Box::new(PropertyBody::new(own, properties, body.far_is_prescribed())) as _)

@@ -21,10 +21,9 @@ fn attempts(run: &Lumped, ends: [[f64; 2]; 2], step: f64) -> [(Option<Attempt>, 
     let constant = ends[0] == ends[1];
     [true, false].map(|by_fast_path| {
         let mut run = run.clone();
-        let index = run.propagators_of(step);
-        let propagators = &run.propagators[index];
+        let propagators = run.propagators.get(&run.operators, step, [550.0; 2]);
         let speeds = conditions.each_ref().map(|now| now.velocity.abs());
-        run.flash.prepare(&run.operators, propagators, speeds);
+        run.flash.prepare(&run.operators, &propagators, speeds);
         let mut stepper = Stepper {
             flash: &mut run.flash,
             cut: 1.0,
@@ -61,6 +60,8 @@ fn difference(one: &LumpedState, other: &LumpedState) -> (f64, &'static str) {
         (relative(one.dissipated, other.dissipated), "friction heat"),
         (relative(one.punch.received[0], other.punch.received[0]), "heat into the punch"),
         (relative(one.strip.received[0], other.strip.received[0]), "heat into the strip"),
+        (largest(&one.punch.received, &other.punch.received), "heat into the faces of the punch"),
+        (largest(&one.strip.received, &other.strip.received), "heat into the faces of the strip"),
         (relative(one.punch.depth, other.punch.depth), "wear of the punch"),
         (relative(one.strip.depth, other.strip.depth), "wear of the strip"),
         (relative(one.distance, other.distance), "distance"),
@@ -84,7 +85,29 @@ fn an_attempt_by_the_fast_path_is_that_of_the_general_form() {
     let tolerance = STARTS[find("solver.tolerance").unwrap() as usize].max(1e-3);
     let (forced, radiating) = ([("strip.emissivity", 0.0)], [("strip.emissivity", 0.55)]);
     type Case<'a> = (&'a [(&'a str, f64)], &'a [(&'a str, f64)], bool, f64);
-    let scenes: [Case<'_>; 10] = [
+    let table = |body: &str| {
+        let mut changes = vec![(format!("{body}.property_table.points"), 2.0), (format!("{body}.convection"), 60.0)];
+        for (i, point) in [(293.15, 20.0, 450.0), (700.0, 12.0, 900.0)].into_iter().enumerate() {
+            for (row, value) in [("temperature", point.0), ("conductivity", point.1), ("specific_heat", point.2)] {
+                changes.push((format!("{body}.property_table.{row}[{}]", i + 1), value));
+            }
+        }
+        changes
+    };
+    let (mut of_punch, mut of_strip) = (table("punch"), table("strip"));
+    of_punch.push(("punch.top_thermal".into(), 2.0));
+    let beside = of_strip.clone();
+    of_strip.push(("strip.base_thermal".into(), 2.0));
+    let tables = [&of_punch, &of_strip, &[&of_punch[..], &of_strip].concat(), &beside].map(|own| own.clone());
+    let tabulated =
+        tables.each_ref().map(|own| own.iter().map(|(name, value)| (name.as_str(), *value)).collect::<Vec<_>>());
+    let [of_punch, of_strip, of_both, beside] = &tabulated;
+    let scenes: [Case<'_>; 15] = [
+        (&steady_air, of_punch, false, 1e-6 * tolerance),
+        (&steady_air, of_strip, false, 1e-6 * tolerance),
+        (&steady_air, of_both, true, 1e-6 * tolerance),
+        (&forced, of_punch, false, 1e-6 * tolerance),
+        (&forced, beside, false, 1e-6 * tolerance),
         (&steady_air, &[], false, 1e-12),
         (&steady_air, &straight, false, 1e-12),
         (&steady_air, &[("strip.path", 1.0), ("nominal.stroke", 0.05)], false, 1e-12),

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use fmu_build::scenes;
 use scene::variables::{Causality, FLAT, Kind, STARTS, TABLE, ValueReference, find, reference};
+use scene_file::property_tables::TABLES;
 
 use crate::fuzz::importer::Importer;
 use crate::fuzz::invariants::rows;
@@ -83,6 +84,13 @@ pub fn set_up(importer: &Importer, random: &mut Random) -> bool {
         let (name, typical) = random.pick(&SWITCHES);
         if let Some(reference) = find(name) {
             set(importer, reference, typical * random.power(-2.0, 1.0));
+        }
+    }
+    if random.one_in(4) {
+        let (table, body) = (random.pick(TABLES), *random.pick(&["punch", "strip"]));
+        for (name, value) in table.values() {
+            let scale = if name.contains(".conductivity") && random.one_in(4) { random.power(-1.0, 1.0) } else { 1.0 };
+            set(importer, reference(&format!("{body}.{name}")), value * scale);
         }
     }
     level(importer, random)
