@@ -94,6 +94,11 @@ def _progress(part: float) -> None:
     print(f"\r{100.0 * part:3.0f} %", end="", file=sys.stderr, flush=True)
 
 
+def _said(text: object) -> str:
+    """A message of the package, with the option for the argument."""
+    return str(text).replace('columns={"HEADER": "VARIABLE"}', '--column "HEADER=VARIABLE"').replace("columns: ", "--column: ")
+
+
 def _told(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
@@ -333,7 +338,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     with warnings.catch_warnings():
         # Each once, without the line of the package that raised it.
         warnings.simplefilter("once")
-        warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
+        warnings.showwarning = lambda message, *_: print(f"warning: {_said(message)}", file=sys.stderr)
         try:
             given.run(given)
             sys.stdout.flush()
@@ -344,6 +349,6 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         except KeyboardInterrupt:
             return 130
         except (Error, ImportError, OSError) as error:
-            print(f"error: {error}", file=sys.stderr)
+            print(f"error: {_said(error)}", file=sys.stderr)
             return 1
     return 0
