@@ -58,7 +58,7 @@ class Batch(Mapping):
         """Percentiles of a column over the scenes that did not fail: how far the doubt of a design goes in a result."""
         values = self[name]
         # By rank, as a life may be infinite.
-        return np.percentile(values[~np.isnan(values)], list(percent), method="closest_observation")
+        return np.asarray(np.percentile(values[~np.isnan(values)], list(percent), method="closest_observation"))
 
     def frame(self) -> "pandas.DataFrame":
         """A table of pandas with all columns in SI units."""
@@ -123,7 +123,7 @@ def _checked(scene: Any, given: Any) -> dict[str, list[Any]]:
         name, unit = split(header)
         scene.unit(name)
         cells = list(given[header]) if np.ndim(given[header]) == 1 else []
-        design[name] = cells if unit is None else list(with_unit(header, cells, unit))  # type: ignore[call-overload]
+        design[name] = [cell if unit is None else with_unit(header, cell, unit) for cell in cells]
     for name, cells in design.items():
         if len(cells) != len(next(iter(design.values()))) or not cells:
             raise Error(f"design: {name} has {len(cells)} rows; every column must be a list of the same length, at least 1")
@@ -151,7 +151,7 @@ def _gathered(scene: Any, design: Mapping[str, list[Any]], done: Mapping[int, An
     for body in ("punch", "strip"):
         limit, wear = (columns.get(name, np.nan) for name in (f"{body}.wear_limit", f"wear_depth_{body}"))
         limit = scene[f"{body}.wear_limit"] if np.all(np.isnan(limit)) else limit
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             life = np.minimum(life, np.where((limit > 0.0) | np.isnan(wear), limit / wear, np.inf))
     named = {**units, **{name + PEAK: unit for name, unit in units.items()}, **{name: scene.unit(name) for name in design}, LIFE: "1"}
     reasons = {at: done[row] for at, row in enumerate(rows) if row not in good}

@@ -31,6 +31,13 @@ def number(name: str, value: Any) -> float:
     return own
 
 
+def flag(name: str, value: Any) -> bool:
+    """Yes or no; a text as "no" would be true in Python."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise Error(f"{name} = {value!r} must be True or False")
+    return bool(value)
+
+
 def numbers(name: str, values: Any) -> np.ndarray:
     """Real numbers in an array of doubles."""
     own = np.asarray(values)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from ._errors import Error, SceneWarning
-from ._numbers import plain
+from ._numbers import flag, plain
 
 if TYPE_CHECKING:
     import pandas
@@ -31,7 +31,7 @@ def source(table: Optional[Table], name: str, columns: Optional[Columns] = None,
     accepted = "accepted are CSV and Parquet files, dictionaries and tables of pandas, with columns as in `time [s],contact_temperature [degC]`"
     if not (columns is None or isinstance(columns, Mapping) and all(isinstance(own, str) for pair in columns.items() for own in pair)):
         raise Error(f'columns = {columns!r}: accepted is a dictionary of headers and variables, as {{"COF": "friction_coefficient"}}')
-    reading = {"columns": [f"{header}={variable}" for header, variable in (columns or {}).items()], "strict": bool(strict)}
+    reading = {"columns": [f"{header}={variable}" for header, variable in (columns or {}).items()], "strict": flag("strict", strict)}
     if isinstance(table, (str, os.PathLike)):
         return {"path": os.fspath(table), "text": None, **reading}
     if not hasattr(table, "keys"):

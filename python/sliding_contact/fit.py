@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
@@ -21,8 +21,12 @@ import numpy as np
 from . import _native
 from ._drawing import drawn
 from ._errors import Error, Interrupted, SceneWarning
-from ._numbers import number, numbers
-from ._tables import Columns, Table, source, tell
+from ._numbers import number
+from ._records import VOLUME as VOLUME
+from ._records import Records as Records
+from ._records import Test as Test
+from ._records import tests_of
+from ._tables import source
 from .results import StepFailed
 
 try:
@@ -39,7 +43,6 @@ Scene = Any
 COEFFICIENT = "punch.wear_coefficient"
 PRESSURE_EXPONENT = "punch.wear_pressure_exponent"
 VELOCITY_EXPONENT = "punch.wear_velocity_exponent"
-VOLUME = "wear_volume_punch"
 CELLS = 33  # of a line whose scene leaves them to the program
 COARSE = 9  # cells beside the lumped level
 STEPS = 50  # of a run at constant load and speed; the model's own step control does the rest
@@ -48,94 +51,12 @@ LARGEST_STEP = 0.1  # of a difference, in an exponent or a logarithm
 SCALE = 0.05  # standard deviation that residuals have at first, over the largest measured value; of temperatures over the rise
 FAR = 10.0  # first step at most, in an exponent or a logarithm: the whole step of Gauss and Newton, as worn volumes are nearly powers
 FEW = 4.0  # values beyond what parameters take up, at least, for a standard deviation from residuals
+NEAR = 0.25  # steps of a difference: at nearer points the derivatives are the same, to a quarter of what the step itself leaves out
 ALIKE = 0.02  # part of a parameter's effect that others do not have, at least: differences are not more accurate
 WIDEST = 1.5  # half of an interval, in an exponent or a logarithm: beyond it the records say nothing
 ROUNDS = 4  # of the estimate of the standard deviations
 SHORTEST = 8  # values of a history whose residuals may be found to be correlated
 CORRELATED = 0.98  # highest correlation of neighbouring residuals that is counted
-
-
-@dataclass(frozen=True)
-class Records:
-    """End values of tests at constant load and speed, one entry each; a value that is not a number is a gap."""
-
-    load: np.ndarray  # N
-    speed: np.ndarray  # m/s
-    distance: np.ndarray  # m
-    volume: Optional[np.ndarray] = None  # m3, lost by the punch
-    values: Mapping[str, np.ndarray] = field(default_factory=dict)  # other outputs at the end, by name, in SI units
-
-    def __post_init__(self) -> None:
-        named = {name: getattr(self, name) for name in ("load", "speed", "distance", "volume")}
-        if named["volume"] is None:
-            del named["volume"]
-        for name, given in {**named, **self.values}.items():
-            own = numbers(f"records: {name}", given).ravel()
-            if name in named:
-                object.__setattr__(self, name, own)
-            if own.size != self.load.size:
-                raise Error(f"records: {name} has {own.size} values, load {self.load.size}")
-            missing = np.isnan(own) if name not in ("load", "speed", "distance") else np.zeros(own.size, bool)
-            for index in np.flatnonzero(~((np.isfinite(own) & ((own > 0.0) | (name not in named))) | missing))[:1]:
-                raise Error(f"records: {name}[{index}] = {own[index]:g} must be a finite number" + (" above 0" if name in named else ""))
-        object.__setattr__(self, "values", {name: numbers(name, own).ravel() for name, own in self.values.items()})
-
-    @classmethod
-    def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Records":
-        """From a file with a column for each of them, its unit behind the name: `load [N]` or `load_N`."""
-        if not isinstance(path, (str, os.PathLike)):
-            raise Error(f"records: {type(path).__name__} is no file; accepted are a CSV file and `fit.Records`")
-        # The command refuses with the same reader what is wrong in a file before it builds anything.
-        return cls._of(_native.ask({"analysis": "records", "records": source(path, "records")}).record)
-
-    @classmethod
-    def _of(cls, found: Mapping[str, Any]) -> "Records":
-        values = {name: np.array(own, dtype=float) for name, own in found["values"].items()}
-        load, speed, distance = (np.array(found[name], dtype=float) for name in ("load", "speed", "distance"))
-        return cls(load, speed, distance, values.pop(VOLUME, None), values)
-
-    def tests(self) -> "list[Test]":
-        """The same as tests."""
-        worn = {} if self.volume is None else {VOLUME: self.volume}
-        tests = []
-        for at in range(self.load.size):
-            end = self.distance[at] / self.speed[at]
-            inputs = {"time [s]": [0.0, end], "sliding_velocity [m/s]": self.speed[at], "normal_load [N]": self.load[at]}
-            own = {name: (np.array([end]), values[at : at + 1]) for name, values in {**worn, **self.values}.items() if not np.isnan(values[at])}
-            tests.append(Test(inputs, own, f"test {at + 1}", None, (float(self.load[at]), float(self.speed[at]))))
-        return tests
-
-
-@dataclass(frozen=True)
-class Test:
-    """Inputs over time, and what was measured: times [s] and values in the SI unit, by the name of the output."""
-
-    __test__ = False  # of pytest
-
-    inputs: Table
-    measured: Mapping[str, "tuple[np.ndarray, np.ndarray]"]
-    name: str = "test"
-    columns: Optional[Columns] = None  # of the inputs, as of `Scene.simulate`
-    constant: "Optional[tuple[float, float]]" = None  # load and speed; such tests share their runs
-
-
-def tests_of(records: Any, columns: Optional[Columns] = None, strict: bool = False) -> "list[Test]":
-    """Tests of a file, a table or `Records`, or of several: end values where there is a column for the distance, else a history."""
-    if isinstance(records, Test):
-        return [records]
-    if isinstance(records, Records):
-        return records.tests()
-    if isinstance(records, (list, tuple)):
-        return [test for own in records for test in tests_of(own, columns, strict)]
-    if not (isinstance(records, (str, os.PathLike)) or hasattr(records, "keys")):
-        raise Error(f"records: {type(records).__name__} is no file, no table and no `fit.Records`")
-    answer = _native.ask({"analysis": "records", "records": source(records, "records", columns, strict)})
-    found = answer.record
-    tell(found["notes"], 4)
-    if "load" in found:
-        return Records._of(found).tests()
-    measured = {name: (answer.array(2 * at), answer.array(2 * at + 1)) for at, name in enumerate(found["outputs"])}
-    return [Test(records, measured, found["name"], columns)]
 
 
 class Model:
@@ -387,6 +308,8 @@ def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
 
 
 def _checked(model: Model, parameters: Sequence[str], confidence: float) -> list[str]:
+    if not isinstance(parameters, (str, list, tuple)):
+        raise Error(f"parameters = {parameters!r}: accepted are the name of a variable and lists of them")
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names or len(set(names)) < len(names):
         raise Error(f"parameters = {names}: at least one, and each once")
@@ -414,6 +337,8 @@ class _Problem:
         #: Parameters within a step of the end of their range.
         self.at_end: set[str] = set()
         self.step = min(float(np.cbrt(model.tolerance)), LARGEST_STEP)
+        #: Points at which derivatives were taken.
+        self.bases: list[np.ndarray] = []
         self.known = {tuple(self.point): model.predict(self.parameters(self.point))}
         # Quantities that share a standard deviation.
         keys = [(own.name, own.relative) for own in model.series]
@@ -471,11 +396,14 @@ class _Problem:
         if self.progress is not None and self.model.runs > self.told:
             self.told = self.model.runs
             self.progress(f"{self.model.runs} runs, sum of squares {np.sum(self.residuals(point) ** 2):.4g} of {self.model.measured.size} values")
+        base = next((own for own in self.bases if np.max(np.abs(own - point)) < NEAR * self.step), point)
+        if base is point:
+            self.bases.append(point)
         columns = []
         for step in self.step * np.eye(point.size):
-            above, below = self.tried(point + step), self.tried(point - step)
+            above, below = self.tried(base + step), self.tried(base - step)
             # At a bound of the scene the difference is to one side.
-            one, other = (above if np.all(np.isfinite(above)) else self.residuals(point)), (below if np.all(np.isfinite(below)) else self.residuals(point))
+            one, other = (above if np.all(np.isfinite(above)) else self.residuals(base)), (below if np.all(np.isfinite(below)) else self.residuals(base))
             sides = int(np.all(np.isfinite(above))) + int(np.all(np.isfinite(below)))
             if sides < 2:
                 self.at_end.add(self.names[int(np.argmax(step))])
@@ -517,9 +445,12 @@ class _Problem:
 
     def drop(self, names: Iterable[str]) -> None:
         kept = [at for at, name in enumerate(self.names) if name not in names]
+        if len(kept) == len(self.names):
+            return
         self.names, self.point = [self.names[at] for at in kept], np.zeros(len(kept))
         self.reached = self.point
         self.known.clear()
+        self.bases.clear()
 
     def solve(self) -> Any:
         """Least squares; then standard deviations and correlations from the residuals, and again until they stay."""

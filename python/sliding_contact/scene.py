@@ -15,7 +15,8 @@ import numpy as np
 from . import _native
 from ._batch import Batch, batch
 from ._errors import Error, SceneWarning, writing
-from ._numbers import number, plain
+from ._numbers import flag, number, plain
+from ._records import tests_of
 from ._tables import Columns, Table, source, tell
 from ._units import Value, converted, count, literal, seconds, split, tables, with_unit
 from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState, StepFailed
@@ -278,7 +279,7 @@ class Scene:
         2.0
         """
         speed = None if return_speed is None else number("return_speed", return_speed)
-        request = self._request("steady", cells=count("cells", cells), return_speed=speed, cold=bool(cold))
+        request = self._request("steady", cells=count("cells", cells), return_speed=speed, cold=flag("cold", cold))
         return SteadyState(self._warn(_native.ask(request).record))
 
     def cycles(
@@ -291,7 +292,7 @@ class Scene:
         3900.0
         """
         request = self._request("cycles", cycles=number("cycles", cycles), tolerance=number("tolerance", tolerance), cells=count("cells", cells),
-                                cold=bool(cold))  # fmt: skip
+                                cold=flag("cold", cold))  # fmt: skip
         return Cycles(self._warn(_native.ask(request).record))
 
     def plan(
@@ -330,7 +331,7 @@ class Scene:
         """
         from . import fit
 
-        return fit.fit(fit.Model(self, fit.tests_of(records, columns, strict)), parameters, confidence, scatter, progress)
+        return fit.fit(fit.Model(self, tests_of(records, columns, strict)), parameters, confidence, scatter, progress)
 
     def batch(
         self,

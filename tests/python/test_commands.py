@@ -35,6 +35,14 @@ def test_results_are_those_of_the_scene(tmp_path, stop_csv):
     # What it writes is a record, which the same run meets.
     run = ran(tmp_path, "simulate", "disc_brake", "-s", "punch.width=80 mm", "-i", "stop.csv", "--step", "20 ms", "-m", "out.csv")
     assert "friction_force: 0 N root mean square" in run.stdout, run.stdout + run.stderr
+    # One file of a rig, with names of its own, is inputs and record.
+    (tmp_path / "rig.csv").write_text("t [s];v [m/s];Load [N];Temp. [°C];Note\n0;10;4000;20;a\n1;10;4000;90;\n2;0;4000;;b\n", encoding="latin-1")
+    rig = ["simulate", "disc_brake", "-i", "rig.csv", "-m", "rig.csv", "--column", "v=sliding_velocity"]
+    run = ran(tmp_path, *rig)
+    assert "contact_temperature: " in run.stdout and "; 2 points" in run.stdout and "normal_load: " not in run.stdout, run.stdout + run.stderr
+    assert 'left out are "Note"; --column "HEADER=VARIABLE" names a quantity' in run.stderr
+    run = ran(tmp_path, *rig, "--strict")
+    assert run.returncode == 1 and '"Note" is not a known quantity' in run.stderr
     punch = Scene.load("reciprocating_punch")
     for arguments, result in (
         (["steady", "reciprocating_punch", "--cells", "17", "--cold"], punch.steady(cells=17, cold=True)),

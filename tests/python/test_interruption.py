@@ -61,9 +61,10 @@ LONG = {
     "steady": "punch.steady(cells=257)",
     "cycles": "punch.cycles(1e9, cells=257, tolerance=1e-6)",
     "plan": "brake.plan(stops, tolerance=1e-5)",
+    "fit": "line.fit(tests)",
+    "batch": "disc.batch({'punch.width': [0.08, 0.09, 0.1]})",
     "host": "host.run_schedule(own, {}, schedule, outputs=['dissipated_energy'], step=1e-3)",
 }
-
 
 INTERRUPTED = """
 import os, signal, tempfile, threading, time, warnings
@@ -73,6 +74,8 @@ warnings.simplefilter("ignore", SceneWarning)
 brake, punch = Scene.load("disc_brake"), Scene.load("reciprocating_punch")
 disc = brake.copy().set({"solver.fidelity": "line", "solver.cells": 257, "nominal.duration": "3000 s"})
 stops = {"time [s]": np.arange(0.0, 3000.0, 5.0), "sliding_velocity [m/s]": [10.0, 0.0] * 300, "normal_load [N]": 4000}
+line = Scene.load("pin_on_disk").set({"solver.fidelity": "line", "solver.cells": 129})
+tests = {"load [N]": [5, 10, 20, 40], "speed [m/s]": 0.1, "distance [m]": 1e4, "volume [mm3]": [1, 2, 4, 8]}
 HOST
 def late(*_):
     raise TimeoutError("late")
@@ -86,11 +89,10 @@ try:
     CALL
     print("done")
 except (KeyboardInterrupt, TimeoutError) as error:
-    print(type(error).__name__, time.monotonic() - sent[0])
+    print(KeyboardInterrupt.__name__ if isinstance(error, KeyboardInterrupt) else type(error).__name__, time.monotonic() - sent[0])
 time.sleep(0.1)
 assert all(thread.name != "sliding_contact" for thread in threading.enumerate())
 """
-
 
 OPENED = """
 own = host.Fmu(host.unpack("FMU", tempfile.mkdtemp() + "/fmu"))

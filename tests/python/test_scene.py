@@ -28,6 +28,8 @@ def test_what_only_python_can_get_wrong_is_refused():
         (lambda: scene.steady(cells=100_000), "cells = 100000 must be a whole number from 1 to 1025"),
         (lambda: scene.steady(return_speed="fast"), "return_speed = 'fast' must be a finite number"),
         (lambda: scene.cycles("ten"), "cycles = 'ten' must be a finite number"),
+        (lambda: scene.steady(cold="no"), "cold = 'no' must be True or False"),
+        (lambda: scene.simulate(STOP, strict=1), "strict = 1 must be True or False"),
         (lambda: scene.plan(STOP, tolerance=float("nan")), "tolerance = nan must be a finite number"),
         (lambda: scene.set({"punch.width": None}), "punch.width = None: accepted are numbers"),
         (lambda: scene.set({"punch.width": 1j}), "punch.width = 1j is complex; a real number is accepted"),

@@ -123,17 +123,19 @@ impl Tests {
     pub fn parse(content: &[u8], path: &Path, reading: &Reading) -> Result<Self> {
         let untimed = match columns::parse(content, path, &Column::record(), reading) {
             Ok(history) => return Ok(Self::History(history)),
-            Err(wrong) if !columns::lacks_column(&wrong) => return Err(wrong),
+            // A column may be named as a quantity of end values alone.
+            Err(wrong) if !columns::lacks_column(&wrong) && reading.columns.is_empty() => return Err(wrong),
             Err(wrong) => wrong,
         };
         Records::parse(content, path, reading).map(Self::EndValues).map_err(|wrong| {
             let hint =
                 "the history of a test has time [s], end values of tests have load [N], speed [m/s] and distance [m]";
-            if !columns::lacks_column(&wrong) {
-                return wrong;
+            match [&untimed, &wrong].map(columns::lacks_column) {
+                [true, true] if columns::has_candidate(&untimed) => anyhow!("{untimed}; {hint}"),
+                [true, true] => anyhow!("{wrong}; {hint}"),
+                [_, false] => wrong,
+                [false, true] => untimed,
             }
-            let told = if columns::has_candidate(&untimed) { untimed } else { wrong };
-            anyhow!("{told}; {hint}")
         })
     }
 }

@@ -14,11 +14,14 @@ pub(crate) fn question(names: &[impl AsRef<str>]) -> String {
 }
 
 /// Words that users have for a variable, and the last part of its name.
-const MEANINGS: [(&str, &str); 7] = [
+const MEANINGS: [(&str, &str); 10] = [
     ("mu", "friction_coefficient"),
     ("cof", "friction_coefficient"),
     ("friction", "friction_coefficient"),
     ("radius", "mean_radius"),
+    ("track_radius", "mean_radius"),
+    ("wear", "wear_coefficient"),
+    ("k", "wear_coefficient"),
     ("thickness", "height"),
     ("speed", "velocity"),
     ("force", "load"),

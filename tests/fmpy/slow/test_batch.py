@@ -1,4 +1,4 @@
-"""Batches: the native host against fmpy, state after a failed scene, runs that are killed and resumed, the fit."""
+"""Batches: the native host against fmpy, state after a failed scene, runs that are killed and resumed."""
 
 import csv
 import itertools
@@ -18,15 +18,13 @@ from component import Component
 
 BATCH = ROOT / "examples" / "batch"
 sys.path.insert(0, str(BATCH))
-sys.path.append(str(ROOT / "tests" / "python"))
 
 # `cargo fmu test --slow` puts the Python package on the path.
 pytest.importorskip("sliding_contact")
 
 import design as designs  # noqa: E402
-import intervals  # noqa: E402
 import schedules  # noqa: E402
-from sliding_contact import Scene, fit, host  # noqa: E402
+from sliding_contact import Scene, host  # noqa: E402
 
 INPUTS = ("sliding_velocity", "normal_load")
 OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_energy", "limit_reached")
@@ -118,57 +116,6 @@ def test_a_wrong_guid_is_refused_when_opening(fmus, tmp_path):
     description.write_text(description.read_text().replace(guid, "{00000000-0000-0000-0000-000000000000}"))
     with pytest.raises(host.Failure, match="GUID"):
         host.Fmu(folder)
-
-
-def truth():
-    sys.path.insert(0, str(BATCH / "records"))
-    import make_records
-
-    return make_records
-
-
-def test_the_fit_of_the_records_finds_their_truth():
-    pin = truth().scene()
-    records = fit.Records.read(BATCH / "records" / "pin_on_disk.csv")
-    found = fit.fit(fit.Model(pin, records))
-    for name, value, low, high in zip(found.names, found.values, *found.intervals):
-        exact = truth().TRUTH[name]
-        assert low < exact < high, name
-        assert (high - low) / value < 0.15, "an interval that says something"
-    assert found.scatter == pytest.approx(truth().SCATTER, rel=0.3)
-    # The committed records equal those of the script.
-    made = fit.Model(pin, records).predict(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
-    assert records.volume == pytest.approx(made, rel=1e-3)
-
-
-def line(name, tolerance):
-    return Scene.load(name).set({"solver.fidelity": "line", "solver.cells": 9, "solver.tolerance": tolerance})
-
-
-def records_of(loads, repetitions, speed, distance):
-    load = np.repeat(loads, repetitions)
-    return fit.Records(load, np.full(load.size, speed), np.full(load.size, distance), np.ones(load.size))
-
-
-# All six cases take the better part of an hour: `python tests/python/intervals.py`.
-@pytest.mark.parametrize("case", ["lumped, below, end values", "line, above, end values"])
-def test_intervals_hold_the_truth_as_often_as_they_say(case):
-    inside = intervals.inside(case, 100)
-    assert np.all((inside >= 90) & (inside <= 99)), inside
-
-
-@pytest.mark.parametrize("speed, distance, tolerance", [(0.1, 300.0, 1e-3), (1.0, 5.0, 1e-2)])
-def test_intervals_are_those_of_a_straight_line(speed, distance, tolerance):
-    """ln V is nearly linear in ln load, below the critical speed and above, where hot spots are denser under less load."""
-    tests = records_of((5.0, 20.0), 3, speed, distance)
-    scene = line("pin_on_disk", tolerance)
-    exact = {fit.COEFFICIENT: 1.2e-14, fit.PRESSURE_EXPONENT: 1.3}
-    noise = np.random.default_rng(3).normal(0.0, 0.1, tests.load.size)
-    volume = fit.Model(scene, tests).predict(exact) * np.exp(noise)
-    found = fit.fit(fit.Model(scene, fit.Records(tests.load, tests.speed, tests.distance, volume)))
-    load = np.log(tests.load)
-    expected = found.scatter / np.sqrt(np.sum((load - load.mean()) ** 2))
-    assert np.sqrt(found.covariance[1, 1]) == pytest.approx(expected, rel=0.3)
 
 
 # Runs of whole batches, in processes of their own.
