@@ -65,6 +65,8 @@ fn relaxes(mut drive: Drive, capacities: [f64; 2], name: &str, values: &[f64], p
         BODIES.iter().for_each(|body| tune(&mut drive, &format!("{body}.{name}"), value));
         for step in [0.5, 3.0, 8.0, 8.0] {
             drive.step(step);
+            let flow = drive.get("heat_flow_strip_base");
+            assert!(name == "convection" || (flow == 0.0) == (value == 0.0), "{name} = {value}: {flow}");
             for body in 0..2 {
                 exact[body] = OUTSIDE + (exact[body] - OUTSIDE) * (-per[body] * value / capacities[body] * step).exp();
                 let found = value_of(&mut drive, body, "mean_temperature");

@@ -36,9 +36,8 @@ pub fn execute(arguments: &Arguments, own: Command) -> Result<()> {
 /// `cargo fmu` with the commands of this program in the place of those that are forwarded to it.
 fn whole(own: Command) -> Command {
     let own = own.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
-    let whole = own.fold(CommandLine::command(), |all, command| {
-        all.mut_subcommand(command.get_name().to_owned(), |_| command.clone())
-    });
+    let whole =
+        own.fold(CommandLine::command(), |all, command| all.mut_subcommand(command.get_name(), |_| command.clone()));
     whole.name(NAME).bin_name(NAME)
 }
 

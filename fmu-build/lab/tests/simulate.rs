@@ -23,8 +23,12 @@ impl Folder {
 
     /// Runs the command in the folder: whether it succeeds, its output and what it tells.
     fn run(&self, arguments: &[&str]) -> (bool, String, String) {
+        self.command("simulate", arguments)
+    }
+
+    fn command(&self, name: &str, arguments: &[&str]) -> (bool, String, String) {
         let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_fmu-lab"))
-            .arg("simulate")
+            .arg(name)
             .args(arguments)
             .current_dir(&self.0)
             .stdin(Stdio::null())
@@ -339,7 +343,7 @@ fn a_contact_line_has_profiles_at_the_chosen_times() {
     // At both ends the load is less than half of its largest.
     assert!(times.iter().zip([0.25, 1.25, 2.25]).all(|(time, wanted)| (time - wanted).abs() < 2e-3), "{times:?}");
     let told = folder.refusal(&["disc_brake", "--at", "1"]);
-    assert!(told.contains("level lumped") && told.contains("solver.fidelity=line"), "{told}");
+    assert!(told.contains("level lumped") && told.contains("solver.fidelity = line"), "{told}");
 }
 
 #[test]
@@ -507,4 +511,22 @@ fn a_step_that_fails_leaves_the_rows_before_it() {
     assert!(told.contains("the rows before it are in out.csv") && told.contains("in.csv, lines 3 and 4"), "{told}");
     let times = columns(&folder.0.join("out.csv"))[0].1.clone();
     assert!(times.len() > 800 && times.last().is_some_and(|last| (1.5..2.0).contains(last)), "{:?}", times.last());
+}
+
+#[test]
+fn plan_reads_columns_as_simulate_does() {
+    let folder = Folder::new("plan");
+    folder.file("rig.csv", "time [s],Kraft [kN],sliding_velocity [m/s]\n0,1,2\n1,1,1\n");
+    let plan = ["pin_on_disk", "--inputs", "rig.csv", "--set", "solver.tolerance=0.1"];
+    for (more, wanted) in [
+        (&["--strict"][..], "\"Kraft [kN]\" is not a known quantity"),
+        (&["--column", "Karft=normal_load"], "there is no column \"Karft\""),
+    ] {
+        let (success, _, told) = folder.command("plan", &[&plan[..], more].concat());
+        assert!(!success && told.contains(wanted), "{told}");
+    }
+    let (_, _, left) = folder.command("plan", &plan);
+    assert!(left.contains("left out are \"Kraft [kN]\""), "{left}");
+    let (_, _, named) = folder.command("plan", &[&plan[..], &["--strict", "--column", "Kraft=normal_load"]].concat());
+    assert!(!named.contains("Kraft"), "{named}");
 }
