@@ -80,6 +80,7 @@ pub fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle> {
 fn read(path: &Path, reading: &Reading) -> Result<Table> {
     let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
     let table = columns::read(path, &[speed, Column::trip()], reading)?;
+    reading.check(&[&table.headers])?;
     if let Some((trip, line)) =
         table.column("trip").into_iter().flatten().zip(&table.lines).find(|(trip, _)| trip.fract() != 0.0)
     {
