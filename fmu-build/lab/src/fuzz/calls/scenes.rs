@@ -90,7 +90,9 @@ pub fn set_up(importer: &Importer, random: &mut Random) -> bool {
         let (table, body) = (random.pick(TABLES), *random.pick(&["punch", "strip"]));
         for (name, value) in table.values() {
             let scale = if name.contains(".conductivity") && random.one_in(4) { random.power(-1.0, 1.0) } else { 1.0 };
-            set(importer, reference(&format!("{body}.{name}")), value * scale);
+            if let Some(reference) = find(&format!("{body}.{name}")) {
+                set(importer, reference, value * scale);
+            }
         }
     }
     level(importer, random)
