@@ -37,18 +37,18 @@ pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bo
         ),
         effect("heat along the contact", "Peclet number", groups.peclet, by_cells),
         effect(
-            "properties over temperature",
-            "part of the rise that constants add",
-            excess_of_constants(scene, rise),
-            [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()),
-        ),
-        effect(
             "elastic slip",
             "part of a nominal stroke",
             if scene.nominal_stroke > 0.0 { line.mean.deformation_at_reversal() / scene.nominal_stroke } else { 0.0 },
             scene.elastic_slip && scene.nominal_stroke > 0.0,
         ),
         effect("strip wear", "its part of the worn depth", groups.strip_wear, scene.strip.wear_coefficient > 0.0),
+        effect(
+            "properties over temperature",
+            "part of the rise that constants add",
+            excess_of_constants(scene, rise),
+            [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()),
+        ),
     ]
 }
 

@@ -14,7 +14,7 @@ use super::conditions::Conditions;
 use super::estimate::{LEAST_RISE, cooling_error, layer_allowance};
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_slope, strip_entry};
-use super::stage::{BASIS, Observed, Propagator, QUADRATURE};
+use super::stage::{BASIS, Observed, QUADRATURE};
 use numerics::maximum::{all_finite, maximum};
 
 use super::state::LumpedState;
@@ -349,15 +349,16 @@ impl Stepper<'_> {
         let (mut punch_faces, mut strip_faces) = ([None; FACES], [None; FACES]);
         let air_flux = if cools { surface.flux(into_strip) } else { [0.0; 2] };
         if operators.has_linear_faces {
-            let of = |body: &Propagator, states, count, fluxes| {
-                let faces = body.linear_fluxes(states, count, fluxes);
-                (faces, body.linear_error(states, count, fluxes, &faces))
-            };
-            let (wrong, wrong_strip);
-            (punch_faces, wrong) = of(punch, &state.punch.heat, punch_count, [into_punch, [0.0; 2]]);
-            (strip_faces, wrong_strip) = of(strip, &state.strip.heat, strip_count, [into_strip, air_flux]);
-            let rise = state.peak_rise.max(LEAST_RISE);
-            error = maximum(error, (wrong + wrong_strip) / (operators.budget.steps.whole * rise));
+            let into = [[into_punch, [0.0; 2]], [into_strip, air_flux]];
+            punch_faces = punch.linear_fluxes(&state.punch.heat, punch_count, into[0]);
+            strip_faces = strip.linear_fluxes(&state.strip.heat, strip_count, into[1]);
+            let allowed = operators.budget.steps.whole * state.peak_rise.max(LEAST_RISE);
+            let mut wrong = punch.bound_of_linear(&punch_faces) + strip.bound_of_linear(&strip_faces);
+            if !CONSTANT || wrong > allowed {
+                wrong = punch.linear_error(&state.punch.heat, punch_count, into[0], &punch_faces)
+                    + strip.linear_error(&state.strip.heat, strip_count, into[1], &strip_faces);
+            }
+            error = maximum(error, wrong / allowed);
         }
         if cools {
             strip_faces[BESIDE] = Some(air_flux);

@@ -48,7 +48,7 @@ pub struct PropertyStep {
 impl PropertyStep {
     /// Before any step; `None` where all properties are constants.
     pub fn of(operators: &LumpedOperators) -> Option<PropertyStep> {
-        operators.bodies().iter().any(|body| body.properties.is_some()).then(|| PropertyStep {
+        operators.bodies().iter().any(|body| body.properties.is_some()).then_some(PropertyStep {
             middle: [0.0; 2],
             found: [0.0; 2],
             part: [0.0; 2],
@@ -115,9 +115,15 @@ impl PropertyStep {
             self.found[side] = found;
             let deviation = (contact - found).abs();
             let allowed = self.tolerance * maximum(peak_rise, deviation).max(1e-3);
+            let [low, high] = self.within[side];
+            let inside = |temperature: f64| low <= temperature && temperature < high;
+            if inside(found) && inside(self.start[side]) && inside(ends[side]) {
+                // Within a part of the temperature properties are constants.
+                continue;
+            }
             let enough = 0.1 * allowed / deviation.max(1e-9);
             let miss = properties.change([self.middle[side], found], enough);
-            if miss > enough && !(self.within[side][0]..self.within[side][1]).contains(&found) {
+            if miss > enough && !inside(found) {
                 missed += miss * deviation / allowed;
             }
             let change = properties.change([self.start[side], ends[side]], enough.sqrt());

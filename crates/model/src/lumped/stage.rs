@@ -60,7 +60,7 @@ pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
 
 /// Dot product of the first `count` entries. Later entries are zero, so whole groups of four are added, which the compiler
 /// vectorises in an order that does not depend on the machine.
-#[inline]
+#[inline(always)]
 fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64 {
     let mut sum = [0.0; LANES];
     for (left, right) in
@@ -160,20 +160,23 @@ impl LinearFaces {
                 matrix[(k, l)] += air[face].rest * cooled[face].gain[PORTS_OF_FACES[other]][2 * stage][at];
             }
         }
-        let solved = |of: &dyn Fn(usize, usize) -> f64| {
-            let wanted =
-                unknowns().map(|(_, face, stage)| if acts[face] { -air[face].rest * of(face, stage) } else { 0.0 });
-            factorization::solve(&matrix, &SVector::<f64, UNKNOWNS>::from_iterator(wanted))
-                .unwrap_or_else(|_| SVector::repeat(f64::NAN))
-        };
-        for state in 0..MAX_STATES {
-            let flux = solved(&|face, stage| cooled[face].homogeneous[2 * stage][state]);
-            unknowns().for_each(|(k, face, stage)| faces.by_state[face][stage][state] = flux[k]);
-        }
-        for port in 0..2 {
-            for at in 0..2 {
-                let flux = solved(&|face, stage| cooled[face].gain[port][2 * stage][at]);
-                unknowns().for_each(|(k, face, stage)| faces.by_flux[port][face][stage][at] = flux[k]);
+        // Columns of the inverse.
+        let columns: [SVector<f64, UNKNOWNS>; UNKNOWNS] = std::array::from_fn(|k| {
+            let unit = SVector::from_fn(|l, _| if l == k { 1.0 } else { 0.0 });
+            factorization::solve(&matrix, &unit).unwrap_or_else(|_| SVector::repeat(f64::NAN))
+        });
+        for (k, face, stage) in unknowns().filter(|(_, face, _)| acts[*face]) {
+            let (rest, observed, point) = (-air[face].rest, &cooled[face], 2 * stage);
+            for (l, to, at) in unknowns().filter(|(_, face, _)| acts[*face]) {
+                let weight = columns[k][l] * rest;
+                for (flux, state) in faces.by_state[to][at].iter_mut().zip(&observed.homogeneous[point]) {
+                    *flux += weight * state;
+                }
+                for port in 0..2 {
+                    for driver in 0..2 {
+                        faces.by_flux[port][to][at][driver] += weight * observed.gain[port][point][driver];
+                    }
+                }
             }
         }
         faces
@@ -344,8 +347,30 @@ impl Propagator {
         total(sum)
     }
 
+    /// Bound of [`Propagator::linear_error`] at constant conditions, where a flux relaxes: it deviates from the line through both stages by
+    /// at most half their difference.
+    #[inline(always)]
+    pub fn bound_of_linear(&self, faces: &[Option<[f64; 2]>; FACES]) -> f64 {
+        let mut bound = 0.0;
+        for (face, port) in PORTS_OF_FACES.into_iter().enumerate() {
+            if let Some(flux) = faces[face] {
+                bound += self.error_of(face, port, 0.5 * (flux[1] - flux[0]));
+            }
+        }
+        bound
+    }
+
+    /// Error of the temperatures at the end of the step by a `residual` of a linear face, K.
+    #[inline(always)]
+    fn error_of(&self, face: usize, port: usize, residual: f64) -> f64 {
+        let [own, contact, mean] =
+            [&self.cooled[face], &self.contact, &self.mean].map(|one| one.gain[port][2][0] + one.gain[port][2][1]);
+        cooling_error(residual, self.air[face].rest, own, [contact, mean])
+    }
+
     /// Error of the temperatures at the end of the step by the linear faces, K: see [`cooling_error`]. `fluxes` as in
     /// [`Propagator::linear_fluxes`], which gives `faces`.
+    #[inline(never)]
     pub fn linear_error(
         &self,
         states: &[f64; MAX_STATES],
@@ -361,9 +386,7 @@ impl Propagator {
                 fluxes.into_iter().enumerate().chain(by_faces).map(|(port, flux)| observed.of_flux(port, 1, flux));
             let t = observed.of_states(1, states, count) + driven.sum::<f64>();
             let residual = -rest * t - (BASIS[1][0] * flux[0] + BASIS[1][1] * flux[1]);
-            let [own, contact, mean] =
-                [observed, &self.contact, &self.mean].map(|one| one.gain[port][2][0] + one.gain[port][2][1]);
-            error += cooling_error(residual, rest, own, [contact, mean]);
+            error += self.error_of(face, port, residual);
         }
         error
     }

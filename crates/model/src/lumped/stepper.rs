@@ -4,7 +4,7 @@
 
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
-use super::operators::{BodyOperators, LumpedOperators};
+use super::operators::LumpedOperators;
 use super::property_step::PropertyStep;
 use super::stage::Propagator;
 use conduction::flash::MAX_FLASH_STATES;
@@ -34,7 +34,11 @@ pub struct Propagators<'a> {
 /// Recent propagators of both bodies, by the bits of the step size and of the temperature of their properties. Never part of the state,
 /// always rebuilt to the same bits.
 #[derive(Clone, Debug)]
-pub struct PropagatorCache([KeyedCache<[u64; 2], Cached>; 2]);
+pub struct PropagatorCache {
+    bodies: [KeyedCache<[u64; 2], Cached>; 2],
+    /// Bits of the step size and of both temperatures of the last step, and slots of its propagators.
+    latest: ([u64; 3], [usize; 2]),
+}
 
 #[derive(Clone, Debug)]
 struct Cached {
@@ -47,28 +51,39 @@ impl PropagatorCache {
     /// Memory for those of these bodies.
     pub fn new(operators: &LumpedOperators) -> PropagatorCache {
         let vacant = Cached { own: None, at_rest: [1.0; MAX_FLASH_STATES], scales: Scales::ONE };
-        PropagatorCache(operators.bodies().map(|body| {
+        let bodies = operators.bodies().map(|body| {
             let capacity = if body.properties.is_some() { CACHED_PROPERTIES } else { CACHED_STEPS };
             KeyedCache::new(std::iter::repeat_n(vacant.clone(), capacity))
-        }))
+        });
+        PropagatorCache { bodies, latest: ([f64::NAN.to_bits(); 3], [0; 2]) }
     }
 
     /// Propagators over `step` (s) with the properties at these temperatures of punch and strip, K; of a body of constants at any.
     #[inline]
     pub fn get(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> Propagators<'_> {
-        let [punch, strip] = &mut self.0;
-        let of = |cache: &mut KeyedCache<[u64; 2], Cached>, body: &BodyOperators, temperature: f64| {
-            cache.get_or_compute([step.to_bits(), temperature.to_bits()], |made| {
+        let key = [step, temperatures[0], temperatures[1]].map(f64::to_bits);
+        if self.latest.0 != key {
+            self.latest = (key, self.find(operators, step, temperatures));
+        }
+        let ([punch, strip], slots) = (&self.bodies, self.latest.1);
+        let Cached { own, at_rest, scales } = &strip[slots[1]];
+        Propagators { step, punch: punch[slots[0]].own.as_ref(), strip: own.as_ref(), at_rest, scales: *scales }
+    }
+
+    #[inline(never)]
+    fn find(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> [usize; 2] {
+        let mut slots = [0; 2];
+        for (side, (cache, body)) in self.bodies.iter_mut().zip(operators.bodies()).enumerate() {
+            let temperature = temperatures[side];
+            slots[side] = cache.get_or_compute([step.to_bits(), temperature.to_bits()], |made| {
                 made.scales = body.properties.as_ref().map_or(Scales::ONE, |properties| properties.at(temperature));
                 made.own = Propagator::new(body, step, made.scales);
                 if let Some(flash) = &operators.flash {
                     made.at_rest = decays_at_rest(flash, step * made.scales.pace);
                 }
-            })
-        };
-        let slots = [of(punch, &operators.punch, temperatures[0]), of(strip, &operators.strip, temperatures[1])];
-        let Cached { own, at_rest, scales } = &strip[slots[1]];
-        Propagators { step, punch: punch[slots[0]].own.as_ref(), strip: own.as_ref(), at_rest, scales: *scales }
+            });
+        }
+        slots
     }
 }
 
