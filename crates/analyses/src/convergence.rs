@@ -25,7 +25,7 @@ pub fn half(cells: usize) -> usize {
 
 impl Convergence {
     /// Whether the difference is small against `scale`.
-    pub fn is_reached(&self, scale: f64) -> bool {
+    pub(crate) fn is_reached(&self, scale: f64) -> bool {
         (self.value - self.coarser).abs() <= CONVERGED * scale.abs()
     }
 

@@ -1,11 +1,11 @@
 //! Curves through values at few stations, as they are drawn.
 
 /// Points of a curve over the contact at least: more cannot be seen.
-pub const CONTACT_POINTS: usize = 257;
+pub(crate) const CONTACT_POINTS: usize = 257;
 
 /// Monotone cubic interpolation (Fritsch and Carlson) at the stations and equally spaced between neighbouring ones, at least `count`
 /// points: a curve through values at few stations that has no extremes of its own.
-pub fn monotone_cubic(x: &[f64], y: &[f64], count: usize) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn monotone_cubic(x: &[f64], y: &[f64], count: usize) -> (Vec<f64>, Vec<f64>) {
     if x.len() < 2 {
         return (x.to_vec(), y.to_vec());
     }

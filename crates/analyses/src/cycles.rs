@@ -6,7 +6,7 @@ use ::steady::thermal::{at_steady_properties, instability, nominal_half_strokes}
 use anyhow::{Context, Result, anyhow, bail};
 use elasticity::discretization::{cells_for, compliances};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, TrackedCycles};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, Progress, Resolution, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
 use model::line::operators::{LineOperators, StripWear};
 use scene::{Path, Scene};
@@ -34,16 +34,8 @@ impl Default for Options {
 
 /// Recorded quantities of a jump.
 pub struct Station {
-    /// Cycles so far.
-    pub cycles: f64,
-    /// Length of the jump in cycles; 1: computed directly.
-    pub length: f64,
-    /// Estimated relative error of the jump.
-    pub estimate: f64,
-    /// Sum of the estimates so far.
-    pub accumulated: f64,
-    /// Cycles computed so far.
-    pub computed: usize,
+    /// How far it led.
+    pub jump: Progress,
     /// Largest pressure of the forward half-stroke's mean, Pa; on a worn track in the middle of that stroke.
     pub highest_pressure: f64,
     /// Mean worn depths of punch and strip, m.
@@ -137,15 +129,11 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     let mut depth = vec![0.0; x.len()];
     let mut jumps = Jumps::new(&mut map, start, jump_options);
     jumps.carry_to(options.cycles, |jump| {
-        progress(jump.cycles, jump.computed);
+        progress(jump.progress.cycles, jump.progress.computed);
         let pressure = &jump.passage.strokes[0].pressure;
         depth.copy_from_slice(&jump.memory[punch.clone()]);
         stations.push(Station {
-            cycles: jump.cycles,
-            length: jump.length,
-            estimate: jump.estimate,
-            accumulated: jump.accumulated,
-            computed: jump.computed,
+            jump: jump.progress,
             highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
             worn: jump.totals.volume.map(|volume| volume / width),
             temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
@@ -172,11 +160,7 @@ fn on_track(
         progress(jump.cycles, jump.computed);
         let state = line.state();
         stations.push(Station {
-            cycles: jump.cycles,
-            length: jump.length,
-            estimate: jump.estimate,
-            accumulated: jump.accumulated,
-            computed: jump.computed,
+            jump: *jump,
             highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
             worn: state.volume.map(|volume| volume / width),
             temperature: scene.ambient_temperature,
@@ -205,17 +189,17 @@ impl Course {
         );
         text += if self.warm { "    T, degC\n" } else { "\n" };
         // Of cycles computed one after the other, the first and the last.
-        let single = |index: usize| self.stations.get(index).is_some_and(|station| station.length == 1.0);
+        let single = |index: usize| self.stations.get(index).is_some_and(|station| station.jump.length == 1.0);
         for (index, station) in self.stations.iter().enumerate() {
             if index > 0 && single(index - 1) && single(index) && single(index + 1) {
                 continue;
             }
             text += &format!(
                 "{:>12} {:>12} {:>10.1e} {:>9} {:>10.4} {:>12.6} {:>12.6}",
-                station.cycles,
-                station.length,
-                station.estimate,
-                station.computed,
+                station.jump.cycles,
+                station.jump.length,
+                station.jump.estimate,
+                station.jump.computed,
                 station.highest_pressure / self.mean_pressure,
                 1e6 * station.worn[0],
                 1e6 * station.worn[1]
@@ -225,7 +209,7 @@ impl Course {
         if let Some(last) = self.stations.last() {
             text += &format!(
                 "{} cycles from {} computed ones; sum of the error estimates {:.1e}\n",
-                last.cycles, last.computed, last.accumulated
+                last.jump.cycles, last.jump.computed, last.jump.accumulated
             );
         }
         text
@@ -235,11 +219,11 @@ impl Course {
     pub fn record(&self) -> Value {
         let station = |s: &Station| {
             json!({
-                "cycles": s.cycles,
-                "jump": s.length,
-                "estimate": s.estimate,
-                "accumulated_estimate": s.accumulated,
-                "cycles_computed": s.computed,
+                "cycles": s.jump.cycles,
+                "jump": s.jump.length,
+                "estimate": s.jump.estimate,
+                "accumulated_estimate": s.jump.accumulated,
+                "cycles_computed": s.jump.computed,
                 "pressure_max": s.highest_pressure,
                 "wear_depth_punch": s.worn[0],
                 "wear_depth_strip": s.worn[1],

@@ -361,12 +361,16 @@ fn jumps_end_where_every_cycle_ends() {
         let wear = mean(&error[punch.clone()]) / mean(&memory[punch]);
         println!(
             "heat {heat}, {cycles} cycles: {} computed, errors {shape:.1e} {warmth:.1e} {wear:.1e} of {:.1e}",
-            last.computed, last.accumulated
+            last.progress.computed, last.progress.accumulated
         );
-        assert!(shape <= last.accumulated && warmth <= last.accumulated && last.accumulated > 0.0);
+        assert!(
+            shape <= last.progress.accumulated
+                && warmth <= last.progress.accumulated
+                && last.progress.accumulated > 0.0
+        );
         assert!(shape > 1e-12, "not the same computation");
-        assert!(wear.abs() < 1e-9 && (last.cycles - f64::from(cycles)).abs() < 0.5);
-        assert!(last.computed < cycles as usize, "{}", last.computed);
+        assert!(wear.abs() < 1e-9 && (last.progress.cycles - f64::from(cycles)).abs() < 0.5);
+        assert!(last.progress.computed < cycles as usize, "{}", last.progress.computed);
     }
 }
 
@@ -387,7 +391,7 @@ fn a_million_cycles_end_in_the_steady_cycle() {
     begin[hot.worn_ranges()[0].clone()].copy_from_slice(&cold.shape);
     let direct = hot.steady(&begin, &SolveOptions::default()).unwrap();
     let mean = 1e3 / (6e-3 * 0.01);
-    println!("{} cycles computed, sum of estimates {:.1e}", last.computed, last.accumulated);
+    println!("{} cycles computed, sum of estimates {:.1e}", last.progress.computed, last.progress.accumulated);
     for (jumped, direct) in last.passage.strokes.iter().zip(&direct.passage.strokes) {
         for (jumped, direct) in jumped.pressure.iter().zip(&direct.pressure) {
             assert!((jumped - direct).abs() < 1e-3 * mean, "{jumped} {direct}");
@@ -396,7 +400,7 @@ fn a_million_cycles_end_in_the_steady_cycle() {
     let [least, _, most] = last.passage.contact_temperature;
     let [low, _, high] = direct.passage.contact_temperature;
     assert!((least - low).abs() < 1e-3 * low && (most - high).abs() < 1e-3 * high);
-    assert!(last.computed < 3000 && last.cycles == 1e6);
+    assert!(last.progress.computed < 3000 && last.progress.cycles == 1e6);
     // Load and distance decide the wear.
     let depth = last.totals.volume[0] / 6e-3;
     assert!((depth / (4e-14 * mean * 2e-3 * 1e6) - 1.0).abs() < 1e-6, "{depth}");
@@ -429,7 +433,10 @@ fn a_million_cycles_relax_as_theory_has_it() {
         for x in [0.0, 0.5, 0.9] {
             let found = cells.point_value(&last.passage.strokes[1].pressure, 3e-3 * x) / mean;
             let expected = exact.pressure(tau, x);
-            println!("tau {tau} x {x}: {found} {expected}, {} computed, {:.1e}", last.computed, last.accumulated);
+            println!(
+                "tau {tau} x {x}: {found} {expected}, {} computed, {:.1e}",
+                last.progress.computed, last.progress.accumulated
+            );
             assert!((found - expected).abs() < 3e-3, "tau {tau}, x {x}: {found} {expected}");
         }
     }
@@ -468,7 +475,7 @@ fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let mut last = None;
     jumps.carry_to(1e4, |jump| last = Some(jump.clone())).unwrap();
     let last = last.unwrap();
-    println!("{} cycles computed of {}", last.computed, last.cycles);
+    println!("{} cycles computed of {}", last.progress.computed, last.progress.cycles);
     let mean = 1e3 / (6e-3 * 0.01);
     for (jumped, direct) in last.passage.strokes.iter().zip(&direct.passage.strokes) {
         for (jumped, direct) in jumped.pressure.iter().zip(&direct.pressure) {

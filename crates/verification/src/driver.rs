@@ -5,7 +5,7 @@ use sliding_contact::component::{Component, Values};
 use std::sync::Arc;
 
 /// An initialised component with variables by name.
-pub struct Driven(Component);
+pub(crate) struct Driven(Component);
 
 fn reference(name: &str) -> Result<ValueReference, String> {
     find(name).ok_or_else(|| format!("there is no variable {name}"))
@@ -31,7 +31,7 @@ impl Driven {
         Ok(())
     }
 
-    pub fn set_slope(&mut self, name: &str, slope: f64) -> Result<(), String> {
+    pub(crate) fn set_slope(&mut self, name: &str, slope: f64) -> Result<(), String> {
         self.0.set_input_derivative(reference(name)?, slope);
         Ok(())
     }

@@ -14,7 +14,7 @@ use numerics::factorization;
 /// `I - h f' R`: stable while `h < 2 Re mu/|mu|^2` for all of them. For b = 1 and without friction this is
 /// `k ds < 2 lambda_min` of the compliance on the zero-mean space. Infinite without wear or contact; 0 where the response is
 /// not finite, so that every step is refused. Cost: the eigenvalues of an N x N matrix.
-pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
+pub(crate) fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
     let active: Vec<usize> = (0..pressure.len()).filter(|&i| pressure[i] > 0.0).collect();
     let compliance = contact.compliance(conditions.signed_friction);
     let block = compliance.select_rows(&active).select_columns(&active);

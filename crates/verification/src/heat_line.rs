@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use scene::FarBoundary;
@@ -305,10 +305,7 @@ fn oscillating(all: &mut Vec<Problem>) {
                 }
                 let mut temperature = vec![0.0; cells.count()];
                 body.temperature_at_frozen_state(
-                    &state,
-                    &air,
-                    &flux,
-                    velocity(64 * periods),
+                    &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity(64 * periods) },
                     &mut temperature,
                     &mut body.workspace(),
                 );

@@ -23,7 +23,7 @@ mod instability;
 pub mod integrator;
 mod moving_source;
 mod operator_split;
-pub mod path_modes;
+pub(crate) mod path_modes;
 mod punch_heat;
 pub mod stability;
 mod steady_states;

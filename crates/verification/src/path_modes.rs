@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 
 /// Modes of a closed path at one velocity.
 #[derive(Clone, Debug)]
-pub struct PathModes {
+pub(crate) struct PathModes {
     rate: Vec<Complex<f64>>,
     weight: Vec<f64>,
     /// Steady mean over the contact per flux, of all modes, K m2/W.
@@ -81,12 +81,12 @@ pub fn exact(z: Complex<f64>) -> Complex<f64> {
 }
 
 /// Trapezoidal rule.
-pub fn crank_nicolson(z: Complex<f64>) -> Complex<f64> {
+pub(crate) fn crank_nicolson(z: Complex<f64>) -> Complex<f64> {
     (1.0 - 0.5 * z) / (1.0 + 0.5 * z)
 }
 
 /// Implicit Euler.
-pub fn implicit_euler(z: Complex<f64>) -> Complex<f64> {
+pub(crate) fn implicit_euler(z: Complex<f64>) -> Complex<f64> {
     (1.0 + z).inv()
 }
 

@@ -151,7 +151,7 @@ impl Panel {
     }
 
     /// Largest error over the runs that have one.
-    pub fn largest_error(&self) -> f64 {
+    pub(crate) fn largest_error(&self) -> f64 {
         self.points.iter().map(|point| point.error).filter(|error| !error.is_nan()).fold(0.0, f64::max)
     }
 }

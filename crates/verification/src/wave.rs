@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 7.4, 10.
 
-use conduction::line::{SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
 use exact::instability;
 use model::Inputs;
@@ -76,7 +76,7 @@ impl WaveScene {
     /// ```text
     /// p(s) = (g/s)/(1 - 2R/(l (1 + l))),   l^2 = 1 + s   =>   p = g 4 z R/(b (1 + 2 z)) exp(b t)
     /// ```
-    pub fn grown(&self, ratio: f64, time: f64) -> f64 {
+    pub(crate) fn grown(&self, ratio: f64, time: f64) -> f64 {
         let b = self.exact(ratio).re;
         let z = (1.0 + b).sqrt();
         self.beginning() * (4.0 * z * ratio / (b * (1.0 + 2.0 * z))) * (b * time).exp()
@@ -177,7 +177,7 @@ impl WaveContact {
     ///
     /// # Errors
     /// Invalid bodies.
-    pub fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
+    pub(crate) fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
         let [body, _] = operators.heat.as_ref().ok_or("the contact line carries no heat")?.prototypes.clone();
@@ -256,20 +256,15 @@ impl Wave<'_> {
     }
 
     /// Whether every cell is in contact.
-    pub fn touches(&self) -> bool {
+    pub(crate) fn touches(&self) -> bool {
         self.line.state().pressure.iter().all(|p| *p > 0.0)
-    }
-
-    /// Accepted and rejected steps so far.
-    pub fn work(&self) -> (u64, u64) {
-        (self.line.state().steps, self.line.state().rejected)
     }
 }
 
 /// A wave whose pressure, heat and distortion are all one cosine: the stages of the implicit step as equations for two
 /// amplitudes, without the inequality constraints of contact.
 #[derive(Debug)]
-pub struct LinearWave {
+pub(crate) struct LinearWave {
     body: Box<dyn ThermalBody>,
     state: Vec<f64>,
     cosine: Vec<f64>,
@@ -315,7 +310,7 @@ impl LinearWave {
 /// Every state of the body decays independently, `da/dt = b q - rate a`, so that its step is `a <- (a + h b q)/(1 + rate h)`. The
 /// inputs b are those of an exact step from rest under a constant flux, `a = b q (1 - exp(-rate h))/rate`.
 #[derive(Debug)]
-pub struct SplitWave {
+pub(crate) struct SplitWave {
     wave: LinearWave,
     rates: Vec<f64>,
     /// b: rates of change of the states by a flux of 1 W/m2 in the cosine.
@@ -350,10 +345,7 @@ impl SplitWave {
         let fluxes: Vec<f64> = wave.cosine.iter().map(|c| flux * c).collect();
         let mut distortion = fluxes.clone();
         wave.body.distortion_at_frozen_state(
-            &wave.state,
-            &Surroundings::default(),
-            &fluxes,
-            0.0,
+            &FrozenState { state: &wave.state, surroundings: &Surroundings::default(), flux: &fluxes, velocity: 0.0 },
             &mut distortion,
             &mut wave.body.workspace(),
         );
@@ -375,7 +367,7 @@ fn along(shape: &[f64], matrix: &DMatrix<f64>, values: &[f64]) -> f64 {
 
 /// Factor by which the changes of `amplitudes` grow from one to the next, over the last `counted`: of a single mode, or of
 /// an oscillating pair. A constant part, such as the wave of an unworn gap, does not contribute to the changes.
-pub fn amplification(amplitudes: &[Complex<f64>], counted: usize, oscillates: bool) -> Complex<f64> {
+pub(crate) fn amplification(amplitudes: &[Complex<f64>], counted: usize, oscillates: bool) -> Complex<f64> {
     let changes: Vec<Complex<f64>> = amplitudes.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let last = &changes[changes.len().saturating_sub(counted)..];
     if !oscillates {

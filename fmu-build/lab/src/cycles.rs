@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// error estimate each skip many cycles. On a straight track that wears, without heat, a jump is a cycle with many times the wear.
 /// Prints the jumps, and the worn depths and contact temperature at the end.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Number of cycles.
@@ -46,7 +46,7 @@ pub struct Arguments {
 /// # Errors
 /// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
 /// written.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
         output::check_file("--output", path)?;
         figure::format("--output", path)?;
@@ -104,7 +104,7 @@ mod tests {
         // k p s, independent of the path.
         let expected = 3.9e-14 * course.mean_pressure * 6e-3 * 1e6;
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
-        assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
+        assert!(last.jump.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
         assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
     }
 }

@@ -7,7 +7,7 @@ use scene_file::property_tables;
 
 /// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Effect {
+pub(crate) struct Effect {
     /// Name of the effect.
     pub name: &'static str,
     /// Definition of the number.

@@ -10,7 +10,7 @@ use scene::{Body, Scene};
 /// Symbols: V speed, W width, a = W/2, h height, t duration, kd diffusivity, K conductivity, p mean pressure, C mean
 /// compliance of both bodies, T rise of the contact temperature at the end.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Groups {
+pub(crate) struct Groups {
     /// V a/kd of the strip; 0: an insulator.
     pub peclet: f64,
     /// kd t/h^2 of punch and strip.

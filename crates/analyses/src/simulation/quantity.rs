@@ -37,7 +37,7 @@ impl Shown {
     }
 
     /// For differences of such values.
-    pub fn of_difference(unit: &str, largest: f64) -> Self {
+    pub(crate) fn of_difference(unit: &str, largest: f64) -> Self {
         let multiples = MULTIPLES.iter().find(|(own, _)| *own == unit);
         let chosen = multiples.and_then(|(_, multiples)| {
             // Nothing is shown in the SI unit itself where it has a sign.

@@ -23,7 +23,7 @@ pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
 }
 
 /// Reason why a state that solves the equations is unphysical: temperatures beyond the model's validity.
-pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
+pub(crate) fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
     let kelvin = hot.heat.highest;
     // A number that is none is beyond too.
     if kelvin <= HIGHEST_VALID_TEMPERATURE {
@@ -40,7 +40,7 @@ pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
 }
 
 /// A warning where the state is above the scene's own limit.
-pub fn above_limit(solved: &Solved) -> Option<String> {
+pub(crate) fn above_limit(solved: &Solved) -> Option<String> {
     let (kelvin, limit) = (known(solved)?.heat.highest, solved.scene.temperature_limit);
     (limit > 0.0 && kelvin > limit).then(|| {
         format!(

@@ -54,7 +54,7 @@ pub struct Solved {
 }
 
 /// Number of cells of the contact line: what is asked for, the scene's, or the default.
-pub fn cell_count(scene: &Scene, cells: Option<u16>) -> usize {
+pub(crate) fn cell_count(scene: &Scene, cells: Option<u16>) -> usize {
     let own = if scene.cells > 0 { scene.cells } else { CELLS };
     cells.map_or(own, usize::from)
 }
@@ -224,7 +224,7 @@ impl Solved {
     }
 
     /// Relative velocities that the model neglects, over the rigid one.
-    pub fn neglected(&self) -> Vec<(&'static str, f64)> {
+    pub(crate) fn neglected(&self) -> Vec<(&'static str, f64)> {
         let mut parts = vec![("wear, normal to it", self.velocity.wear)];
         if let Some(elastic) = &self.velocity.elastic {
             parts.extend([

@@ -61,7 +61,7 @@ impl ContactParts {
     }
 
     /// Fraction in contact of a part of the cell.
-    pub fn of_part(&self, cell: usize, part: usize) -> f64 {
+    pub(crate) fn of_part(&self, cell: usize, part: usize) -> f64 {
         f64::from(self.touching[cell][part]) / f64::from(LEVELS)
     }
 

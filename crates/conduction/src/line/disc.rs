@@ -22,8 +22,8 @@
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{
-    Account, End, FACES, FaceInfluence, First, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody,
-    Workspace,
+    Account, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings,
+    ThermalBody, Workspace,
 };
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
@@ -289,41 +289,18 @@ impl Observed for DiscHeat {
         ratio.iter().flat_map(of_the_cell).chain(self.ring.decay_rates(velocity)).collect()
     }
 
-    fn temperature_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        temperature: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        let (ring, source) = self.split(state);
-        self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature, work);
+    fn temperature_at_frozen_state(&self, at: &FrozenState, temperature: &mut [f64], work: &mut Workspace) {
+        let (ring, source) = self.split(at.state);
+        self.ring.temperature_at_frozen_state(&FrozenState { state: ring, ..*at }, temperature, work);
         Self::add(temperature, source.iter().copied());
     }
 
-    fn distortion_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        distortion: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion, work);
+    fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
+        self.ring.distortion_at_frozen_state(&FrozenState { state: self.split(at.state).0, ..*at }, distortion, work);
     }
 
-    fn cooled_temperature(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        work: &mut Workspace,
-    ) -> [f64; FACES] {
-        self.ring.cooled_temperature(self.split(state).0, surroundings, flux, velocity, work)
+    fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {
+        self.ring.cooled_temperature(&FrozenState { state: self.split(at.state).0, ..*at }, work)
     }
 
     fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
@@ -421,16 +398,22 @@ mod tests {
             let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
             let mut ring = vec![0.0; 5];
             disc.ring.temperature_at_frozen_state(
-                disc.split(&state).0,
-                &Surroundings::default(),
-                &flux,
-                velocity,
+                &FrozenState {
+                    state: disc.split(&state).0,
+                    surroundings: &Surroundings::default(),
+                    flux: &flux,
+                    velocity,
+                },
                 &mut ring,
                 &mut disc.workspace(),
             );
             let mut held = vec![0.0; 5];
             let work = &mut disc.workspace();
-            disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held, work);
+            disc.temperature_at_frozen_state(
+                &FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity },
+                &mut held,
+                work,
+            );
             for i in 0..5 {
                 let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
                 assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");

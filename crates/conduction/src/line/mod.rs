@@ -308,6 +308,19 @@ impl Clone for Box<dyn ThermalBody> {
     }
 }
 
+/// A body at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct FrozenState<'a> {
+    /// State vector.
+    pub state: &'a [f64],
+    /// Boundary values, at the end of a step.
+    pub surroundings: &'a Surroundings,
+    /// Fluxes into the N cells, W/m2.
+    pub flux: &'a [f64],
+    /// Sliding velocity, m/s.
+    pub velocity: f64,
+}
+
 /// What is known of a body and seen of its state. At frozen state a flux acts through the direct feedthrough only, and surroundings
 /// are those of the end of a step.
 pub trait Observed {
@@ -332,38 +345,14 @@ pub trait Observed {
         false
     }
 
-    /// Temperature (K above the reference) of the N cells at frozen state for the fluxes `flux` at the sliding velocity `velocity`
-    /// (m/s).
-    fn temperature_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        temperature: &mut [f64],
-        work: &mut Workspace,
-    );
+    /// Temperature of the N cells at frozen state, K above the reference.
+    fn temperature_at_frozen_state(&self, at: &FrozenState, temperature: &mut [f64], work: &mut Workspace);
 
     /// Distortion of the N cells at frozen state, m into the body.
-    fn distortion_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        distortion: &mut [f64],
-        work: &mut Workspace,
-    );
+    fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace);
 
     /// Mean temperatures of the cooled faces at frozen state.
-    fn cooled_temperature(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        work: &mut Workspace,
-    ) -> [f64; FACES];
+    fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES];
 
     /// Mean temperature of the far face at frozen state.
     fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;

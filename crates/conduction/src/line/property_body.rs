@@ -13,7 +13,8 @@
 use super::contact_parts::ContactParts;
 use super::workspace::{Memory, Workspace};
 use super::{
-    Account, Boundary, End, FACES, FaceInfluence, First, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody,
+    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, SurfaceInfluence, Surroundings,
+    ThermalBody,
 };
 use crate::properties::{Properties, Scales};
 use nalgebra::DMatrix;
@@ -109,6 +110,20 @@ impl PropertyBody {
             first: self.boundary(&of.first, flux),
             end: self.boundary(&of.end, flux),
         }
+    }
+
+    /// An observation of the body of constants, in its own time.
+    fn seen<T>(
+        &self,
+        at: &FrozenState,
+        work: &mut Workspace,
+        observe: impl FnOnce(&FrozenState, &mut Workspace) -> T,
+    ) -> T {
+        let (work, [own, _]) = work.scaled();
+        let Scales { flux: factor, pace } = self.scales_of(at.state);
+        let surroundings = &self.around(at.surroundings, factor);
+        let (state, flux) = (self.split(at.state).0, scaled(own, at.flux, factor));
+        observe(&FrozenState { state, surroundings, flux, velocity: at.velocity / pace }, work)
     }
 
     /// Properties at the mean temperature of a state; the constants before any step.
@@ -277,50 +292,16 @@ impl Observed for PropertyBody {
         self.constant.divides_cells()
     }
 
-    fn temperature_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        temperature: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        let (work, [own, _]) = work.scaled();
-        let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
-        let state = self.split(state).0;
-        self.constant.temperature_at_frozen_state(state, &around, flux, velocity / pace, temperature, work);
+    fn temperature_at_frozen_state(&self, at: &FrozenState, temperature: &mut [f64], work: &mut Workspace) {
+        self.seen(at, work, |at, work| self.constant.temperature_at_frozen_state(at, temperature, work));
     }
 
-    fn distortion_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        distortion: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        let (work, [own, _]) = work.scaled();
-        let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
-        let state = self.split(state).0;
-        self.constant.distortion_at_frozen_state(state, &around, flux, velocity / pace, distortion, work);
+    fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
+        self.seen(at, work, |at, work| self.constant.distortion_at_frozen_state(at, distortion, work));
     }
 
-    fn cooled_temperature(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        work: &mut Workspace,
-    ) -> [f64; FACES] {
-        let (work, [own, _]) = work.scaled();
-        let Scales { flux: factor, pace } = self.scales_of(state);
-        let (around, flux) = (self.around(surroundings, factor), scaled(own, flux, factor));
-        self.constant.cooled_temperature(self.split(state).0, &around, flux, velocity / pace, work)
+    fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {
+        self.seen(at, work, |at, work| self.constant.cooled_temperature(at, work))
     }
 
     fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
@@ -438,7 +419,11 @@ mod tests {
             let flux: Vec<f64> = cells.centres().iter().map(|x| 1e6 * (1.0 + 30.0 * x + 0.02 * 40.0)).collect();
             let seen = |body: &dyn ThermalBody, state: &[f64]| {
                 let mut seen = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(state, &around, &flux, 0.7, &mut seen, &mut body.workspace());
+                body.temperature_at_frozen_state(
+                    &FrozenState { state, surroundings: &around, flux: &flux, velocity: 0.7 },
+                    &mut seen,
+                    &mut body.workspace(),
+                );
                 seen
             };
             let [one, other] = [seen(hot.as_ref(), &states[0]), seen(&cold, &states[1])];

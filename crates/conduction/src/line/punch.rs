@@ -54,7 +54,7 @@ use shift_selection::{Scale, Selection};
 /// Largest number of states. A steel punch over minutes needs fewer than 100 for an error of 1e-4; a heated layer that is
 /// thin against the width, as in a brake pad during one stop, needs more, because more transverse modes have dynamics of
 /// their own.
-pub const MAXIMUM_STATES: usize = 256;
+pub(crate) const MAXIMUM_STATES: usize = 256;
 
 /// Number of transverse modes whose steady fields distort the contact line by the law of the whole body; those of shorter
 /// wavelength do so as on a half-plane.

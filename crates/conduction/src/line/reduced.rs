@@ -22,8 +22,8 @@ pub(super) use weights::{first_moment, mean_decay};
 use super::contact_parts::ContactParts;
 use super::workspace::Memory;
 use super::{
-    Account, Boundary, End, FACES, FaceInfluence, First, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody, Workspace, cache_capacity,
+    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, SurfaceInfluence,
+    Surroundings, ThermalBody, Workspace, cache_capacity,
 };
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -137,7 +137,7 @@ pub(super) struct ReducedOperators {
 
 /// Memory of the steps of a reduced body.
 #[derive(Clone, Debug)]
-pub struct StepMemory {
+pub(crate) struct StepMemory {
     scratch: Scratch,
     /// States at the end of the step without its own fluxes, which the free response there leaves for the propagation.
     carried: Vec<f64>,
@@ -169,7 +169,8 @@ impl ReducedHeat {
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
     /// most one per cell, and four entries for the heat account.
-    pub fn own_states(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn own_states(&self) -> usize {
         self.operators.own
     }
 
@@ -180,13 +181,13 @@ impl ReducedHeat {
 
     /// Whether modes are even or odd and stored on half of the cells.
     #[cfg(test)]
-    pub fn is_halved(&self) -> bool {
+    pub(crate) fn is_halved(&self) -> bool {
         self.modes.is_halved()
     }
 
     /// Whether the temperature of the far face is prescribed.
     #[cfg(test)]
-    pub fn holds_far_face(&self) -> bool {
+    pub(crate) fn holds_far_face(&self) -> bool {
         self.operators.held
     }
 
@@ -460,30 +461,16 @@ impl Observed for ReducedHeat {
         !self.operators.part_areas.is_empty()
     }
 
-    fn temperature_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        _velocity: f64,
-        temperature: &mut [f64],
-        work: &mut Workspace,
-    ) {
+    fn temperature_at_frozen_state(&self, at: &FrozenState, temperature: &mut [f64], work: &mut Workspace) {
+        let FrozenState { state, surroundings, flux, .. } = *at;
         let (operators, scratch) = (&*self.operators, &mut work.reduced().scratch);
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.end.ports(), Some(temperature), None);
         dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
-    fn distortion_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        _velocity: f64,
-        distortion: &mut [f64],
-        work: &mut Workspace,
-    ) {
+    fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
+        let FrozenState { state, surroundings, flux, .. } = *at;
         let (operators, scratch) = (&*self.operators, &mut work.reduced().scratch);
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.end.ports(), None, Some(distortion));
@@ -492,14 +479,8 @@ impl Observed for ReducedHeat {
         }
     }
 
-    fn cooled_temperature(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        _velocity: f64,
-        _work: &mut Workspace,
-    ) -> [f64; FACES] {
+    fn cooled_temperature(&self, at: &FrozenState, _work: &mut Workspace) -> [f64; FACES] {
+        let FrozenState { state, surroundings, flux, .. } = *at;
         let (operators, ports) = (&*self.operators, surroundings.end.ports());
         operators.faces().map(|face| face.of(&state[..operators.states()], flux, &ports))
     }

@@ -54,7 +54,8 @@ pub use properties::{Resolution, SlidingPath, StripProperties};
 
 use super::workspace::Memory;
 use super::{
-    Account, End, FACES, FaceInfluence, First, Observed, Stage, SurfaceInfluence, Surroundings, ThermalBody, Workspace,
+    Account, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, SurfaceInfluence, Surroundings,
+    ThermalBody, Workspace,
 };
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
@@ -68,10 +69,6 @@ use step::{OWN, StageWeights, Step};
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
 const BASE: usize = Port::Base as usize;
-
-/// Peclet number v/(kd q) of the largest wave number with states up to which the direct feedthrough is nearly
-/// independent of the velocity.
-const INDIFFERENT: f64 = 10.0;
 
 /// State entries after those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
 /// the base.
@@ -336,18 +333,13 @@ impl Observed for StripHeat {
         }
         // Feedthrough of the modes without states: q v against diffusivity q^2.
         let shortest = operators.numbers.last().copied().unwrap_or(f64::INFINITY);
-        INDIFFERENT * operators.diffusivity * shortest
+        // Peclet number v/(kd q) of the largest wave number with states up to which the direct feedthrough is nearly independent of the
+        // velocity.
+        10.0 * operators.diffusivity * shortest
     }
 
-    fn temperature_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        temperature: &mut [f64],
-        work: &mut Workspace,
-    ) {
+    fn temperature_at_frozen_state(&self, at: &FrozenState, temperature: &mut [f64], work: &mut Workspace) {
+        let FrozenState { state, surroundings, flux, velocity } = *at;
         let operators = &*self.operators;
         let scratch = work.strip();
         self.held_amplitudes(scratch, state, false);
@@ -358,15 +350,8 @@ impl Observed for StripHeat {
         operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
     }
 
-    fn distortion_at_frozen_state(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        distortion: &mut [f64],
-        work: &mut Workspace,
-    ) {
+    fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
+        let FrozenState { state, surroundings, flux, velocity } = *at;
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.expands {
@@ -381,19 +366,13 @@ impl Observed for StripHeat {
         operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
     }
 
-    fn cooled_temperature(
-        &self,
-        state: &[f64],
-        surroundings: &Surroundings,
-        flux: &[f64],
-        velocity: f64,
-        work: &mut Workspace,
-    ) -> [f64; FACES] {
+    fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {
+        let FrozenState { state, surroundings, flux, .. } = *at;
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let surface = &self.operators.mean.contact_temperature;
         let everywhere = self.held_observation(surface, state, surroundings, entering);
         let mut seen = std::mem::take(&mut work.strip().seen);
-        self.temperature_at_frozen_state(state, surroundings, flux, velocity, &mut seen, work);
+        self.temperature_at_frozen_state(at, &mut seen, work);
         let beside = self.beside(everywhere, &seen);
         work.strip().seen = seen;
         [beside, self.far_temperature(state, surroundings, flux)]

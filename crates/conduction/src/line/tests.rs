@@ -4,7 +4,7 @@ use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Surroundin
 
 /// Temperatures and distortion of the cells and temperatures of the cooled faces at a stage of the prepared step; `known` as in
 /// [`SingleStep::free_response`], `own` the fluxes of the stage into the cells.
-pub fn at_stage(
+pub(crate) fn at_stage(
     body: &dyn ThermalBody,
     state: &[f64],
     around: &Surroundings,
@@ -36,7 +36,7 @@ pub fn at_stage(
 }
 
 /// Linear from the first stage of one step to the end of the next, over the two parts of a step that end at its stages.
-pub fn in_two_parts(start: Boundary, end: Boundary) -> [Surroundings; 2] {
+pub(crate) fn in_two_parts(start: Boundary, end: Boundary) -> [Surroundings; 2] {
     let middle = start.combined(&end, |start, end| start + GAMMA * (end - start));
     [Surroundings::linear(start, middle), Surroundings::linear(middle, end)]
 }

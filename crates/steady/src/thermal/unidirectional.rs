@@ -12,7 +12,9 @@ use super::partition::ActivePartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
-use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{
+    BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Surroundings, ThermalBody,
+};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
@@ -28,12 +30,6 @@ use numerics::acceleration::Anderson;
 use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
-
-/// Length of the step over the longest time constant of the bodies: the steady response to 1e-8.
-const FOR_EVER: f64 = 1e8;
-
-/// Change of the temperature, K, at which the iteration has converged.
-const AGREEMENT: f64 = 1e-8;
 
 const MOST_ITERATIONS: usize = 200;
 
@@ -79,7 +75,8 @@ pub(super) fn solve(
     let made = Bodies::new(scene, cells, block.as_ref()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let velocity = cold.strokes[0].velocity;
-    let step = FOR_EVER * scene.nominal_duration;
+    // Length of the step over the longest time constant of the bodies: the steady response to 1e-8.
+    let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [velocity; 2]));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
     let partition = ActivePartition::new(influence, cells.widths(), scene.conductance);
@@ -119,7 +116,8 @@ pub(super) fn solve(
         if !change.is_finite() {
             return Err(SteadyError::NotSettled { iterations, change });
         }
-        if touching == closed && change <= AGREEMENT * (1.0 + peak(&found)) {
+        // Change of the temperature, K, at which the iteration has converged.
+        if touching == closed && change <= 1e-8 * (1.0 + peak(&found)) {
             let accuracy = Accuracy { iterations, shape: 0.0, heat: change / (1.0 + peak(&found)), speed_ratio: 0.0 };
             return Ok(problem.assembled(found, accuracy));
         }
@@ -329,7 +327,10 @@ impl Problem<'_> {
             let used = &used[FACES * side..FACES * (side + 1)];
             let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
             let (state, around) = (&found.states[side], &found.surroundings[side]);
-            let found_at = body.cooled_temperature(state, around, &found.flux[side], self.velocity(), &mut work);
+            let found_at = body.cooled_temperature(
+                &FrozenState { state, surroundings: around, flux: &found.flux[side], velocity: self.velocity() },
+                &mut work,
+            );
             // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R:
             // response to unit fluxes, at fixed fluxes of the contact.
             let mut matrix = nalgebra::Matrix2::identity();
@@ -339,7 +340,10 @@ impl Problem<'_> {
                 let unit = Surroundings::constant(Boundary::default().with_fluxes(flux, held));
                 let mut state = vec![0.0; body.states()];
                 body.step(&mut state, &unit, &zero, &zero);
-                let resistance = body.cooled_temperature(&state, &unit, &zero, self.velocity(), &mut work);
+                let resistance = body.cooled_temperature(
+                    &FrozenState { state: &state, surroundings: &unit, flux: &zero, velocity: self.velocity() },
+                    &mut work,
+                );
                 for (other, resistance) in resistance.into_iter().enumerate() {
                     matrix[(other, face)] += resistance * slope[face];
                 }

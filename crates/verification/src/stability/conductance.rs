@@ -10,7 +10,8 @@ use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
 /// Summary of the map.
-pub const SUMMARY: &str = "contact conductance 0 to 1e12 W/(m².K) by step: the heat partition against its closed form";
+pub(crate) const SUMMARY: &str =
+    "contact conductance 0 to 1e12 W/(m².K) by step: the heat partition against its closed form";
 
 /// Conductivity of the punch over that of the strip.
 const RATIO: f64 = 0.02;

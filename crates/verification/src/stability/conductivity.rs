@@ -12,7 +12,7 @@ use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
 /// Summary of the map.
-pub const SUMMARY: &str =
+pub(crate) const SUMMARY: &str =
     "conductivity of one body 0 to 1 times the other's by step: the heat partition against its closed form";
 
 /// Conductance that represents perfect contact.

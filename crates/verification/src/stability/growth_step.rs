@@ -38,7 +38,7 @@ use nalgebra::Complex;
 use std::f64::consts::FRAC_PI_2;
 
 /// Summary of the map.
-pub const SUMMARY: &str =
+pub(crate) const SUMMARY: &str =
     "growth of pressure waves by speed and step: an implicit step without growth limit, the default";
 
 /// Number of cells per wavelength.
@@ -81,7 +81,7 @@ pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
 /// ```text
 /// z (1 + z) = 2 R/g,    z^2 = 1 + (1 - 1/g)/(h kd m^2)
 /// ```
-pub fn split_growth(ratio: f64, step: f64) -> f64 {
+pub(crate) fn split_growth(ratio: f64, step: f64) -> f64 {
     let imbalance = |g: f64| {
         let z = (1.0 + (1.0 - 1.0 / g) / step).max(0.0).sqrt();
         z * (1.0 + z) - 2.0 * ratio / g

@@ -14,7 +14,7 @@ const SPECIFIC_HEAT: f64 = 460.0;
 
 /// Two half-spaces of equal heat capacity per volume.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct HalfSpaces {
+pub(crate) struct HalfSpaces {
     /// Conductivity of the punch over that of the strip.
     pub ratio: f64,
     /// Contact conductance, W/(m2 K).

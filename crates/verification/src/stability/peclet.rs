@@ -15,7 +15,7 @@ use conduction::line::Observed;
 use exact::reference::{ClosedPath, LayerBase};
 
 /// Summary of the map.
-pub const SUMMARY: &str =
+pub(crate) const SUMMARY: &str =
     "Peclet number 0 to 1e6 by step: implicit Euler, Crank-Nicolson and the default, and a disc that turns";
 
 /// Fourier modes and depth modes of the exact sum.

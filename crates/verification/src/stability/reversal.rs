@@ -19,11 +19,11 @@ use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
 
 /// Summary of the map.
-pub const SUMMARY: &str =
+pub(crate) const SUMMARY: &str =
     "jump of velocity and flux at reversal by Peclet number and step: Crank-Nicolson, the default";
 
 /// The layer: half-width, conductivity and diffusivity are 1, so that times are in l^2/kd and Pe = V/2.
-pub const PATH: ClosedPath = ClosedPath {
+pub(crate) const PATH: ClosedPath = ClosedPath {
     length: 8.0,
     half_length: 1.0,
     height: 4.0,

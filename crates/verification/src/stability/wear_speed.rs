@@ -13,7 +13,8 @@ use nalgebra::Complex;
 use std::f64::consts::PI;
 
 /// Summary of the map.
-pub const SUMMARY: &str = "wear against speed: where pressure waves begin to grow, and how fast they oscillate there";
+pub(crate) const SUMMARY: &str =
+    "wear against speed: where pressure waves begin to grow, and how fast they oscillate there";
 
 /// Number of cells per wavelength: the wear rate of a mode on the cells is too large by a relative (pi/N)^2/3.
 const CELLS: usize = 32;

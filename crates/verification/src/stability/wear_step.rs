@@ -32,7 +32,8 @@ use numerics::factorization;
 use std::f64::consts::E;
 
 /// Summary of the map.
-pub const SUMMARY: &str = "wear step over the explicit limit against the number of cells, explicit and default scheme";
+pub(crate) const SUMMARY: &str =
+    "wear step over the explicit limit against the number of cells, explicit and default scheme";
 
 /// Numbers of cells of the map.
 const COUNTS: [usize; 11] = [9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257];
@@ -62,7 +63,7 @@ impl Method {
     /// value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10. First order:
     /// `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`, `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 -
     /// 1/sqrt 2.
-    pub fn owed(self) -> f64 {
+    pub(crate) fn owed(self) -> f64 {
         let n = f64::from(JUDGED);
         match self {
             Self::Unguarded | Self::Explicit => 2.0 / (E * E * n),

@@ -82,7 +82,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Projection of the cooled surface on a transverse mode, m^(1/2) per height at the sides, m^(1/2) on the face.
-    pub fn exposure(&self, wave: &Wave) -> f64 {
+    pub(crate) fn exposure(&self, wave: &Wave) -> f64 {
         match self.cooled.by {
             By::Sides => wave.exposure,
             By::Face => wave.integral * self.cooled.length / (2.0 * self.across.half_width),
@@ -90,7 +90,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Input weight of a flux into the far face, per area of that face, m^(1/2); 0 where none is prescribed.
-    pub fn top_exposure(&self, wave: &Wave) -> f64 {
+    pub(crate) fn top_exposure(&self, wave: &Wave) -> f64 {
         if self.depth.driven_top { self.cooled.top_area * wave.integral } else { 0.0 }
     }
 
@@ -106,11 +106,11 @@ impl<'a> Assembly<'a> {
         self.depth.capacity
     }
 
-    pub fn top_is_prescribed(&self) -> bool {
+    pub(crate) fn top_is_prescribed(&self) -> bool {
         self.depth.top == FarBoundary::Held
     }
 
-    pub fn top_transfer(&self) -> f64 {
+    pub(crate) fn top_transfer(&self) -> f64 {
         self.depth.top.transfer()
     }
 

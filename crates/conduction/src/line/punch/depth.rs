@@ -41,7 +41,7 @@ impl Depth {
     }
 
     /// Whether a field that decays with `decay` has a steady state: heat leaves through the top or the sides.
-    pub fn has_steady_state(&self, decay: f64) -> bool {
+    pub(crate) fn has_steady_state(&self, decay: f64) -> bool {
         decay > 0.0 || self.top != FarBoundary::Insulated || self.face > 0.0
     }
 
@@ -66,7 +66,7 @@ impl Depth {
     }
 
     /// Exact steady Z(0) per unit q, K m2/W, where it exists.
-    pub fn steady_impedance(&self, decay: f64) -> f64 {
+    pub(crate) fn steady_impedance(&self, decay: f64) -> f64 {
         self.response(decay, 0.0).0
     }
 
@@ -121,7 +121,7 @@ impl Depth {
 
     /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity the temperature of the contact by a
     /// uniform source.
-    pub fn steady_integral(&self, decay: f64) -> f64 {
+    pub(crate) fn steady_integral(&self, decay: f64) -> f64 {
         if self.face == 0.0 {
             return self.sourced(decay, 0.0);
         }
@@ -132,7 +132,7 @@ impl Depth {
     }
 
     /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
-    pub fn sourced(&self, decay: f64, z: f64) -> f64 {
+    pub(crate) fn sourced(&self, decay: f64, z: f64) -> f64 {
         let (k, h) = (self.conductivity, self.height);
         if decay * h < 1.0 {
             // [r (cosh decay h - cosh decay z) + decay sinh decay h]/(r cosh decay h + decay sinh decay h)/(k decay^2),
@@ -155,7 +155,7 @@ impl Depth {
     }
 
     /// Integral of [`Self::sourced`] over the height, K m4/W.
-    pub fn sourced_integral(&self, decay: f64) -> f64 {
+    pub(crate) fn sourced_integral(&self, decay: f64) -> f64 {
         let (k, h) = (self.conductivity, self.height);
         let square = (decay * h).powi(2);
         // tanh(decay h)/decay, and its difference from h over decay^2.

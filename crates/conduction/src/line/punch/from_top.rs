@@ -46,7 +46,7 @@ impl FromTop {
 
 impl Depth {
     /// Steady field of a unit flux into the top, which has no prescribed temperature, where it exists.
-    pub fn driven_from_top(&self, decay: f64) -> FromTop {
+    pub(crate) fn driven_from_top(&self, decay: f64) -> FromTop {
         let (k, h) = (self.conductivity, self.height);
         let (face, top) = (self.face / k, self.top_ratio().unwrap_or(0.0));
         let (cosine, sine) = FromTop::waves(decay, h, h);

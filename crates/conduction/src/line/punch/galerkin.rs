@@ -170,7 +170,7 @@ impl Basis {
 
     /// Adds the functions that the mean temperature needs in every body: the uniform one, for exact heat conservation; under
     /// a top of prescribed temperature those that transmit its changes.
-    pub fn add_means(&mut self, points: &Points) {
+    pub(crate) fn add_means(&mut self, points: &Points) {
         let h = self.depth.height;
         if self.depth.top == FarBoundary::Held {
             for kappa in HELD_DECAYS.map(|part| part / h) {
@@ -210,7 +210,7 @@ impl Basis {
     }
 
     /// Adds the response to a contact flux at the real rate `rate`, 1/s; false if it is linearly dependent.
-    pub fn add_response(&mut self, points: &Points, rate: f64) -> bool {
+    pub(crate) fn add_response(&mut self, points: &Points, rate: f64) -> bool {
         let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
         let profile = self.depth.profile(kappa);
         self.add(points, Function::new(self.depth.height, points, profile))

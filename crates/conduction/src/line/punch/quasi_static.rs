@@ -34,12 +34,6 @@ use numerics::factorization;
 use numerics::maximum::{self, maximum};
 use std::ops::Range;
 
-/// Shapes whose contribution to the steady response, relative to the largest, is smaller than this stay a direct feedthrough.
-const SMALLEST: f64 = 1e-10;
-
-/// Relative difference of mirrored entries up to which cells are symmetric about the middle.
-const SYMMETRIC: f64 = 1e-9;
-
 /// Ratio of the time constants of distortion and temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
 /// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
@@ -50,7 +44,8 @@ fn parities(matrix: &DMatrix<f64>) -> Vec<(Option<f64>, DMatrix<f64>)> {
     let count = matrix.nrows();
     let (largest, last) = (matrix.amax(), count.saturating_sub(1));
     let mirrored = DMatrix::from_fn(count, count, |i, j| matrix[(last - i, last - j)]);
-    if (matrix - mirrored).amax() > SYMMETRIC * largest {
+    // Relative difference of mirrored entries up to which cells are symmetric about the middle.
+    if (matrix - mirrored).amax() > 1e-9 * largest {
         return vec![(None, DMatrix::identity(count, count))];
     }
     let basis = |sign: f64, size: usize| {
@@ -113,7 +108,8 @@ impl Assembly<'_> {
         let largest = maximum::largest(largest.map(|value| maximum(value, 0.0)));
         let (mut shapes, mut times) = (DMatrix::zeros(count, 0), Vec::new());
         for (sign, own, basis) in found {
-            let kept: Vec<usize> = (0..basis.ncols()).filter(|&k| own.eigenvalues[k] > SMALLEST * largest).collect();
+            // Shapes whose contribution to the steady response, relative to the largest, is smaller than this stay a direct feedthrough.
+            let kept: Vec<usize> = (0..basis.ncols()).filter(|&k| own.eigenvalues[k] > 1e-10 * largest).collect();
             let whitened = basis
                 * DMatrix::from_fn(own.eigenvectors.nrows(), kept.len(), |i, k| {
                     own.eigenvectors[(i, kept[k])] / own.eigenvalues[kept[k]].sqrt()

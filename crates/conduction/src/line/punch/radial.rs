@@ -38,10 +38,6 @@ pub(super) struct RadialMode {
     mean: f64,
 }
 
-/// Half the phase of a mode over a cell below which its integral is computed by quadrature, because the difference of its
-/// primitive cancels.
-const SHORT_CELL: f64 = 0.2;
-
 /// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half.
 const GAUSS: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
@@ -147,7 +143,9 @@ impl RadialMode {
         let mut integrals = Vec::with_capacity(boundaries.len());
         for pair in boundaries.windows(2) {
             let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            if half * self.wave_number < SHORT_CELL {
+            // Half the phase of a mode over a cell below which its integral is computed by quadrature, because the difference of its
+            // primitive cancels.
+            if half * self.wave_number < 0.2 {
                 last = None;
                 let at = |x: f64| ratio(x) * self.value(x);
                 let sum = |(node, weight): (f64, f64)| weight * (at(middle - half * node) + at(middle + half * node));
@@ -163,7 +161,7 @@ impl RadialMode {
     }
 
     /// Sum of X r/r_m at both sides, m^(-1/2).
-    pub fn at_sides(&self, radii: &Radii) -> f64 {
+    pub(crate) fn at_sides(&self, radii: &Radii) -> f64 {
         (radii.inner * self.at_radius(radii.inner).0 + radii.outer * self.at_radius(radii.outer).0) / radii.mean
     }
 }

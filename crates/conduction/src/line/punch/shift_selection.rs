@@ -65,16 +65,14 @@ pub(super) struct Scale {
     mean: f64,
 }
 
-/// Tolerance ratio of the longest modes of a ring: as accurate as the uniform one, which is the only one there, at the
-/// lumped level.
-const LONG_MODE_RATIO_OF_RING: f64 = 0.1;
-
 impl Scale {
     /// Scale for a tolerance of every mode and one of the longest modes.
     pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
-            Sides::Radial(_) => LONG_MODE_RATIO_OF_RING,
+            // Tolerance ratio of the longest modes of a ring: as accurate as the uniform one, which is the only one there, at the lumped
+            // level.
+            Sides::Radial(_) => 0.1_f64,
             Sides::Free | Sides::Closed => 1.0,
         };
         let mean = mean.min(of_the_mean / tolerance);

@@ -2,7 +2,9 @@ mod parts;
 
 use super::super::contact_parts::ContactParts;
 use super::super::tests::{at_stage, in_two_parts};
-use super::super::{Account, Boundary, FaceInfluence, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use super::super::{
+    Account, Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
+};
 use super::*;
 use exact::unreduced_punch::Unreduced;
 use parts::in_part;
@@ -158,18 +160,12 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         // The output map at frozen state between steps equals the result at the end of the step.
         let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
         run.heat.temperature_at_frozen_state(
-            &run.state,
-            &run.surroundings,
-            &spiked,
-            0.0,
+            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
             &mut held,
             &mut run.heat.workspace(),
         );
         run.heat.distortion_at_frozen_state(
-            &run.state,
-            &run.surroundings,
-            &spiked,
-            0.0,
+            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
             &mut distortion_at_frozen_state,
             &mut run.heat.workspace(),
         );
@@ -316,8 +312,10 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
-        let [cooled, _] =
-            run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut run.heat.workspace());
+        let [cooled, _] = run.heat.cooled_temperature(
+            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
+            &mut run.heat.workspace(),
+        );
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
@@ -337,8 +335,10 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     run.step(50.0, &[0.0; 9], &[0.0; 9]);
     let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
-    let [cooled, _] =
-        run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9], 0.0, &mut run.heat.workspace());
+    let [cooled, _] = run.heat.cooled_temperature(
+        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
+        &mut run.heat.workspace(),
+    );
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
 }
 
@@ -384,7 +384,10 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!(largest_difference(&faces, others) < 1e-9, "{part}: {faces:?} {others:?}");
     }
     assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
-    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &flux, 0.0, &mut run.heat.workspace());
+    let cooled = run.heat.cooled_temperature(
+        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
+        &mut run.heat.workspace(),
+    );
     assert!(largest_difference(&cooled, &late.2) < 1e-9, "{cooled:?} {late:?}");
 }
 

@@ -56,7 +56,12 @@ impl Waves {
     }
 
     /// [`Self::sum`] with the integrals over other cells in the columns.
-    pub fn sum_with(&self, other: &Waves, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
+    pub(crate) fn sum_with(
+        &self,
+        other: &Waves,
+        modes: Range<usize>,
+        weight: impl Fn(usize, &Wave) -> f64,
+    ) -> DMatrix<f64> {
         let integrals = other.integrals.columns_range(modes.clone());
         let mut weighted = self.integrals.columns_range(modes.clone()).into_owned();
         for (m, mut column) in modes.zip(weighted.column_iter_mut()) {

@@ -12,9 +12,6 @@ use numerics::dense;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Relative tolerance within which a mode is even or odd.
-const SYMMETRIC: f64 = 1e-9;
-
 /// M modes on N cells, the even ones first.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Modes {
@@ -46,7 +43,7 @@ struct Part {
 
 /// Workspace of a body.
 #[derive(Clone, Debug)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     /// Heat into every mode, W/m^(1/2).
     pub heat: Vec<f64>,
     /// Surface amplitude of every mode.
@@ -65,7 +62,8 @@ fn parity(values: &[f64]) -> Option<f64> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let is = |sign: f64| {
         let mirrored = values.iter().zip(values.iter().rev());
-        mirrored.into_iter().all(|(value, other)| (value - sign * other).abs() <= SYMMETRIC * largest)
+        // Relative tolerance within which a mode is even or odd.
+        mirrored.into_iter().all(|(value, other)| (value - sign * other).abs() <= 1e-9 * largest)
     };
     [1.0, -1.0].into_iter().find(|&sign| is(sign))
 }
@@ -155,7 +153,7 @@ impl Modes {
     }
 
     /// Whether even and odd modes are stored on half of the cells.
-    pub fn is_halved(&self) -> bool {
+    pub(crate) fn is_halved(&self) -> bool {
         self.parts[0].cells < self.cells
     }
 
@@ -165,12 +163,12 @@ impl Modes {
     }
 
     /// Integrals of all modes over a part of a cell, m^(1/2).
-    pub fn over_part(&self, part: usize) -> &[f64] {
+    pub(crate) fn over_part(&self, part: usize) -> &[f64] {
         &self.by_part[part * self.count()..(part + 1) * self.count()]
     }
 
     /// Workspace for the states on the cells.
-    pub fn scratch(&self) -> Scratch {
+    pub(crate) fn scratch(&self) -> Scratch {
         let zeros = |count: usize| vec![0.0; count];
         let modes = self.states.len();
         let parts = || self.parts.each_ref().map(|part| vec![0.0; part.cells]);
@@ -217,14 +215,14 @@ impl Modes {
     }
 
     /// Adds to every state's value the heat of its mode times its weight.
-    pub fn add_heat(&self, heat: &[f64], weights: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_heat(&self, heat: &[f64], weights: &[f64], values: &mut [f64]) {
         for ((value, weight), mode) in values.iter_mut().zip(weights).zip(&self.mode) {
             *value += weight * heat[*mode];
         }
     }
 
     /// Sets `sums` to those over the states of every mode of `seen` times `weights`.
-    pub fn sum_up(&self, seen: &[f64], weights: &[f64], sums: &mut [f64]) {
+    pub(crate) fn sum_up(&self, seen: &[f64], weights: &[f64], sums: &mut [f64]) {
         sums.fill(0.0);
         for ((seen, weight), mode) in seen.iter().zip(weights).zip(&self.mode) {
             sums[*mode] += seen * weight;
@@ -232,7 +230,7 @@ impl Modes {
     }
 
     /// Adds to every cell's value the products of its integrals with the modes' `sums`.
-    pub fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
         for (sign, part) in [1.0, -1.0].into_iter().zip(&self.parts).filter(|(_, part)| !part.modes.is_empty()) {
             let own = &sums[part.modes.clone()];
             for (j, integrals) in part.integrals.chunks_exact(own.len()).enumerate() {
@@ -276,7 +274,7 @@ impl Modes {
     }
 
     /// Adds the distortion by the states in the scratch to that of the cells.
-    pub fn distort(&self, scratch: &mut Scratch, distortion: &mut [f64]) {
+    pub(crate) fn distort(&self, scratch: &mut Scratch, distortion: &mut [f64]) {
         let Scratch { values, shown, .. } = scratch;
         shown.iter_mut().for_each(|shown| shown.fill(0.0));
         let [even, odd] = &self.parts;
@@ -289,7 +287,7 @@ impl Modes {
     }
 
     /// Adds the responses of the states to a stage's own fluxes to its surface influence matrices.
-    pub fn add_influence(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
+    pub(crate) fn add_influence(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
         let Scratch { heat, surface, columns, shown, .. } = scratch;
         for (surface, states) in surface.iter_mut().zip(&self.states) {
             *surface = states.clone().map(|k| contact[k] * stage.own[k]).sum();

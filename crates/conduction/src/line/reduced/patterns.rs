@@ -22,7 +22,7 @@ use numerics::dense;
 
 /// Patterns of the cells partly in contact. Their vectors have memory for all cells, so that no step allocates.
 #[derive(Debug)]
-pub struct Patterns {
+pub(crate) struct Patterns {
     contact_parts: ContactParts,
     /// Areas of the cells per depth, m.
     areas: Vec<f64>,
@@ -131,7 +131,7 @@ impl Patterns {
     }
 
     /// Adds to the values of the cells the products of their patterns with the modes' `sums`.
-    pub fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_by_cell(&self, sums: &[f64], values: &mut [f64]) {
         self.all().for_each(|(cell, integrals)| values[cell] += dot(integrals, sums));
     }
 
@@ -148,7 +148,7 @@ impl Patterns {
     }
 
     /// Makes the surface influence matrices through the parts in contact from those of whole cells, unless they are known.
-    pub fn change_influence(
+    pub(crate) fn change_influence(
         &mut self,
         operators: &ReducedOperators,
         modes: &Modes,

@@ -93,12 +93,12 @@ impl ReducedOperators {
 }
 
 /// Mean of exp(-x t) for t from 0 to 1.
-pub fn mean_decay(x: f64) -> f64 {
+pub(crate) fn mean_decay(x: f64) -> f64 {
     if x < 1e-5 { 1.0 - 0.5 * x * (1.0 - x / 3.0) } else { -(-x).exp_m1() / x }
 }
 
 /// Integral of t exp(-x t) for t from 0 to 1.
-pub fn first_moment(x: f64) -> f64 {
+pub(crate) fn first_moment(x: f64) -> f64 {
     if x > 0.5 {
         return (mean_decay(x) - (-x).exp()) / x;
     }

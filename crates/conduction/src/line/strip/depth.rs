@@ -99,7 +99,8 @@ impl Depth {
         let kappa = principal_root(s / self.slab.diffusivity() + q * q);
         // Integrals over the depth of the four products of exponentials.
         let slow = self.fall;
-        if kappa.re * h > UNFELT {
+        // Decay through the depth, in units of 1/h, from which on the influence of the base is below rounding.
+        if kappa.re * h > 40.0 {
             // The temperature at the base is zero to rounding.
             let mut integral = direct / (kappa + q);
             if reflected != 0.0 {
@@ -207,7 +208,8 @@ impl Depth {
                 row.push((mass - product) / other[row.len()]);
             }
             let pivot = 1.0 - row.iter().map(|value| value * value).sum::<f64>();
-            if pivot > SMALLEST_PIVOT {
+            // Smallest squared norm of the part of a normalised trial field independent of the others.
+            if pivot > 1e-12 {
                 row.push(pivot.sqrt());
                 rows.push(row);
                 kept.push(candidate);
@@ -239,14 +241,10 @@ impl Depth {
     }
 }
 
-/// Decay through the depth, in units of 1/h, from which on the influence of the base is below rounding.
-const UNFELT: f64 = 40.0;
 /// Difference of two decays, in units of 1/h, below which their integral is evaluated by its series.
 const CONFLUENT: f64 = 1e-3;
 /// Number of frequencies at which the truncated part is tested.
 const FREQUENCIES: usize = 16;
-/// Smallest squared norm of the part of a normalised trial field independent of the others.
-const SMALLEST_PIVOT: f64 = 1e-12;
 
 /// Reduced layer at one wave number: `dx_k/dt = -rate_k x_k + temperature_k f`, T = sum temperature_k x_k,
 /// u = sum distortion_k x_k.

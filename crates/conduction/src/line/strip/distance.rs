@@ -34,8 +34,6 @@ use std::f64::consts::PI;
 
 /// w: width of the window in nodes.
 const WINDOW: usize = 10;
-/// Least oversampling sigma: extent of the grids over band and distances.
-const LEAST_OVERSAMPLING: f64 = 1.5;
 /// Grid places below wave number 0 within the window.
 const BELOW: usize = WINDOW / 2;
 /// Least number of nodes of the transform.
@@ -86,7 +84,7 @@ struct Pair {
 
 /// Plan of the sum over the modes for given cells and wave numbers.
 #[derive(Debug)]
-pub struct DistanceSum {
+pub(crate) struct DistanceSum {
     count: usize,
     /// Unit of the distortion, m/K.
     unit: f64,
@@ -123,7 +121,8 @@ impl DistanceSum {
         let window = WINDOW as f64;
         // Both grids are oversampled by sigma: M = sigma^2 (2 W + w delta) q_last/pi, delta = pi/(sigma q_last).
         let needed = |sigma: f64| sigma * (sigma * 2.0 * width * last / PI + window);
-        let size = (needed(LEAST_OVERSAMPLING).ceil() as usize).next_power_of_two().max(FEWEST_NODES);
+        // Least oversampling sigma: extent of the grids over band and distances.
+        let size = (needed(1.5).ceil() as usize).next_power_of_two().max(FEWEST_NODES);
         let half = 0.5 * window / (2.0 * width * last / PI);
         let sigma = (half * half + size as f64 / (2.0 * width * last / PI)).sqrt() - half;
         let (delta, step) = (PI / (sigma * last), 2.0 * sigma * last / size as f64);

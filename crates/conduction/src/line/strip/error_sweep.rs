@@ -13,7 +13,7 @@ use numerics::maximum::maximum;
 
 /// Exact impedances and weights of the sweep.
 #[derive(Debug)]
-pub struct ErrorSweep {
+pub(crate) struct ErrorSweep {
     frequencies: Vec<f64>,
     /// Weight of each mode in the mean contact temperature per flux.
     weights: Vec<f64>,

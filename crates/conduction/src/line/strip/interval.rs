@@ -55,7 +55,7 @@ impl Workspace {
     }
 
     /// Sums the mode responses at the nodes of the distance.
-    pub fn sum_waves(&mut self, operators: &StripOperators) {
+    pub(crate) fn sum_waves(&mut self, operators: &StripOperators) {
         let [warm, moved] = &self.influence;
         operators.distance_sum.find([warm, moved], &mut self.nodes);
     }
@@ -118,7 +118,7 @@ impl Interval<'_> {
 
     /// Computes the weights of the known fluxes and, at the end, those in the states, without the influence matrices.
     /// The response of the modes to the stage's own flux is left in the workspace.
-    pub fn weigh(
+    pub(crate) fn weigh(
         &self,
         operators: &StripOperators,
         velocity: [f64; 2],
@@ -157,7 +157,7 @@ impl Interval<'_> {
 /// Weights of the known flux and the stage's own from those of a flux falling to 0 and one rising from 0 over the
 /// interval. In the first stage the flux is `q1 + e (1 - t/(gamma h))`, at the end
 /// `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
-pub fn stage_fluxes<T>(at_end: bool, falling: T, rising: T) -> [T; 2]
+pub(crate) fn stage_fluxes<T>(at_end: bool, falling: T, rising: T) -> [T; 2]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
 {

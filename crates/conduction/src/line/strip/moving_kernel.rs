@@ -26,7 +26,7 @@ const EULER: f64 = 0.577_215_664_901_532_9;
 
 /// `(exp(x) K0(x), exp(x) K1(x))` for x > 0, to rounding: power series up to 2, Chebyshev series of their products with the
 /// root of x beyond.
-pub fn scaled_bessel_k(x: f64) -> (f64, f64) {
+pub(crate) fn scaled_bessel_k(x: f64) -> (f64, f64) {
     if x <= 2.0 {
         // K0 = -(ln(x/2) + gamma) I0 + sum H_n (x/2)^2n/n!^2;  the Wronskian I0 K1 + I1 K0 = 1/x gives K1.
         let y = 0.25 * x * x;
@@ -137,7 +137,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// with the mean `distance`; c > 0.
 ///
 /// Error below 1e-7, relative to neighbouring values where the value itself vanishes ahead of a fast source.
-pub fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
+pub(crate) fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
     let (d, a, b) = (c * distance, c * alpha, c * beta);
     if a * b > CLOSED_FORM {
         let g = second_antiderivative;

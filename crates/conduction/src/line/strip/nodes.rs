@@ -13,9 +13,6 @@ use super::properties::ImageDamping;
 use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
 use numerics::cache::KeyedCache;
 
-/// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
-/// that mode, and decreases with the fourth power of the wave number for longer ones.
-const NODE_PHASE: f64 = 0.25;
 /// Spacing of the nodes in asinh(v/slow) where the damping rate of periodic images curves: the error of the cubic is
 /// 3e-4 of the rate at `slow`. This error accumulates over the steps, so it must not depend on their length.
 const NODE_SPACING: f64 = 0.25;
@@ -68,7 +65,7 @@ const MOST_ITERATIONS: usize = 20;
 
 /// Cached interpolation nodes, by the bits of the length of the interval and their number.
 #[derive(Clone, Debug)]
-pub struct InterpolationNodes {
+pub(crate) struct InterpolationNodes {
     cache: KeyedCache<(u64, i64), Node>,
 }
 
@@ -102,7 +99,9 @@ impl InterpolationNodes {
         response: &mut StageResponse,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let grid = Grid::new(NODE_PHASE / (shortest * length), &operators.image_damping);
+        // Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for that mode, and
+        // decreases with the fourth power of the wave number for longer ones.
+        let grid = Grid::new(0.25 / (shortest * length), &operators.image_damping);
         let base = grid.position(velocity).floor() as i64;
         let places: [usize; 4] = std::array::from_fn(|k| {
             let number = base + k as i64 - 1;

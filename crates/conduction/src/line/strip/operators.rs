@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 
 /// Operators of the strip: constant after construction, except for the tables and caches.
 #[derive(Debug)]
-pub struct StripOperators {
+pub(crate) struct StripOperators {
     pub widths: Vec<f64>,
     pub half: usize,
     pub period: f64,
@@ -66,10 +66,6 @@ pub struct StripOperators {
     pub error: f64,
 }
 
-/// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
-const FASTEST: f64 = 1e7;
-/// Decay exponent of the damping of periodic images while the contact passes one period.
-const DECAY_EXPONENT: f64 = 4.0;
 impl StripOperators {
     /// See [`super::StripHeat::new`].
     pub fn new(
@@ -100,7 +96,8 @@ impl StripOperators {
         let spacing = 2.0 * PI / period;
         let fresh = properties.path == SlidingPath::Unidirectional;
         let image_damping = ImageDamping {
-            per_length: if fresh { DECAY_EXPONENT / period } else { 0.0 },
+            // Decay exponent of the damping of periodic images while the contact passes one period.
+            per_length: if fresh { 4.0 / period } else { 0.0 },
             slow: period / resolution.duration,
         };
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
@@ -111,7 +108,8 @@ impl StripOperators {
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
         // Lowest velocity at which modes as long as the contact differ from those at rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
-        let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
+        // Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
+        let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(1e7 * diffusivity / width);
         let state_layout = state_layout(&counts);
         let states = counts.iter().sum();
         let (mut rate, mut temperature, mut distortion) = (vec![0.0; states], vec![0.0; states], vec![0.0; states]);
@@ -191,7 +189,7 @@ impl StripOperators {
     }
 
     /// Sums over all cells of width times a function times the even and the odd shape of a mode.
-    pub fn over_cells(&self, wave: usize, function: impl Fn(usize) -> f64) -> (f64, f64) {
+    pub(crate) fn over_cells(&self, wave: usize, function: impl Fn(usize) -> f64) -> (f64, f64) {
         let (even, odd) = self.shapes.rows(wave);
         let count = self.widths.len();
         let (mut sum, mut tilt) = (0.0, 0.0);
@@ -205,7 +203,7 @@ impl StripOperators {
     }
 
     /// Dimensions of a stage response; weights in the states exist for the end of a step only.
-    pub fn response_layout(&self, at_end: bool) -> Layout {
+    pub(crate) fn response_layout(&self, at_end: bool) -> Layout {
         Layout {
             count: self.widths.len(),
             states: if at_end { self.rate.len() } else { 0 },
@@ -216,28 +214,28 @@ impl StripOperators {
 
     /// Number of states before those of the Fourier modes: of the mean mode, and on fresh material of a second one
     /// without the heat of the contact.
-    pub fn mean_states(&self) -> usize {
+    pub(crate) fn mean_states(&self) -> usize {
         if self.fresh { 2 * self.mean.count } else { self.mean.count }
     }
 
     /// States of the mean mode that determine the temperature under the contact.
-    pub fn background<'a>(&self, state: &'a [f64]) -> &'a [f64] {
+    pub(crate) fn background<'a>(&self, state: &'a [f64]) -> &'a [f64] {
         &state[self.mean_states() - self.mean.count..self.mean_states()]
     }
 
     /// Fraction of the mean flux whose heat returns to the contact.
-    pub fn remembered(&self) -> f64 {
+    pub(crate) fn remembered(&self) -> f64 {
         if self.fresh { 0.0 } else { 1.0 }
     }
 
     /// Real and imaginary parts of the states of the modes.
-    pub fn wave_states<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+    pub(crate) fn wave_states<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         let (first, count) = (self.mean_states(), self.rate.len());
         (&state[first..first + count], &state[first + count..first + 2 * count])
     }
 
     /// See [`StripOperators::wave_states`].
-    pub fn wave_states_mut<'a>(&self, state: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
+    pub(crate) fn wave_states_mut<'a>(&self, state: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
         let (first, count) = (self.mean_states(), self.rate.len());
         state[first..first + 2 * count].split_at_mut(count)
     }
@@ -259,7 +257,7 @@ impl StripOperators {
     }
 
     /// Adds even and odd parts to values on all cells.
-    pub fn unfold_onto(&self, parts: [&[f64]; 2], values: &mut [f64]) {
+    pub(crate) fn unfold_onto(&self, parts: [&[f64]; 2], values: &mut [f64]) {
         let (left, right) = values.split_at_mut(self.half);
         let [even, odd] = parts;
         left.iter_mut().zip(even.iter().zip(odd)).for_each(|(value, (even, odd))| *value += even + odd);
@@ -297,7 +295,13 @@ impl StripOperators {
     }
 
     /// Temperature or distortion alone; see [`StripOperators::observe`].
-    pub fn observe_one(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
+    pub(crate) fn observe_one(
+        &self,
+        amplitude: &[Vec<f64>; 2],
+        parts: &mut [Vec<f64>; 2],
+        level: f64,
+        values: &mut [f64],
+    ) {
         parts.iter_mut().for_each(|part| part.fill(0.0));
         let ([even, odd], [re, im], [even_part, odd_part]) = (&self.seen, amplitude, &mut *parts);
         dense::multiply_add_each([(even, re, even_part), (odd, im, odd_part)]);

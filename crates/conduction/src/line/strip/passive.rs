@@ -27,11 +27,8 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use std::fmt;
 
-/// Square of the cosine between a uniform flux and its response above which the response is preserved.
-const TURNED: f64 = 0.25;
-
 /// Workspace of the projection.
-pub struct Passive {
+pub(crate) struct Passive {
     widths: Vec<f64>,
     /// Even part of the heat of a uniform flux, W/m.
     uniform: Vec<f64>,
@@ -73,7 +70,7 @@ impl Passive {
     }
 
     /// Removes the negative eigenvalues of the symmetric part of an influence per flux, N x N.
-    pub fn make_passive(&mut self, influence: &mut DMatrix<f64>) {
+    pub(crate) fn make_passive(&mut self, influence: &mut DMatrix<f64>) {
         let (count, size) = (self.widths.len(), self.uniform.len());
         for parity in [1.0, -1.0] {
             for b in 0..size {
@@ -160,7 +157,8 @@ impl Passive {
         if given.is_nan() || given <= 0.0 {
             return 0.0;
         }
-        let share = (given * given / (TURNED * square * own)).min(1.0) / given;
+        // Square of the cosine between a uniform flux and its response above which the response is preserved.
+        let share = (given * given / (0.25 * square * own)).min(1.0) / given;
         for j in 0..uniform.len() {
             for i in 0..uniform.len() {
                 self.matrix[(i, j)] -= share * self.response[i] * self.response[j];

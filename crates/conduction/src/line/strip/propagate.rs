@@ -25,13 +25,13 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-pub mod abreast;
+pub(crate) mod abreast;
 mod chirp;
 
 use nalgebra::Complex;
 
 /// Largest `q dv h/8` for which the series is used.
-pub const LARGEST_DRIFT: f64 = 1.5;
+pub(crate) const LARGEST_DRIFT: f64 = 1.5;
 /// `q dv h/8` below which the velocity counts as constant: the relative error of the mode's amplitude. Modes for which
 /// it is not much smaller are short, and contribute one in a hundred of the temperature.
 const LEAST_DRIFT: f64 = 5e-4;
@@ -70,7 +70,7 @@ impl Motion {
 
     /// The same with `decay = exp(-rate h)` known.
     #[inline]
-    pub fn weights_of_decay(
+    pub(crate) fn weights_of_decay(
         &self,
         rate: f64,
         decay: f64,

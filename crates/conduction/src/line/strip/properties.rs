@@ -62,15 +62,12 @@ pub struct Resolution {
 /// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: proportional to `v^2` near rest and to `|v|` beyond, smooth in
 /// between, so that quantities depending on it can be interpolated through rest.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ImageDamping {
+pub(crate) struct ImageDamping {
     /// Decay rate per sliding velocity, 1/m; 0: no damping.
     pub per_length: f64,
     /// Velocity at which one period is passed in the whole duration, m/s.
     pub slow: f64,
 }
-
-/// Change of the velocity, relative to `hypot(v, slow)`, up to which Simpson's rule gives the mean rate to 1e-6.
-const STRAIGHT: f64 = 0.25;
 
 impl ImageDamping {
     /// Rate at a velocity, 1/s.
@@ -84,7 +81,8 @@ impl ImageDamping {
             return 0.0;
         }
         let middle = 0.5 * (from + to);
-        if (to - from).abs() <= STRAIGHT * middle.hypot(self.slow) {
+        // Change of the velocity, relative to `hypot(v, slow)`, up to which Simpson's rule gives the mean rate to 1e-6.
+        if (to - from).abs() <= 0.25 * middle.hypot(self.slow) {
             return (self.rate(from) + 4.0 * self.rate(middle) + self.rate(to)) / 6.0;
         }
         let integral = |v: f64| 0.5 * (v * v.hypot(self.slow) + self.slow * self.slow * (v / self.slow).asinh());
@@ -92,8 +90,6 @@ impl ImageDamping {
     }
 }
 
-/// Lower bound of the period of a unidirectional path, in widths of the contact.
-const SHORTEST_PERIOD: f64 = 12.0;
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
 const FLATTEST: f64 = 2000.0;
 
@@ -140,7 +136,8 @@ impl StripProperties {
             SlidingPath::Stroke { stroke, length } => {
                 ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
             }
-            SlidingPath::Unidirectional => ((width + 8.0 * reach).max(SHORTEST_PERIOD * width), f64::INFINITY),
+            // Lower bound of the period of a unidirectional path, in widths of the contact.
+            SlidingPath::Unidirectional => ((width + 8.0 * reach).max(12.0 * width), f64::INFINITY),
         }
     }
 }

@@ -13,8 +13,6 @@ use std::f64::consts::PI;
 
 /// Ratios of the shifts of the reduction, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
-/// Fraction of the tolerance available to the reduction of the modes.
-const REDUCTION_PART: f64 = 0.2;
 /// Number of modes from which on the reduction error is first tested on a sample, and the ratio of all modes to the
 /// sample.
 const MANY_WAVES: usize = 200;
@@ -101,7 +99,8 @@ impl Layer<'_> {
                 let layers = layers.iter().step_by(step);
                 layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
             };
-            let good = |error: f64| error <= REDUCTION_PART * tolerance;
+            // Fraction of the tolerance available to the reduction of the modes.
+            let good = |error: f64| error <= 0.2 * tolerance;
             // Errors of neighbouring modes are similar; the last ratio is accepted without the test.
             let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
             if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {

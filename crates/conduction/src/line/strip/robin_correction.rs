@@ -17,7 +17,7 @@ use numerics::dense;
 
 /// Polynomials orthonormal on the cells, and the projections of the modes on them.
 #[derive(Clone, PartialEq, Debug)]
-pub struct RobinCorrection {
+pub(crate) struct RobinCorrection {
     transfer: f64,
     rank: usize,
     /// V: N x rank, by columns; even and odd degrees alternate.
@@ -88,7 +88,13 @@ impl RobinCorrection {
 
     /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
     /// projected temperature of the free response.
-    pub fn amounts(&self, response: &StageResponse, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
+    pub(crate) fn amounts(
+        &self,
+        response: &StageResponse,
+        level: &[f64; RANK],
+        ambient: f64,
+        flux: &[f64],
+    ) -> [f64; RANK] {
         let mut driving = *level;
         driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
         dense::multiply_add(response.response(), flux, &mut driving);
@@ -98,7 +104,7 @@ impl RobinCorrection {
     }
 
     /// Coefficient of the constant polynomial under a unit flux into cell `cell`.
-    pub fn constant_by_cell(&self, response: &StageResponse, cell: usize) -> f64 {
+    pub(crate) fn constant_by_cell(&self, response: &StageResponse, cell: usize) -> f64 {
         let driving = &response.response()[cell * RANK..(cell + 1) * RANK];
         response.solution().chunks_exact(RANK).zip(driving).map(|(column, driving)| column[0] * driving).sum()
     }

@@ -7,7 +7,7 @@ use super::stage_response::RANK;
 
 /// Preallocated vectors of the evaluations.
 #[derive(Clone, Debug)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     /// Total fluxes into the cells.
     pub first: Vec<f64>,
     pub end: Vec<f64>,

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use numerics::dense;
 
 /// Largest dimension of the polynomial space of the Robin correction.
-pub const RANK: usize = 8;
+pub(crate) const RANK: usize = 8;
 
 /// Dimensions of the parts.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -32,7 +32,7 @@ impl Layout {
 
 /// Response of one stage.
 #[derive(Clone, Debug)]
-pub struct StageResponse {
+pub(crate) struct StageResponse {
     /// Surface influence matrices of the contact's flux, direct feedthrough included.
     pub influence: SurfaceInfluence,
     layout: Layout,
@@ -85,7 +85,7 @@ impl StageResponse {
     }
 
     /// Influence matrices and parts.
-    pub fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
+    pub(crate) fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
         let [states, waves, cells, lifted, _] = self.layout.lengths();
         let (weights, rest) = self.rest.split_at_mut(states);
         let (carried, rest) = rest.split_at_mut(waves);
@@ -146,7 +146,12 @@ impl StageResponse {
 
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
-    pub fn combine(&mut self, responses: [&StageResponse; 4], factors: [f64; 4], feedthrough: FeedthroughTerms<'_>) {
+    pub(crate) fn combine(
+        &mut self,
+        responses: [&StageResponse; 4],
+        factors: [f64; 4],
+        feedthrough: FeedthroughTerms<'_>,
+    ) {
         let parts = responses.map(|response| &response.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = responses.map(|response| response.influence.temperature.as_slice());
@@ -160,7 +165,7 @@ impl StageResponse {
 
 /// Direct feedthrough at one or two velocities (temperature and distortion, N x N; the second empty without thermal
 /// expansion), each with its weight.
-pub type FeedthroughTerms<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+pub(crate) type FeedthroughTerms<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
 
 /// Linear combination of four matrices and the one or two of the direct feedthrough.
 fn sum(
@@ -183,7 +188,7 @@ fn sum(
 
 impl Parts<'_> {
     /// Sets the response to a uniform flux from the influence matrix of the modes (N x N): its row sums.
-    pub fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
+    pub(crate) fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
         let uniform = &mut self.uniform[moving];
         uniform.fill(0.0);
         for column in slow.as_slice().chunks_exact(uniform.len().max(1)) {

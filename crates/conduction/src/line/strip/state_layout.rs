@@ -18,7 +18,7 @@ pub type Level = Range<usize>;
 pub type Parts<'a> = [&'a [f64]; 2];
 
 /// State layout for modes with these numbers of states, in non-increasing order.
-pub fn state_layout(counts: &[usize]) -> Vec<Level> {
+pub(crate) fn state_layout(counts: &[usize]) -> Vec<Level> {
     let mut levels = Vec::new();
     let mut first = 0;
     for level in 0..counts.first().copied().unwrap_or(0) {
@@ -81,7 +81,7 @@ pub fn observe(
 }
 
 /// Adds amplitudes, each multiplied by a complex factor.
-pub fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitudes: Parts<'_>) {
+pub(crate) fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitudes: Parts<'_>) {
     struct Add<'a>(&'a mut [f64], &'a mut [f64], Parts<'a>, Parts<'a>);
     impl WithSimd for Add<'_> {
         type Output = ();
@@ -136,7 +136,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Propagation of the states over a step: propagation factors, and the weights of the flux amplitudes of both stages.
 #[derive(Clone, Copy)]
-pub struct Carrier<'a> {
+pub(crate) struct Carrier<'a> {
     pub factors: Parts<'a>,
     pub known: Parts<'a>,
     pub own: Parts<'a>,
@@ -188,7 +188,7 @@ pub fn carry(
 /// of the stage's own, input included, and adds the response of the modes to both: temperature and distortion, by the
 /// observations `seen`; real and imaginary parts alternate. At the end of a step the known flux has the fraction
 /// `share` of the falling one; `None`: all of it, the first stage.
-pub fn stage_weights(
+pub(crate) fn stage_weights(
     share: Option<f64>,
     seen: Parts<'_>,
     weights: [&mut [f64]; 4],
@@ -252,9 +252,6 @@ pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<
     Arch::new().dispatch(Turn(state_layout, decay, damping, phases, factors));
 }
 
-/// Largest angle, rad, for which the number of quarter turns is exact.
-const LARGEST_ANGLE: f64 = 5e5;
-
 /// pi/2 in three parts, the first two of 33 bits: their products with the number of quarter turns are exact (Cody and Waite).
 #[expect(clippy::excessive_precision, reason = "parts of pi/2 to the bit")]
 const QUARTER: [f64; 3] =
@@ -296,7 +293,8 @@ pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64])
         }
     }
     let largest = numbers.last().map_or(0.0, |number| (angle * number).abs());
-    if largest <= LARGEST_ANGLE {
+    // Largest angle, rad, for which the number of quarter turns is exact.
+    if largest <= 5e5 {
         return Arch::new().dispatch(Phases(angle, numbers, cosine, sine));
     }
     for (number, (cosine, sine)) in numbers.iter().zip(cosine.iter_mut().zip(sine)) {

@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 
 /// Data of the sums of the static correction.
 #[derive(Debug)]
-pub struct StaticCorrection {
+pub(crate) struct StaticCorrection {
     pub cells: Cells,
     /// The layer with and without heat transfer on its surface.
     pub slab: Slab,
@@ -41,8 +41,6 @@ pub struct StaticCorrection {
     pub fresh: Option<(f64, ImageDamping)>,
 }
 
-/// Contact width over period beyond which the nearest periodic images of the contact are summed in real space.
-const NEAR_IMAGES: f64 = 0.3;
 /// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
 const HALF_PLANE: f64 = 18.0;
 /// Wave number times contact width below which the integrand of the endless path has no further structure.
@@ -50,8 +48,6 @@ const SLOWEST_WAVE: f64 = 1e-7;
 /// Wave number times contact width below which the removed integrand is smooth in the root of the wave number, for
 /// sliding by at least twice that in widths during the time of diffusion across the width.
 const LONGEST_SLIDING: f64 = 0.5;
-/// Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
-const DISTORTION_REACH: f64 = 4.0;
 
 /// A sum over wave numbers: the layer at each, and its place among the wave numbers of all sums.
 #[derive(Debug, Default)]
@@ -130,12 +126,14 @@ impl StaticCorrection {
     pub fn integrals(&self) -> Integrals {
         let width = 2.0 * self.cells.half_width();
         let fresh = self.fresh.is_some();
-        let images = !fresh && width > NEAR_IMAGES * self.period;
+        // Contact width over period beyond which the nearest periodic images of the contact are summed in real space.
+        let images = !fresh && width > 0.3 * self.period;
         let reach = if images { width + self.period } else { width };
         let last = (self.last as f64 + 0.5) * self.spacing();
         let mut end = HALF_PLANE / self.slab.height;
         if self.expansion.is_some() {
-            end = end.max(DISTORTION_REACH * last);
+            // Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
+            end = end.max(4.0 * last);
         }
         if let Some(lateral) = &self.lateral {
             end = end.max(lateral.shortest_wave());

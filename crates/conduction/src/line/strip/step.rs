@@ -13,9 +13,6 @@ use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
 use numerics::dense;
 
-/// Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
-const LINEAR: f64 = 0.1;
-
 /// The prepared step.
 #[derive(Clone, Debug)]
 pub struct Step {
@@ -132,7 +129,8 @@ impl Step {
         let [_, middle] = to_first_stage(velocity);
         let Step { first, end, workspace, feedthrough, .. } = self;
         let last = feedthrough.find(operators, velocity[1]);
-        let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
+        // Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
+        let straight = (velocity[1] - velocity[0]).abs() <= 0.1 * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
             let start = feedthrough.find(operators, velocity[0]);
             let both = [(feedthrough.at(start), 1.0 - GAMMA), (feedthrough.at(last), GAMMA)];

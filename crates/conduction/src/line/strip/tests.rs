@@ -35,7 +35,7 @@ fn expanding(nu: f64, base: elasticity::Base) -> Option<Expansion> {
 }
 
 /// Expanding steel, 20 mm high, with air above and below.
-pub fn cooled_steel(path: SlidingPath) -> StripProperties {
+pub(crate) fn cooled_steel(path: SlidingPath) -> StripProperties {
     let expansion = expanding(0.3, elasticity::Base::Bonded);
     StripProperties { expansion, ..steel(0.02, FarBoundary::Convecting(300.0), path, 500.0) }
 }

@@ -12,17 +12,8 @@ use nalgebra::DMatrix;
 use numerics::dense;
 use std::sync::{Mutex, OnceLock};
 
-/// Spacing of the interpolation nodes in asinh(v/v0) at the tolerance 0.01. The interpolation error is of sixth order
-/// in the spacing, so the spacing goes with the sixth root of the tolerance.
-const SPACING: f64 = 0.35;
-/// Largest spacing.
-const WIDEST: f64 = 0.45;
-/// Smallest spacing.
-const CLOSEST: f64 = 0.15;
 /// Number of nodes of the interpolation stencil.
 const STENCIL: usize = 6;
-/// Distance from a node, relative to the spacing, that is attributed to rounding.
-const ON_A_NODE: f64 = 1e-9;
 /// Nodes at negative velocity.
 const NEGATIVE_NODES: usize = STENCIL / 2 - 1;
 
@@ -33,7 +24,7 @@ const NEGATIVE_NODES: usize = STENCIL / 2 - 1;
 /// Between nodes the interpolation error of the temperature under a uniform flux is below a tenth of the tolerance,
 /// relative to the whole steady temperature.
 #[derive(Debug)]
-pub struct VelocityTable {
+pub(crate) struct VelocityTable {
     scale: f64,
     spacing: f64,
     nodes: Vec<OnceLock<Influence>>,
@@ -57,7 +48,9 @@ impl VelocityTable {
     /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
     /// from which the limit of fast sliding holds; `tolerance`: requested relative error of the contact temperature.
     pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
-        let spacing = (SPACING * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(CLOSEST, WIDEST);
+        // Spacing of the interpolation nodes in asinh(v/v0) at the tolerance 0.01. The interpolation error is of sixth order in the
+        // spacing, so the spacing goes with the sixth root of the tolerance.
+        let spacing = (0.35 * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(0.15, 0.45);
         let count = NEGATIVE_NODES + ((fastest / scale).asinh() / spacing).ceil().max(1.0) as usize + 1 + STENCIL / 2;
         let integrals = static_correction.integrals();
         let cells = static_correction.cells.count();
@@ -141,7 +134,8 @@ impl VelocityTable {
             position = last as f64;
         }
         // Positions within rounding of a node are moved onto it.
-        if (position - position.round()).abs() < ON_A_NODE {
+        // Distance from a node, relative to the spacing, that is attributed to rounding.
+        if (position - position.round()).abs() < 1e-9 {
             position = position.round();
         }
         let base = (position as usize).min(last);
@@ -175,7 +169,7 @@ impl VelocityTable {
     }
 
     /// Adds the direct feedthrough of `flux` at a velocity; `workspace` holds two vectors of N numbers.
-    pub fn add_response(
+    pub(crate) fn add_response(
         &self,
         moving: usize,
         velocity: f64,
@@ -224,8 +218,6 @@ mod tests {
     use elasticity::Cells;
     use scene::FarBoundary;
 
-    const HALF_WIDTH: f64 = 0.02;
-
     fn strip(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> StripHeat {
         StripHeat::new(&steel(0.02, FarBoundary::Held, path, 0.0), cells, resolution).unwrap()
     }
@@ -269,7 +261,7 @@ mod tests {
 
     #[test]
     fn between_the_nodes_the_table_keeps_to_a_tenth_of_the_tolerance() {
-        let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
+        let cells = Cells::graded(0.02, 9).unwrap();
         for path in
             [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
         {

@@ -24,8 +24,6 @@ pub struct Wave {
     pub count: f64,
 }
 
-/// Most nodes in a panel.
-const PANEL: f64 = 48.0;
 /// Nodes a panel needs beyond those that resolve its reach.
 const EXTRA: f64 = 10.0;
 
@@ -34,7 +32,8 @@ const EXTRA: f64 = 10.0;
 pub fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
     let spacing = 2.0 * PI / period;
     let per_harmonic = 0.25 * spacing * reach;
-    let longest = if per_harmonic < 1.0 { ((PANEL - EXTRA) / per_harmonic) as usize } else { 1 };
+    // Most nodes in a panel.
+    let longest = if per_harmonic < 1.0 { ((48.0 - EXTRA) / per_harmonic) as usize } else { 1 };
     let mut waves = Vec::new();
     let mut first = 1;
     while first <= last {
@@ -71,7 +70,7 @@ fn gram_rule(count: usize, nodes: usize) -> Vec<(f64, f64)> {
 }
 
 /// Nodes in a panel of [`continuous`].
-pub const CONTINUOUS: usize = 12;
+pub(crate) const CONTINUOUS: usize = 12;
 
 /// Gauss nodes and weights for integrals over the wave number from 0 to `last` of functions that vary like
 /// `exp(i q r)`, |r| <= `reach`, and have structure at every scale of q down to `least`.
@@ -96,7 +95,7 @@ pub fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
 /// Even and odd parts of the modes on cells that are symmetric about x = 0: one row of (N + 1)/2 entries per mode,
 /// `cos(q x_i) sinc(q c_i/2)` and `sin(q x_i) sinc(q c_i/2)`, from the -x edge to the centre.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Shapes {
+pub(crate) struct Shapes {
     half: usize,
     even: Vec<f64>,
     odd: Vec<f64>,

@@ -9,17 +9,10 @@ use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
 use crate::line::state::LineState;
-use conduction::line::{GAMMA, Stage};
+use conduction::line::{FrozenState, GAMMA, Stage};
 use contact::friction::FrictionLaw;
 use numerics::dense;
 use numerics::maximum::maximum;
-
-/// Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is
-/// updated.
-const FADE_VALIDITY: f64 = 0.1;
-
-/// Error, in units of the tolerance, below which a bound suffices.
-const SMALL: f64 = 0.15;
 
 /// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
 /// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
@@ -29,9 +22,6 @@ pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
 pub(super) const LEAST_RISE: f64 = 0.1;
-
-/// Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
-const ALLOWANCE: f64 = 2.0;
 
 /// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
 /// deviates by (1/2 - gamma) of its change. A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the
@@ -52,7 +42,7 @@ impl Solved<'_> {
     /// what lasts of it goes with the root of the step over the time of diffusion across a cell. The bodies are reduced for the
     /// nominal duration, over which a step of tolerance^2 of it has the impedance of one tolerance; not for longer communication
     /// steps.
-    pub fn is_controlled(&self, whole: f64) -> bool {
+    pub(crate) fn is_controlled(&self, whole: f64) -> bool {
         let ([shortest, nominal], part) = (self.0.parameters.times, LEAST_PART * whole);
         self.0.step > if whole > nominal { part } else { part.min(shortest.max(LEAST_PART * part)) }
     }
@@ -75,7 +65,8 @@ impl Solved<'_> {
             temperature_error = maximum(temperature_error, of_temperature * change);
             rise = maximum(rise, largest(&heat.temperature[1][side]));
         }
-        let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
+        // Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
+        let allowance = if heat.reference.exact { 1.0 } else { 2.0 };
         allowance * maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise))
     }
 
@@ -83,7 +74,8 @@ impl Solved<'_> {
     /// `bound` is that of the displacement, in m. Where the error is small, an upper bound of it.
     pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
         let (most, faces) = (self.bound_of_error(operators, bound), self.error_of_faces(operators, bound));
-        if most < SMALL {
+        // Error, in units of the tolerance, below which a bound suffices.
+        if most < 0.15 {
             return maximum(most, faces);
         }
         let heat = &mut *self.0;
@@ -172,10 +164,7 @@ impl ThermalCoupling {
                 // The mean of whole cells, not of their parts in contact.
                 let body = &state.bodies[side];
                 own.temperature_at_frozen_state(
-                    body,
-                    around,
-                    &state.flux[side],
-                    velocity,
+                    &FrozenState { state: body, surroundings: around, flux: &state.flux[side], velocity },
                     &mut state.temperature[side],
                     work,
                 );
@@ -199,7 +188,8 @@ impl ThermalCoupling {
         };
         state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
         let fade = if friction.coefficient > 0.0 { state.kinetic_coefficient / friction.coefficient } else { 1.0 };
-        if (fade / state.reference.fade - 1.0).abs() > FADE_VALIDITY {
+        // Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is updated.
+        if (fade / state.reference.fade - 1.0).abs() > 0.1 {
             state.reference.fade = fade;
         }
     }

@@ -130,7 +130,7 @@ impl Faces {
     }
 
     /// Sets the conditions at both stages of a step, with temperatures relative to `reference`, K, and the properties of the bodies.
-    pub fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64, scales: [Scales; 2]) {
+    pub(crate) fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64, scales: [Scales; 2]) {
         for face in self.faces.iter_mut().filter(|face| face.body.properties.is_some()) {
             face.rest = face.within * (1.0 - 1.0 / scales[face.side].flux) + (face.body.convection - face.within);
         }
@@ -138,7 +138,7 @@ impl Faces {
     }
 
     /// Sets the temperatures of a body's faces without fluxes of the stage.
-    pub fn set_free(&mut self, side: usize, temperature: [f64; FACES]) {
+    pub(crate) fn set_free(&mut self, side: usize, temperature: [f64; FACES]) {
         self.free[side] = temperature;
     }
 

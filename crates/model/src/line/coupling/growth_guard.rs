@@ -37,16 +37,9 @@ use numerics::maximum::maximum;
 /// Largest b h.
 const GROWTH: f64 = 0.3;
 
-/// Fraction of the critical speed of the layers that the line resolves below which nothing grows, whatever the layer formula
-/// neglects: a factor of two for edges.
-const SURELY_STABLE: f64 = 0.5;
-
-/// Penalty on a change of the load, relative to the largest diagonal entry.
-const PENALTY: f64 = 1e4;
-
 impl Solved<'_> {
     /// Whether the length of the step resolves the growth at the speed `speed` (m/s).
-    pub fn passes_growth_guard(
+    pub(crate) fn passes_growth_guard(
         &mut self,
         operators: &LineOperators,
         stages: &ContactStages,
@@ -58,9 +51,11 @@ impl Solved<'_> {
         let critical = &operators.mean.growth.critical;
         // Without pressure nothing grows.
         let is_open = stages.end.pressure.iter().all(|pressure| *pressure == 0.0);
+        // Fraction of the critical speed of the layers that the line resolves below which nothing grows, whatever the layer formula
+        // neglects: a factor of two for edges.
         if is_open
             || speed * friction <= 0.0
-            || speed <= critical.stable_speed(friction).max(SURELY_STABLE * critical.modelled(friction))
+            || speed <= critical.stable_speed(friction).max(0.5 * critical.modelled(friction))
         {
             return true;
         }
@@ -206,7 +201,8 @@ impl ThermalCoupling {
                 continue;
             }
             for i in (j..count).filter(|&i| self.growth.closed[i]) {
-                self.growth.matrix[j * count + i] += PENALTY * largest * weights[i] * weights[j];
+                // Penalty on a change of the load, relative to the largest diagonal entry.
+                self.growth.matrix[j * count + i] += 1e4 * largest * weights[i] * weights[j];
             }
         }
         dense::cholesky(&mut self.growth.matrix, count)

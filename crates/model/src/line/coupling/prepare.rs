@@ -11,14 +11,6 @@ use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Boundary, GAMMA, Stage, Surroundings};
 
-/// Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
-/// increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of
-/// the next.
-const MOST_EXTRAPOLATED: f64 = 2.0;
-
-/// Travel within which the frozen operators remain valid, in diffusion lengths over the step.
-const REACH: f64 = 0.25;
-
 impl ThermalCoupling {
     /// Prepares bodies and heat partitions for a part of `step` (s) that begins at `start` (s from the start of the piece).
     pub fn prepare(&mut self, given: &StepData<'_>, path: &InputTrajectory, start: f64, step: f64) -> Prepared<'_> {
@@ -103,7 +95,10 @@ impl ThermalCoupling {
         let state = state_of(given);
         let were_whole = self.contact_parts.iter().all(ContactParts::is_whole);
         for (contact_parts, ahead) in self.contact_parts.iter_mut().zip([GAMMA * step, step]) {
-            edges.find(&state.edges, ahead.min(MOST_EXTRAPOLATED * state.last_step), contact_parts);
+            // Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
+            // increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end
+            // of the next.
+            edges.find(&state.edges, ahead.min(2.0 * state.last_step), contact_parts);
         }
         if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {
             return;
@@ -121,6 +116,7 @@ impl ThermalCoupling {
     fn validity_radius(&self, step: f64) -> f64 {
         let velocity_radius =
             self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
-        velocity_radius.min(REACH * (self.parameters.diffusivity / step).sqrt())
+        // Travel within which the frozen operators remain valid, in diffusion lengths over the step.
+        velocity_radius.min(0.25 * (self.parameters.diffusivity / step).sqrt())
     }
 }

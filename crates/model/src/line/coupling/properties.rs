@@ -65,7 +65,7 @@ impl ThermalCoupling {
 impl Solved<'_> {
     /// Error of the step by properties that are constant during it, in units of the tolerance; see
     /// [`crate::lumped::Lumped`].
-    pub fn error_of_properties(&self, given: &StepData<'_>) -> f64 {
+    pub(crate) fn error_of_properties(&self, given: &StepData<'_>) -> f64 {
         let (heat, operators, state) = (&*self.0, given.operators, state_of(given));
         let (mean, tolerance) = (&operators.mean, operators.scene.tolerance);
         let mut error: f64 = 0.0;

@@ -27,7 +27,7 @@ const ACCELERATED_FROM: usize = 1;
 pub struct Prepared<'a>(pub(super) &'a mut ThermalCoupling);
 
 /// Step whose first stage is solved.
-pub struct FirstSolved<'a>(&'a mut ThermalCoupling, [Option<First>; 2]);
+pub(crate) struct FirstSolved<'a>(&'a mut ThermalCoupling, [Option<First>; 2]);
 
 /// Step both of whose stages are solved.
 pub struct Solved<'a>(pub(super) &'a mut ThermalCoupling);
@@ -37,7 +37,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// The contact has no equilibrium, or the iteration does not converge.
-    pub fn solve_first(
+    pub(crate) fn solve_first(
         self,
         given: &StepData<'_>,
         stages: &mut ContactStages,
@@ -64,7 +64,7 @@ impl<'a> FirstSolved<'a> {
     ///
     /// # Errors
     /// As [`Prepared::solve_first`].
-    pub fn solve_end(
+    pub(crate) fn solve_end(
         self,
         given: &StepData<'_>,
         stages: &mut ContactStages,

@@ -17,14 +17,14 @@
 
 use crate::line::Line;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{SingleStep, Surroundings};
+use conduction::line::{FrozenState, SingleStep, Surroundings};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 use numerics::interruption::checkpoint;
 
 /// Response matrices b and g of both bodies.
 #[derive(Clone, Debug)]
-pub struct Exchange {
+pub(crate) struct Exchange {
     /// Rows: entries of the heat; columns: heated cells.
     entering: [DMatrix<f64>; 2],
     /// N x N, K m2/W.
@@ -35,7 +35,7 @@ pub struct Exchange {
 
 /// Solver for dq, for an equation with given factors of the changes over a cycle.
 #[derive(Clone, Debug)]
-pub struct ExchangeSolver {
+pub(crate) struct ExchangeSolver {
     factors: LU<f64, Dyn, Dyn>,
     cells: Vec<usize>,
 }
@@ -67,7 +67,11 @@ impl Exchange {
                         flux.fill(0.0);
                         flux[cell] = 1.0;
                         body.step(state, &around, &flux, &flux);
-                        body.temperature_at_frozen_state(state, &around, &flux, *velocity, &mut warm, &mut work);
+                        body.temperature_at_frozen_state(
+                            &FrozenState { state, surroundings: &around, flux: &flux, velocity: *velocity },
+                            &mut warm,
+                            &mut work,
+                        );
                         let mut column = within[side].column_mut(cell);
                         column.iter_mut().zip(&warm).for_each(|(mean, t)| *mean += step / period * t);
                     }

@@ -32,9 +32,6 @@ const SHORTEST: f64 = 6.0;
 /// Largest ratio of successive jump lengths.
 const GROWTH: f64 = 4.0;
 
-/// Tolerance of the stages, as a fraction of that of the jump.
-const STAGES: f64 = 0.02;
-
 /// Largest number of cycles for one stage.
 const MOST_CYCLES: usize = 40;
 
@@ -54,9 +51,9 @@ impl Default for JumpOptions {
     }
 }
 
-/// Result of a jump.
-#[derive(Clone, Debug)]
-pub struct Jump {
+/// How far jumps have led.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
     /// Cycles since the start.
     pub cycles: f64,
     /// Length of this jump in cycles; 1: computed directly.
@@ -67,6 +64,13 @@ pub struct Jump {
     pub accumulated: f64,
     /// Cycles computed since the start.
     pub computed: usize,
+}
+
+/// Result of a jump.
+#[derive(Clone, Debug)]
+pub struct Jump {
+    /// How far it leads.
+    pub progress: Progress,
     /// State at its end.
     pub memory: Vec<f64>,
     /// Totals since the start.
@@ -156,16 +160,9 @@ impl<'a> Jumps<'a> {
     }
 
     fn made(&self, length: f64, estimate: f64, passage: Passage) -> Jump {
-        Jump {
-            cycles: self.cycles,
-            length,
-            estimate,
-            accumulated: self.accumulated,
-            computed: self.computed,
-            memory: self.memory.clone(),
-            totals: self.totals,
-            passage,
-        }
+        let Jumps { cycles, accumulated, computed, .. } = *self;
+        let progress = Progress { cycles, length, estimate, accumulated, computed };
+        Jump { progress, memory: self.memory.clone(), totals: self.totals, passage }
     }
 
     /// Implicit jump; `None`: its error is too large.
@@ -205,7 +202,8 @@ impl<'a> Jumps<'a> {
     }
 
     fn stage(&mut self, start: &[f64], base: &[f64], cycles: f64) -> Result<Option<super::Solution>, CycleError> {
-        let options = SolveOptions { tolerance: STAGES * self.options.tolerance, most_cycles: MOST_CYCLES };
+        // Tolerance of the stages, as a fraction of that of the jump.
+        let options = SolveOptions { tolerance: 0.02 * self.options.tolerance, most_cycles: MOST_CYCLES };
         match self.map.solve(start, Equation::Stage { base, cycles }, &options) {
             Ok(solution) => {
                 self.computed += solution.cycles;

@@ -14,7 +14,7 @@ use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
 use crate::tolerance::ToleranceBudget;
 use conduction::STEFAN_BOLTZMANN;
-use conduction::line::{GAMMA, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};
 use std::sync::Arc;
 
@@ -202,12 +202,12 @@ impl CycleMap {
     }
 
     /// Number of entries of heat in the state.
-    pub fn heat_entries(&self) -> usize {
+    pub(crate) fn heat_entries(&self) -> usize {
         self.decay_rates.len()
     }
 
     /// Ranges of the heat of the punch and of the strip in the state.
-    pub fn heat_ranges(&self) -> [std::ops::Range<usize>; 2] {
+    pub(crate) fn heat_ranges(&self) -> [std::ops::Range<usize>; 2] {
         [0..self.sizes[0], self.sizes[0]..self.sizes[0] + self.sizes[1]]
     }
 
@@ -257,10 +257,12 @@ impl CycleMap {
         for (side, range) in self.heat_ranges().into_iter().enumerate() {
             let (Some(body), Some(state)) = (self.body(side), self.full(side, &heat[range])) else { continue };
             body.distortion_at_frozen_state(
-                &state,
-                &Surroundings::default(),
-                &vec![0.0; target.len()],
-                0.0,
+                &FrozenState {
+                    state: &state,
+                    surroundings: &Surroundings::default(),
+                    flux: &vec![0.0; target.len()],
+                    velocity: 0.0,
+                },
                 &mut part,
                 &mut body.workspace(),
             );
@@ -274,10 +276,7 @@ impl CycleMap {
         if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
             let still = vec![0.0; temperature.len()];
             body.temperature_at_frozen_state(
-                &state,
-                &Surroundings::default(),
-                &still,
-                0.0,
+                &FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &still, velocity: 0.0 },
                 &mut temperature,
                 &mut body.workspace(),
             );
@@ -302,10 +301,7 @@ impl CycleMap {
             if let Some(body) = self.body(side) {
                 let (state, around) = (&heat.bodies[side], &own.surroundings[side]);
                 body.temperature_at_frozen_state(
-                    state,
-                    around,
-                    &heat.flux[side],
-                    self.strokes[1].0,
+                    &FrozenState { state, surroundings: around, flux: &heat.flux[side], velocity: self.strokes[1].0 },
                     values,
                     &mut body.workspace(),
                 );

@@ -29,16 +29,10 @@ const DIFFERENCE: f64 = 1e-4;
 const EQUATION: f64 = 1e-2;
 const MOST_PRODUCTS: usize = 60;
 
-/// Shortest damping factor of a step.
-const SHORTEST: f64 = 1.0 / 64.0;
-
 /// Residual at which a discontinuity of the cycle is accepted, as in [`SolveOptions::tolerance`], and number of steps that fail
 /// to halve the residual before. The time-stepping errors of a cycle are of this size.
 const JUMP: f64 = 1e-4;
 const MOST_BESIDE: usize = 4;
-
-/// Ratio of the residual to the least one so far at which the iteration has diverged.
-const ASTRAY: f64 = 1e4;
 
 /// Iterate of the Newton method.
 struct Iterate {
@@ -69,7 +63,8 @@ impl CycleMap {
             if left < least {
                 best = Some(Solution { memory: here.memory.clone(), passage, cycles, residual });
             }
-            if left.is_nan() || left > ASTRAY * least {
+            // Ratio of the residual to the least one so far at which the iteration has diverged.
+            if left.is_nan() || left > 1e4 * least {
                 break;
             }
             if left <= options.tolerance || (left.min(least) <= JUMP && beside >= MOST_BESIDE) {
@@ -138,7 +133,8 @@ impl CycleMap {
         let before = length(step);
         let mut best: Option<(f64, Iterate)> = None;
         let mut part = 1.0;
-        while part >= SHORTEST {
+        // Shortest damping factor of a step.
+        while part >= 1.0 / 64.0 {
             let memory = sum(&here.memory, part, whole);
             *cycles += 1;
             if let Ok(passage) = self.pass_from(&here.before, &memory) {

@@ -21,18 +21,8 @@ use nalgebra::{DVector, Dyn, LU};
 use numerics::acceleration::Anderson;
 use numerics::maximum::maximum;
 
-/// Least fraction of an entry of heat that counts as lost in a cycle: heat that leaves through the other body alone does not
-/// decay by itself.
-const LEAST_LOSS: f64 = 1e-7;
-
-/// Ratio of the step to the smallest one so far at which the iteration restarts from there.
-const ASTRAY: f64 = 100.0;
-
 /// Cycles after which the full derivative is used for the steady cycle: where acceleration converges, it requires about ten.
 const MOST_ACCELERATED: usize = 30;
-
-/// Ratio of speed to critical speed above which instability is reported as a possible reason for the absence of a steady cycle.
-const CLOSE: f64 = 0.5;
 
 /// Differences stored for the Anderson acceleration.
 const ACCELERATION_DEPTH: usize = 12;
@@ -105,7 +95,8 @@ impl CycleMap {
         self.line.state = state;
         let found = self.newton_krylov(start, options);
         let (speed, ratio) = (self.distance() / self.period(), self.speed_ratio());
-        found.map_err(|reason| match ratio > CLOSE {
+        // Ratio of speed to critical speed above which instability is reported as a possible reason for the absence of a steady cycle.
+        found.map_err(|reason| match ratio > 0.5 {
             true => CycleError::Unstable { speed, critical_speed: speed / ratio, reason: Box::new(reason) },
             false => reason,
         })
@@ -156,7 +147,8 @@ impl CycleMap {
             }
             if size < best.0 {
                 best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
-            } else if size > ASTRAY * best.0 {
+            // Ratio of the step to the smallest one so far at which the iteration restarts from there.
+            } else if size > 100.0 * best.0 {
                 // Extrapolation has diverged: restart from the best iterate without it.
                 anderson.clear();
                 memory.clone_from(&best.1);
@@ -185,7 +177,9 @@ impl CycleMap {
                 let rate = self.decay_rates[k].max(self.least_rate[side]);
                 let loss = -(-rate * self.period()).exp_m1();
                 match equation {
-                    Equation::Steady => 1.0 / loss.max(LEAST_LOSS),
+                    // Least fraction of an entry of heat that counts as lost in a cycle: heat that leaves through the other body alone does
+                    // not decay by itself.
+                    Equation::Steady => 1.0 / loss.max(1e-7),
                     Equation::Stage { cycles, .. } => cycles / (1.0 + cycles * loss),
                 }
             })

@@ -17,7 +17,7 @@ use numerics::factorization;
 
 /// Wear Jacobian J of both bodies, and the cells in contact in either half-stroke.
 #[derive(Clone, Debug)]
-pub struct WearJacobian {
+pub(crate) struct WearJacobian {
     /// Punch and strip; dimensionless.
     bodies: [DMatrix<f64>; 2],
     pub(super) touching: Vec<bool>,
@@ -112,7 +112,7 @@ impl WearJacobian {
     }
 
     /// Change of the wear `-J dg` of a body.
-    pub fn wear_by_gap(&self, body: usize, gap: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn wear_by_gap(&self, body: usize, gap: &DVector<f64>) -> DVector<f64> {
         -(&self.bodies[body] * gap)
     }
 

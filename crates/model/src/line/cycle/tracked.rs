@@ -15,7 +15,7 @@
 //! Theory: docs/theory.md, section 9.6.
 
 use super::error::CycleError;
-use super::jump::JumpOptions;
+use super::jump::{JumpOptions, Progress};
 use super::solve::uneven;
 use crate::line::Line;
 use crate::line::operators::LineOperators;
@@ -28,30 +28,9 @@ use std::sync::Arc;
 /// Largest and smallest ratio of successive jump lengths.
 const GROWTH: [f64; 2] = [0.2, 4.0];
 
-/// Error of two halves over their difference from the whole.
-const OF_HALVES: f64 = 1.0 / 3.0;
-
 /// Steps of half of a stroke, where none is longer than the track permits. One instead of two takes half of the time and leaves 0.3 % of
 /// the deepest wear in a fretting test, instead of 0.05 %.
 const STEPS: u32 = 2;
-
-/// Tolerance at which the step control of the line level accepts every step: the estimate of a jump contains its error.
-const ANY_STEP: f64 = 1e6;
-
-/// Result of a jump on a worn track.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct TrackedJump {
-    /// Cycles since the start.
-    pub cycles: f64,
-    /// Length of this jump in cycles; 1: computed directly.
-    pub length: f64,
-    /// Its error estimate, as in [`JumpOptions::tolerance`]; 0 for a computed cycle.
-    pub estimate: f64,
-    /// Sum of all estimates.
-    pub accumulated: f64,
-    /// Cycles computed since the start.
-    pub computed: usize,
-}
 
 /// Integrator of a contact on a worn track over many cycles.
 #[derive(Debug)]
@@ -85,7 +64,8 @@ impl TrackedCycles {
                     .into(),
             ));
         }
-        operators.scene.tolerance = ANY_STEP;
+        // Tolerance at which the step control of the line level accepts every step: the estimate of a jump contains its error.
+        operators.scene.tolerance = 1e6;
         let scene = &operators.scene;
         let tunables = tunables(scene, 1.0);
         let start = inputs(scene, sliding[0].0);
@@ -102,7 +82,7 @@ impl TrackedCycles {
     ///
     /// # Errors
     /// A cycle that has no solution.
-    pub fn carry_to(&mut self, cycles: f64, mut watch: impl FnMut(&TrackedJump, &Line)) -> Result<(), CycleError> {
+    pub fn carry_to(&mut self, cycles: f64, mut watch: impl FnMut(&Progress, &Line)) -> Result<(), CycleError> {
         while self.cycles < cycles {
             let jump = self.jump(cycles - self.cycles)?;
             watch(&jump, &self.line);
@@ -111,7 +91,7 @@ impl TrackedCycles {
     }
 
     /// Advances by one jump of at most `most` cycles (at least 1).
-    fn jump(&mut self, most: f64) -> Result<TrackedJump, CycleError> {
+    fn jump(&mut self, most: f64) -> Result<Progress, CycleError> {
         loop {
             let length = self.length.min(self.options.longest).min(most).floor();
             if length < 2.0 {
@@ -126,7 +106,8 @@ impl TrackedCycles {
             }
             let halves = self.pass(0.5 * length).and_then(|()| self.pass(0.5 * length));
             let estimate = match (whole, halves) {
-                (Some(whole), Ok(())) => OF_HALVES * self.difference(&whole, &before),
+                // Error of two halves over their difference from the whole.
+                (Some(whole), Ok(())) => (1.0 / 3.0) * self.difference(&whole, &before),
                 // A jump that is too long may have no solution.
                 _ if length >= 4.0 => f64::INFINITY,
                 (_, Err(error)) => return Err(error.into()),
@@ -141,11 +122,11 @@ impl TrackedCycles {
         }
     }
 
-    fn made(&mut self, length: f64, estimate: f64) -> TrackedJump {
+    fn made(&mut self, length: f64, estimate: f64) -> Progress {
         self.cycles += length;
         self.accumulated += estimate;
         let TrackedCycles { cycles, accumulated, computed, .. } = *self;
-        TrackedJump { cycles, length, estimate, accumulated, computed }
+        Progress { cycles, length, estimate, accumulated, computed }
     }
 
     /// One cycle with `length` times the wear.

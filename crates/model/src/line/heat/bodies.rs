@@ -18,16 +18,13 @@ use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
 use scene::{self, Geometry, HeatResolution, Scene};
 
-/// Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
-const EXPECTED: f64 = 1.5;
-
 /// Whether heat is resolved along the contact line: wherever a body conducts, unless the scene asks for its mean alone.
 pub fn is_resolved(scene: &Scene) -> bool {
     scene.heat_resolution == HeatResolution::Resolved && can_be_resolved(scene)
 }
 
 /// Whether this scene permits resolved heat: a body conducts.
-pub fn can_be_resolved(scene: &Scene) -> bool {
+pub(crate) fn can_be_resolved(scene: &Scene) -> bool {
     scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0
 }
 
@@ -159,7 +156,8 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
     };
     let resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
     let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
-    strip.expect(EXPECTED * scene.nominal_velocity);
+    // Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
+    strip.expect(1.5 * scene.nominal_velocity);
     Ok(Some(strip))
 }
 

@@ -65,7 +65,7 @@ impl Operators {
 }
 
 /// Step (s), reference velocity (m/s), and properties of punch and strip, of which the operators are a function.
-pub type PartitionKey = (f64, f64, [Scales; 2]);
+pub(crate) type PartitionKey = (f64, f64, [Scales; 2]);
 
 /// Heat partition operators of a stage. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
@@ -148,7 +148,7 @@ impl HeatPartition {
     }
 
     /// Whether the operators were built for this key and these parts in contact.
-    pub fn is_for(&self, key: PartitionKey, contact_parts: &ContactParts) -> bool {
+    pub(crate) fn is_for(&self, key: PartitionKey, contact_parts: &ContactParts) -> bool {
         self.key == Some(key) && self.contact_parts == *contact_parts
     }
 
@@ -298,12 +298,12 @@ impl HeatPartition {
 
     /// Whether the thermal compliance of two conducting bodies is exact at `open` open cells: with its low-rank update, whose
     /// rank is limited.
-    pub fn is_exact_with(&self, open: usize) -> bool {
+    pub(crate) fn is_exact_with(&self, open: usize) -> bool {
         open <= largest_update_rank(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
     }
 
     /// Low-rank update by open cells of the current thermal compliance, for two conducting bodies.
-    pub fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
+    pub(crate) fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == 0 || m > largest_update_rank(count) || m == count || self.resistance.is_none() {
             return None;
@@ -331,7 +331,7 @@ impl HeatPartition {
 
     /// Adds the displacement by `pressure` through the current thermal compliance, with the low-rank update where it is
     /// `reduced`.
-    pub fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
+    pub(crate) fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
         dense::multiply_add(self.thermal_compliance.as_slice(), pressure, moved);
         if !reduced {
             return;
@@ -350,7 +350,7 @@ impl HeatPartition {
     /// Temperature of the punch above the strip (K) on the cells that do not exchange heat, in their order, by the fluxes of the
     /// last [`HeatPartition::exchange`] and later additions of [`HeatPartition::add_punch_flux_exactly`]; valid while other cells exchange
     /// heat.
-    pub fn open_temperature_jump(&self) -> &[f64] {
+    pub(crate) fn open_temperature_jump(&self) -> &[f64] {
         &self.open_temperature_jump[..self.open.len()]
     }
 
@@ -366,7 +366,7 @@ impl HeatPartition {
     }
 
     /// Adds to the punch's flux its part of additional friction heat (W/m2), which is 0 on open cells.
-    pub fn add_punch_flux(&mut self, heat: &[f64], flux: &mut [f64]) {
+    pub(crate) fn add_punch_flux(&mut self, heat: &[f64], flux: &mut [f64]) {
         self.share_on_all(heat);
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
@@ -385,7 +385,7 @@ impl HeatPartition {
 
     /// Adds the temperature rise of the punch's surface, K, by the flux into it (W/m2), where both bodies conduct; `influence`
     /// are the matrices from which the operators were built.
-    pub fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
+    pub(crate) fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
         dense::multiply_add(influence.temperature.as_slice(), flux, temperature);
     }
 
@@ -395,12 +395,12 @@ impl HeatPartition {
     }
 
     /// Norms of the surface influence matrices of each body, K and m per W/m2: bounds in the root mean square over the contact.
-    pub fn norms(&self) -> &[[f64; 2]; 2] {
+    pub(crate) fn norms(&self) -> &[[f64; 2]; 2] {
         &self.norms
     }
 
     /// Current thermal compliance, by columns, m/Pa.
-    pub fn thermal_compliance_values(&self) -> &[f64] {
+    pub(crate) fn thermal_compliance_values(&self) -> &[f64] {
         self.thermal_compliance.as_slice()
     }
 
@@ -412,7 +412,7 @@ impl HeatPartition {
     }
 
     /// Current thermal compliance, m/Pa.
-    pub fn thermal_compliance_matrix(&self) -> &DMatrix<f64> {
+    pub(crate) fn thermal_compliance_matrix(&self) -> &DMatrix<f64> {
         &self.thermal_compliance
     }
 

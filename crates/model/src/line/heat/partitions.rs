@@ -12,7 +12,7 @@ use std::ops::{Index, IndexMut};
 
 /// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
-pub struct PartitionCache {
+pub(crate) struct PartitionCache {
     /// By the bits of the key.
     cache: KeyedCache<[u64; 6], [HeatPartition; 2]>,
     current: usize,

@@ -4,7 +4,7 @@
 
 use super::bodies::Bodies;
 use super::edges::EdgeState;
-use conduction::line::{Account, FACES, ThermalBody};
+use conduction::line::{Account, FACES, FrozenState, ThermalBody};
 use numerics::maximum::all_finite;
 
 /// Thermal state. Temperatures in K above the reference temperature, at which there is no distortion. Pairs: punch, strip.
@@ -49,9 +49,6 @@ pub struct HeatState {
 /// Number of lanes of [`HeatState::lowest`].
 const LANES: usize = 8;
 
-/// Relative difference below which step lengths are equal.
-const ROUNDING: f64 = 1e-9;
-
 /// Linearization point of the operators reused from step to step, with its validity radius.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LinearizationPoint {
@@ -64,9 +61,6 @@ pub struct LinearizationPoint {
     /// Factor of the validity radius by which stages converge in few iterations.
     pub radius_factor: f64,
 }
-
-/// Relative validity radius: change of velocity for which the operators are reused in any case.
-const RELATIVE_RADIUS: f64 = 0.1;
 
 /// Numbers of iterations of a stage above which the validity radius is halved, and up to which a new linearization point enlarges
 /// it; least factor, and factor of enlargement.
@@ -103,7 +97,8 @@ impl LinearizationPoint {
             return from;
         }
         let middle = 0.5 * (from + to);
-        let validity_radius = self.radius_factor * validity_radius.max(RELATIVE_RADIUS * middle.abs());
+        // Relative validity radius: change of velocity for which the operators are reused in any case.
+        let validity_radius = self.radius_factor * validity_radius.max(0.1 * middle.abs());
         if (middle - self.velocity).abs() <= validity_radius {
             return self.velocity;
         }
@@ -145,10 +140,12 @@ impl HeatState {
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
                 heat.distortion_at_frozen_state(
-                    &state.bodies[body],
-                    &Default::default(),
-                    &state.flux[body],
-                    0.0,
+                    &FrozenState {
+                        state: &state.bodies[body],
+                        surroundings: &Default::default(),
+                        flux: &state.flux[body],
+                        velocity: 0.0,
+                    },
                     &mut moved,
                     &mut heat.workspace(),
                 );
@@ -205,7 +202,7 @@ impl HeatState {
     }
 
     /// Name of a quantity that is not finite, if any.
-    pub fn not_finite(&self) -> Option<&'static str> {
+    pub(crate) fn not_finite(&self) -> Option<&'static str> {
         let [[a, b], [c, d]] = self.cooling;
         let [[e, f], [g, h]] = self.external;
         let others = [self.kinetic_coefficient, self.dissipated, a, b, c, d, e, f, g, h];
@@ -256,19 +253,20 @@ impl HeatState {
     }
 
     /// Whether the growth guard recently rejected a step of this length (s); counts down the retry delay.
-    pub fn was_rejected_by_growth(&mut self, step: f64) -> bool {
+    pub(crate) fn was_rejected_by_growth(&mut self, step: f64) -> bool {
         let [refused, retry_delay] = &mut self.rejected_by_growth;
         *retry_delay = (*retry_delay - 1.0).max(0.0);
-        *retry_delay > 0.0 && step >= *refused * (1.0 - ROUNDING)
+        // Relative difference below which step lengths are equal.
+        *retry_delay > 0.0 && step >= *refused * (1.0 - 1e-9)
     }
 
     /// Copies the states of the bodies alone.
-    pub fn copy_bodies_from(&mut self, other: &HeatState) {
+    pub(crate) fn copy_bodies_from(&mut self, other: &HeatState) {
         self.bodies.iter_mut().zip(&other.bodies).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Copies everything except the states of the bodies.
-    pub fn copy_contact_from(&mut self, other: &HeatState) {
+    pub(crate) fn copy_contact_from(&mut self, other: &HeatState) {
         for body in 0..2 {
             self.flux[body].copy_from_slice(&other.flux[body]);
             self.slope[body].copy_from_slice(&other.slope[body]);

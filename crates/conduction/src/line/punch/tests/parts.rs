@@ -1,7 +1,7 @@
 //! Heat through parts of the cells.
 
 use super::super::super::contact_parts::{ContactParts, PARTS};
-use super::super::super::{FaceInfluence, Observed, Stage, ThermalBody};
+use super::super::super::{FaceInfluence, FrozenState, Observed, Stage, ThermalBody};
 use super::{Run, cells, largest, leaning, scene};
 
 /// Cells 2, 4 and 6 of nine are partly in contact, cell 4 with a fraction of a part.
@@ -66,10 +66,7 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         // At frozen state a temperature is the mean of the whole cell.
         let mut whole = [0.0; 9];
         run.heat.temperature_at_frozen_state(
-            &run.state,
-            &run.surroundings,
-            &[0.0; 9],
-            0.0,
+            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
             &mut whole,
             &mut run.heat.workspace(),
         );
@@ -125,7 +122,11 @@ fn what_is_prepared_and_observed_between_a_free_response_and_its_step_leaves_the
             run.heat.prepare(1.7, [0.0; 2]);
             run.heat.prepare(0.5, [0.0; 2]);
             run.heat.face_influence(Stage::End, 0, &mut FaceInfluence::new(9), work);
-            run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &flux, 0.0, &mut [0.0; 9], work);
+            run.heat.temperature_at_frozen_state(
+                &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
+                &mut [0.0; 9],
+                work,
+            );
         }
         let mut after = vec![0.0; run.state.len()];
         run.heat.advance(end, (&run.state, &mut after), &run.surroundings, [&flux; 2], work);

@@ -26,7 +26,7 @@ const LEAST_TURN_BY_CHANGE: f64 = 25.0;
 
 /// Phase rotation of all modes over an interval.
 #[derive(Clone, Copy)]
-pub struct PhaseRotation<'a> {
+pub(crate) struct PhaseRotation<'a> {
     /// Velocities at its ends, m/s, and its length, s.
     pub velocity: [f64; 2],
     pub step: f64,

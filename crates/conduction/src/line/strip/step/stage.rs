@@ -13,10 +13,10 @@ use crate::line::strip::state_layout::{self, phases};
 use nalgebra::Complex;
 
 /// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
-pub const SHORT_ROTATION: f64 = 20.0;
+pub(crate) const SHORT_ROTATION: f64 = 20.0;
 
 /// Largest `q dv h/8` of the shortest mode for which its weights are those of the mean velocity.
-pub const LEAST_DRIFT: f64 = 5e-4;
+pub(crate) const LEAST_DRIFT: f64 = 5e-4;
 
 /// Propagation factors and weights of one stage, and its responses.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl StageWeights {
     }
 
     /// The response of the current step.
-    pub fn current_response(&self) -> &StageResponse {
+    pub(crate) fn current_response(&self) -> &StageResponse {
         &self.responses[self.current]
     }
 
@@ -99,7 +99,7 @@ impl StageWeights {
     }
 
     /// Prepares the stage with its response in the cache.
-    pub fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+    pub(crate) fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         self.take_length(operators, length);
         self.carry(operators, velocity);
     }

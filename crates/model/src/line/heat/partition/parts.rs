@@ -41,7 +41,7 @@ fn row_change([original, changed]: [&[f64]; 2], k: usize, target: &mut [f64]) {
 
 impl HeatPartition {
     /// The same with memory for cells partly in contact.
-    pub fn with_parts(mut self) -> HeatPartition {
+    pub(crate) fn with_parts(mut self) -> HeatPartition {
         let count = self.closed.len();
         self.of_whole = Some(Operators::new(count));
         self.in_part = Vec::with_capacity(count);
@@ -49,7 +49,7 @@ impl HeatPartition {
     }
 
     /// Builds the operators of whole cells, as [`HeatPartition::build`], and keeps them for [`HeatPartition::set_parts`].
-    pub fn build_whole(&mut self, key: PartitionKey, influence: [Option<&SurfaceInfluence>; 2]) {
+    pub(crate) fn build_whole(&mut self, key: PartitionKey, influence: [Option<&SurfaceInfluence>; 2]) {
         self.contact_parts.make_whole();
         self.assemble(key, influence);
         if let Some(of_whole) = &mut self.of_whole {
@@ -58,7 +58,7 @@ impl HeatPartition {
     }
 
     /// Whether an update for these parts costs less than operators built anew.
-    pub fn updates_for(&self, contact_parts: &ContactParts) -> bool {
+    pub(crate) fn updates_for(&self, contact_parts: &ContactParts) -> bool {
         let count = self.closed.len();
         let in_part = (0..count).filter(|&cell| contact_parts.is_partial(cell)).count();
         self.of_whole.is_some() && 2 * in_part <= largest_update_rank(count)
@@ -66,7 +66,7 @@ impl HeatPartition {
 
     /// Updates the operators of whole cells to these parts in contact. `punch`: its influence matrices through whole cells, and through the
     /// parts.
-    pub fn set_parts(&mut self, contact_parts: &ContactParts, punch: [&SurfaceInfluence; 2]) {
+    pub(crate) fn set_parts(&mut self, contact_parts: &ContactParts, punch: [&SurfaceInfluence; 2]) {
         let (Some(of_whole), Some(resistance)) = (&self.of_whole, self.resistance) else { return };
         let count = self.closed.len();
         self.contact_parts.copy_from(contact_parts);
