@@ -199,7 +199,7 @@ impl Component {
     }
 
     /// Sets the tolerance given by the importer for the run, which also applies to outputs while initialising.
-    pub fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
+    pub(crate) fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
         self.tolerance = tolerance;
     }
 

@@ -40,7 +40,7 @@ fn quiet(previous: impl Fn(&PanicHookInfo<'_>)) -> impl Fn(&PanicHookInfo<'_>) {
 }
 
 /// Installs the hook, once. It captures nothing: memory that a hook holds is lost when an importer unloads the library.
-pub fn install_hook() {
+pub(crate) fn install_hook() {
     static PREVIOUS: OnceLock<Hook> = OnceLock::new();
     PREVIOUS.get_or_init(|| {
         let previous = panic::take_hook();
@@ -55,7 +55,7 @@ pub fn install_hook() {
 
 /// Runs `body`; a panic in it becomes an `Err` with its message and place.
 #[inline(always)]
-pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     let result = INSIDE.with(|inside| {
         let before = inside.replace(true);
         let result = panic::catch_unwind(AssertUnwindSafe(body));
@@ -88,7 +88,7 @@ pub fn outside(body: impl FnOnce()) {
 /// The dense products of the operators keep buffers in thread-local values with destructors. As long as such a value lives in a
 /// thread of the importer, the library stays mapped although it was unloaded. (`std::thread` leaves such values in the thread that
 /// calls it, too, hence the thread of the system.) Elsewhere than on Unix they are lost with the library.
-pub fn on_own_thread<T: Send>(body: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn on_own_thread<T: Send>(body: impl FnOnce() -> T + Send) -> T {
     let _uncancelled = cancellation::Disabled::new();
     let is_inside = INSIDE.get();
     let outcome = system::run(move || {
@@ -118,7 +118,7 @@ mod cancellation {
 
     /// While this lives `pthread_cancel` of this thread does not act. What may wait stands behind it: the importer's functions, and the
     /// end of another thread.
-    pub struct Disabled(c_int);
+    pub(crate) struct Disabled(c_int);
 
     impl Disabled {
         pub fn new() -> Disabled {
@@ -140,7 +140,7 @@ mod cancellation {
 #[cfg(not(any(target_os = "linux", target_vendor = "apple", target_os = "freebsd")))]
 mod cancellation {
     /// Threads of these platforms cannot be cancelled.
-    pub struct Disabled;
+    pub(crate) struct Disabled;
 
     impl Disabled {
         pub fn new() -> Disabled {

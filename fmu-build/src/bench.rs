@@ -57,7 +57,7 @@ pub struct Cost {
 
 impl Cost {
     /// Whether it is within its limit, times an allowance for a busy machine where it is a time.
-    pub fn is_tolerable(&self) -> bool {
+    pub(crate) fn is_tolerable(&self) -> bool {
         let allowance = if matches!(self.unit, "1" | "byte") { 1.0 } else { ALLOWANCE };
         !self.gated || self.value <= allowance * self.limit
     }
@@ -277,7 +277,7 @@ impl Drive {
     ///
     /// # Errors
     /// Where the speeds cannot be read.
-    pub fn udds() -> Result<Self> {
+    pub(crate) fn udds() -> Result<Self> {
         Ok(Self { inputs: drive(STEP)?, slopes: None })
     }
 
@@ -292,7 +292,7 @@ impl Drive {
 ///
 /// # Errors
 /// Where it has none for Linux on x86-64 or cannot be read.
-pub fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
+pub(crate) fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
     let context = || format!("reading {}", fmu.display());
     let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
     let mut library = Vec::new();

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio, exit};
 
 /// Environment variable that names the program to start instead of having cargo build and find it.
-pub const PROGRAM: &str = "SLIDING_CONTACT_LAB";
+pub(crate) const PROGRAM: &str = "SLIDING_CONTACT_LAB";
 
 macro_rules! commands {
     ($($name:ident = $command:literal, $about:literal;)*) => {

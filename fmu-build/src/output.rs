@@ -63,7 +63,7 @@ pub fn status(result: Result<()>) -> ExitCode {
 const INTERVAL: Duration = Duration::from_secs(8);
 
 /// Tells every few seconds on the error stream that something still runs, where that is no terminal: there progress bars show it.
-pub struct Heartbeat {
+pub(crate) struct Heartbeat {
     /// Closed when this is dropped.
     end: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -162,7 +162,7 @@ pub fn would_replace(path: &Path, read: &Path) -> bool {
 }
 
 /// A number of things, by the name of one.
-pub fn counted(count: usize, thing: &str) -> String {
+pub(crate) fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 

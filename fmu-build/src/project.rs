@@ -27,7 +27,7 @@ pub fn target() -> PathBuf {
 ///
 /// # Errors
 /// A folder, a device, a pipe: a file beside it would take its place.
-pub fn replaceable(path: &Path) -> Result<PathBuf> {
+pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
     let Ok(known) = fs::metadata(path) else {
         if fs::symlink_metadata(path).is_ok() {
             bail!("{} is a link that leads nowhere; name a file", path.display());

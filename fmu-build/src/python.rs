@@ -22,7 +22,7 @@ const PIP: &str = "pip==25.3";
 
 /// Purpose of the environment; each tier includes the ones before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub enum Tier {
+pub(crate) enum Tier {
     /// Building the FMU.
     Build,
     /// Driving it.
@@ -71,7 +71,7 @@ pub fn environment() -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`environment`], and those of the work.
-pub fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBuf, T)> {
+pub(crate) fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBuf, T)> {
     environment_for(Tier::Build)?;
     thread::scope(|scope| {
         // cargo shows its own progress.
@@ -86,7 +86,7 @@ pub fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBu
 ///
 /// # Errors
 /// As [`environment`].
-pub fn environment_for(tier: Tier) -> Result<PathBuf> {
+pub(crate) fn environment_for(tier: Tier) -> Result<PathBuf> {
     ensure("python", &requirements(tier))
 }
 
@@ -94,7 +94,7 @@ pub fn environment_for(tier: Tier) -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`environment`].
-pub fn batch_environment() -> Result<PathBuf> {
+pub(crate) fn batch_environment() -> Result<PathBuf> {
     ensure("python-batch", &[BATCH])
 }
 
@@ -103,7 +103,7 @@ pub fn batch_environment() -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`environment`].
-pub fn package_environment() -> Result<PathBuf> {
+pub(crate) fn package_environment() -> Result<PathBuf> {
     ensure("python-package-environment", &[BATCH, PACKAGE])
 }
 
@@ -112,7 +112,7 @@ pub fn package_environment() -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`environment`].
-pub fn release_environment() -> Result<PathBuf> {
+pub(crate) fn release_environment() -> Result<PathBuf> {
     ensure("python-release", &[RELEASE])
 }
 
@@ -120,7 +120,7 @@ pub fn release_environment() -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`environment`].
-pub fn site_environment() -> Result<PathBuf> {
+pub(crate) fn site_environment() -> Result<PathBuf> {
     ensure("python-site", &[SITE])
 }
 

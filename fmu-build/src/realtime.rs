@@ -267,17 +267,17 @@ impl Run {
     }
 
     /// Whether the probe was interrupted for less than `QUIET`.
-    pub fn is_quiet(&self) -> bool {
+    pub(crate) fn is_quiet(&self) -> bool {
         self.taken.longest() < QUIET
     }
 
     /// Whether the limits hold.
-    pub fn is_within(&self) -> bool {
+    pub(crate) fn is_within(&self) -> bool {
         self.usual() < USUAL && self.steps.longest() < LONGEST
     }
 
     /// Whether the limits hold, or are not enforced.
-    pub fn is_tolerable(&self) -> bool {
+    pub(crate) fn is_tolerable(&self) -> bool {
         self.is_within() || !self.is_quiet()
     }
 

@@ -55,7 +55,7 @@ pub struct Arguments {
 
 /// Result of a part.
 #[derive(serde::Serialize, Debug)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     what: &'static str,
     count: usize,
     seconds: f64,

@@ -21,15 +21,15 @@ const REAL_TIME_RUNS: usize = 3;
 
 /// Check formatting and lints, run the Rust tests, package the scenes and test the FMU from fmpy.
 ///
-/// --fast is what to run between edits: formatting, lints, the unit tests of every layer, the golden scenes, the calls in every
-/// order that FMI allows or forbids, and the rules of the sources (private words, factorisations, links). --slow adds what takes
+/// --fast is what to run between edits: formatting, lints, the unit tests of every layer, the golden scenes, and the calls in
+/// every order that FMI allows or forbids. --slow adds what takes
 /// long: random calls, soak, batches, the examples' numbers, the release folder, the Python package with its wheel, the site.
 /// Continuous integration runs the usual tests, the slow ones and the importers on every change.
 ///
 /// Ends with what was skipped and why, and with one line that counts everything.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Only what takes under two minutes: formatting, lints, unit tests, golden scenes, FMI policy, rules of the sources.
+    /// Only what takes under two minutes: formatting, lints, unit tests, golden scenes, FMI policy.
     #[arg(long, conflicts_with_all = ["slow", "importers", "platforms", "all", "only"])]
     fast: bool,
     /// Also random calls for a minute, a short soak, batches, the examples, the release folder, the Python package and the site.
@@ -101,10 +101,7 @@ fn fast(tally: &mut Tally) {
         step.pass();
         Ok(())
     });
-    tally.step("policy and sources", |step| {
-        let targets = ["fmi_policy", "links", "sources"].map(|name| ["--test", name]);
-        step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
-    });
+    tally.step("FMI policy", |step| step.run(rust_tests(&["--test", "fmi_policy"]), Counter::CargoTest));
     for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time", "slow tests"] {
         tally.skip(name, "not requested: --fast");
     }

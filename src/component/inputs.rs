@@ -39,7 +39,7 @@ impl Component {
     ///
     /// # Errors
     /// A text with variable, value and limit.
-    pub fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
+    pub(crate) fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
         let Some(model) = self.model.as_ref().filter(|_| self.phase == Phase::Running) else { return Ok(()) };
         let mut values = *self.values;
         changes.for_each(|(reference, value)| values[reference as usize] = value);
@@ -50,7 +50,7 @@ impl Component {
     ///
     /// # Errors
     /// A text that names the variable, its value and the limit.
-    pub fn check_inputs(&self, step: f64) -> Result<(), String> {
+    pub(crate) fn check_inputs(&self, step: f64) -> Result<(), String> {
         for index in 0..INPUTS {
             let (name, unit) = name_of(index);
             let (value, slope) = (self.values[index], self.slopes[index]);

@@ -20,7 +20,7 @@ pub struct Messages {
 
 impl Messages {
     /// Allocates the memory required by steps.
-    pub fn reserve(&mut self) {
+    pub(crate) fn reserve(&mut self) {
         for message in &mut self.kept {
             message.text.reserve(LONGEST.saturating_sub(message.text.len()));
         }
@@ -35,7 +35,7 @@ impl Messages {
     }
 
     /// Adds the message that `write` composes; none where it writes nothing.
-    pub fn compose(&mut self, subject: Subject, write: impl FnOnce(&mut String) -> fmt::Result) {
+    pub(crate) fn compose(&mut self, subject: Subject, write: impl FnOnce(&mut String) -> fmt::Result) {
         if self.count == self.kept.len() {
             self.kept.push(Message { subject, text: String::new() });
         }

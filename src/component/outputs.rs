@@ -16,9 +16,9 @@ const PROFILE_OF_TEMPERATURE: core::ops::Range<usize> =
 /// Groups of outputs that are evaluated together, as bits.
 pub(super) mod group {
     /// Outputs with direct feedthrough, and the worn depths.
-    pub const CONTACT: u8 = 1;
+    pub(crate) const CONTACT: u8 = 1;
     /// Outputs that depend on the states only.
-    pub const ACCOUNT: u8 = 2;
+    pub(crate) const ACCOUNT: u8 = 2;
     /// Profiles and the slope of the friction force.
     pub const REST: u8 = 4;
     /// The three main outputs, available at the end of a step without another evaluation.

@@ -7,12 +7,6 @@ use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, inputs_of};
 use model::levels::Model;
 use scene::variables::{COUNT, ValueReference};
 
-/// Length of the look-ahead step relative to the last step; the error is of second order in it.
-const AHEAD: f64 = 1e-3;
-
-/// Length of the look-ahead step relative to the nominal duration, before the first step.
-const AHEAD_AT_START: f64 = 1e-7;
-
 impl Component {
     /// Time derivatives of `unknowns` (outputs), per second, at the last communication point with constant inputs. The states are
     /// advanced by a thousandth of the last step and by half of that, and restored; the result is the initial derivative of the
@@ -35,8 +29,10 @@ impl Component {
             return Err("no output derivatives before the parameters join to a scene".into());
         };
         let ahead = match self.last_step {
-            0.0 => AHEAD_AT_START * model.scene().nominal_duration,
-            last => AHEAD * last,
+            // Length of the look-ahead step relative to the nominal duration, before the first step.
+            0.0 => 1e-7 * model.scene().nominal_duration,
+            // Length of the look-ahead step relative to the last step; the error is of second order in it.
+            last => 1e-3 * last,
         };
         let groups = unknowns.iter().fold(0, |groups, &unknown| groups | GROUPS[unknown as usize]);
         let mut values = vec![0.0; 3 * COUNT];

@@ -10,7 +10,7 @@ use crate::fmi2::policy::Fault;
 use scene::variables::COUNT;
 
 /// Most elements of an array of variables: each once. A larger number is an uninitialised one.
-pub const MOST_VARIABLES: usize = COUNT;
+pub(crate) const MOST_VARIABLES: usize = COUNT;
 
 /// An input array in the importer's memory.
 #[derive(Clone, Copy)]
@@ -22,7 +22,7 @@ pub struct Source<'a, T> {
 
 /// An output array in the importer's memory.
 #[derive(Clone, Copy)]
-pub struct Sink<'a, T> {
+pub(crate) struct Sink<'a, T> {
     start: *mut T,
     count: usize,
     lifetime: PhantomData<&'a T>,
@@ -80,7 +80,7 @@ impl<T: Copy> Source<'_, T> {
     }
 
     /// Replaces the contents of `copy` by the elements.
-    pub fn copy_into(&self, copy: &mut Vec<T>) {
+    pub(crate) fn copy_into(&self, copy: &mut Vec<T>) {
         copy.clear();
         copy.extend((0..self.count).map(|index| self.at(index)));
     }

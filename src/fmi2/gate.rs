@@ -15,7 +15,7 @@ use super::types::Status;
 use crate::panics::catch;
 
 /// Every living instance.
-pub static INSTANCES: Registry<Instance> = Registry::new(1);
+pub(crate) static INSTANCES: Registry<Instance> = Registry::new(1);
 
 /// One call of `function` on the instance of a handle.
 ///

@@ -134,7 +134,7 @@ impl Instance {
 
     /// The problem of a call that is not allowed in the present phase.
     #[cold]
-    pub fn out_of_order(&self, function: Function) -> Outcome {
+    pub(crate) fn out_of_order(&self, function: Function) -> Outcome {
         let text = format!(
             "not allowed in the phase {}; allowed in: {}",
             problem::phase_name(self.phase),
@@ -185,7 +185,7 @@ impl Instance {
     }
 
     /// `fmi2SetDebugLogging`. `categories`: `None` for all; unknown ones are already left out.
-    pub fn set_debug_logging(&mut self, on: bool, categories: Option<&[Category]>) -> Outcome {
+    pub(crate) fn set_debug_logging(&mut self, on: bool, categories: Option<&[Category]>) -> Outcome {
         self.log.enable(on, categories.unwrap_or(Log::categories()));
         Ok(())
     }

@@ -24,7 +24,7 @@ pub const LONGEST: usize = 900;
 /// A category of messages. The discriminants are the bits of [`Log::enabled`].
 #[repr(u8)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Category {
+pub(crate) enum Category {
     /// `logEvents`
     Events = 1,
     /// `logStatusWarning`
@@ -46,7 +46,7 @@ impl Category {
     }
 
     /// The category of a name; `None` where it is not declared.
-    pub fn from_name(name: &CStr) -> Option<Category> {
+    pub(crate) fn from_name(name: &CStr) -> Option<Category> {
         Category::ALL.into_iter().find(|category| category.name() == name)
     }
 }
@@ -74,7 +74,7 @@ impl Log {
 
     /// Switches debug logging off, or on for these categories only. Errors are always sent, warnings unless `categories`
     /// exclude them: they are no debug messages, and a run with a warning returns the same statuses as any other.
-    pub fn enable(&mut self, on: bool, categories: &[Category]) {
+    pub(crate) fn enable(&mut self, on: bool, categories: &[Category]) {
         self.enabled = Category::Errors as u8;
         if !on {
             self.enabled |= Category::Warnings as u8;
@@ -89,7 +89,7 @@ impl Log {
     }
 
     /// Whether a message of this category would be sent; to save composing one that is not.
-    pub fn wants(&self, category: Category) -> bool {
+    pub(crate) fn wants(&self, category: Category) -> bool {
         self.logger.is_some() && self.enabled & category as u8 != 0
     }
 

@@ -55,7 +55,7 @@ impl Phase {
     ];
 
     /// The phase of a bit, as it stands in a serialised FMU state.
-    pub fn from_bit(bit: u8) -> Option<Phase> {
+    pub(crate) fn from_bit(bit: u8) -> Option<Phase> {
         Phase::ALL.iter().map(|entry| entry.0).find(|&phase| phase as u8 == bit)
     }
 }
@@ -193,7 +193,7 @@ const fn rule(function: Function, name: &'static str, allowed: Phases) -> Rule {
 }
 
 /// The call sequences, in the order of [`Function`].
-pub const RULES: [Rule; 40] = [
+pub(crate) const RULES: [Rule; 40] = [
     rule(Function::SetDebugLogging, "fmi2SetDebugLogging", ANY),
     rule(Function::SetupExperiment, "fmi2SetupExperiment", INSTANTIATED),
     rule(Function::EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED),
@@ -318,13 +318,13 @@ impl Access {
 
     /// Whether the variable is an input.
     #[inline(always)]
-    pub const fn is_input(self) -> bool {
+    pub(crate) const fn is_input(self) -> bool {
         self.0 & Access::INPUT != 0
     }
 
     /// Phases in which the variable may be set.
     #[inline(always)]
-    pub const fn settable(self) -> Phases {
+    pub(crate) const fn settable(self) -> Phases {
         Phases(self.0 & 31)
     }
 }
@@ -347,7 +347,7 @@ pub fn access(reference: ValueReference) -> Access {
 
 /// Reason for the failure of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fault {
+pub(crate) enum Fault {
     /// Not allowed in this phase.
     Order,
     /// A pointer is NULL, a number out of range, an order that is not offered, time that does not fit.
@@ -373,7 +373,7 @@ pub enum Fault {
 }
 
 /// Status returned for each fault, and whether it moves the instance to [`Phase::Error`].
-pub const CONSEQUENCES: [(Fault, Status, bool); 11] = [
+pub(crate) const CONSEQUENCES: [(Fault, Status, bool); 11] = [
     (Fault::Order, Status::Error, false),
     (Fault::Argument, Status::Error, false),
     (Fault::Reference, Status::Error, false),
@@ -402,20 +402,20 @@ impl Fault {
     }
 
     /// Whether the instance is in the error phase afterwards.
-    pub const fn fails_instance(self) -> bool {
+    pub(crate) const fn fails_instance(self) -> bool {
         CONSEQUENCES[self as usize].2
     }
 }
 
 /// Highest order of the input derivatives that are taken.
-pub const INPUT_DERIVATIVE_ORDER: i32 = 1;
+pub(crate) const INPUT_DERIVATIVE_ORDER: i32 = 1;
 
 /// Tolerance for the equality of two times, in seconds: `1e-9 max(1, |t|)`.
 ///
 /// Used for the communication point against the end of the last step, and for the end of a step against the
 /// stop time. Masters add up steps in their own arithmetic; the largest difference found in practice is that
 /// of a clock in whole nanoseconds.
-pub fn same_time_within(time: f64) -> f64 {
+pub(crate) fn same_time_within(time: f64) -> f64 {
     1e-9 * time.abs().max(1.0)
 }
 

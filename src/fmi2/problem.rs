@@ -33,7 +33,7 @@ pub fn state<T>(text: impl Into<String>) -> Result<T, Problem> {
 
 /// A handle that is no FMU state.
 #[cold]
-pub fn unknown_state(refused: Refused) -> Problem {
+pub(crate) fn unknown_state(refused: Refused) -> Problem {
     let text = match refused {
         Refused::Unknown => "the FMU state is NULL, was freed, or never came from this FMU",
         Refused::Busy => "the FMU state is in use by another call",
@@ -42,14 +42,14 @@ pub fn unknown_state(refused: Refused) -> Problem {
 }
 
 /// Name of a phase in messages.
-pub fn phase_name(phase: Phase) -> &'static str {
+pub(crate) fn phase_name(phase: Phase) -> &'static str {
     Phase::ALL.iter().find(|entry| entry.0 == phase).map_or("", |entry| entry.1)
 }
 
 /// The problem of a value reference that the call cannot access. `wanted`: the type, `None` for String; `setting`: the
 /// phase in which it was to be set, `None` where it was to be read.
 #[cold]
-pub fn reference_problem(reference: ValueReference, wanted: Option<Type>, setting: Option<Phase>) -> Problem {
+pub(crate) fn reference_problem(reference: ValueReference, wanted: Option<Type>, setting: Option<Phase>) -> Problem {
     let access = policy::access(reference);
     let text = match variables::lookup(reference) {
         None => format!("the value reference {reference} is unknown; they run from 0 to {}", COUNT - 1),
@@ -83,7 +83,7 @@ pub fn reference_problem(reference: ValueReference, wanted: Option<Type>, settin
 
 /// The problem of a variable whose causality is not the one that the function requires.
 #[cold]
-pub fn not_an(wanted: Causality, reference: ValueReference) -> Problem {
+pub(crate) fn not_an(wanted: Causality, reference: ValueReference) -> Problem {
     let name = variables::lookup(reference).map_or_else(String::new, |(row, element)| row.element_name(element));
     let wanted = if wanted == Causality::Input { "an input" } else { "an output or a scalar local variable" };
     Problem { fault: Fault::Reference, text: format!("{name} (value reference {reference}) is not {wanted}") }
@@ -91,7 +91,7 @@ pub fn not_an(wanted: Causality, reference: ValueReference) -> Problem {
 
 /// A status that this slave does not have.
 #[cold]
-pub fn no_status(kind: StatusKind) -> Problem {
+pub(crate) fn no_status(kind: StatusKind) -> Problem {
     let name = match kind {
         DO_STEP_STATUS => "fmi2DoStepStatus",
         PENDING_STATUS => "fmi2PendingStatus",

@@ -68,7 +68,7 @@ struct Vacancies {
 }
 
 /// Values that C code holds by handle.
-pub struct Registry<T> {
+pub(crate) struct Registry<T> {
     tag: usize,
     first: [Slot<T>; FIRST],
     /// Chunks behind the first one.
@@ -91,7 +91,7 @@ pub enum Refused {
 }
 
 /// Exclusive access to a value, released when dropped.
-pub struct Guard<'a, T> {
+pub(crate) struct Guard<'a, T> {
     slot: &'a Slot<T>,
     value: &'a mut T,
     free_word: u32,
@@ -171,7 +171,7 @@ impl<T> Registry<T> {
     /// # Errors
     /// [`Refused`]; never waits.
     #[inline(always)]
-    pub fn acquire(&self, handle: *mut c_void) -> Result<Guard<'_, T>, Refused> {
+    pub(crate) fn acquire(&self, handle: *mut c_void) -> Result<Guard<'_, T>, Refused> {
         let (slot, free_word) = self.take(handle)?;
         // SAFETY: `take` set `taken` for this handle's generation, so this thread alone has access to
         // the value until `Guard::drop` clears it, and the value is there.

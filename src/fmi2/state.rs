@@ -126,7 +126,7 @@ impl Saved {
 ///
 /// # Errors
 /// A sentence, where the bytes are not of this layout.
-pub fn announced_size(header: &[u8; HEADER]) -> Result<usize, String> {
+pub(crate) fn announced_size(header: &[u8; HEADER]) -> Result<usize, String> {
     if header[..4] != MAGIC {
         return Err("these bytes are no serialised FMU state of this FMU".into());
     }
@@ -140,12 +140,12 @@ pub fn announced_size(header: &[u8; HEADER]) -> Result<usize, String> {
 }
 
 /// For a length that is not the announced one.
-pub fn wrong_length(announced: usize, given: usize) -> String {
+pub(crate) fn wrong_length(announced: usize, given: usize) -> String {
     format!("the serialised FMU state has {announced} bytes, {given} were given")
 }
 
 /// For a length below that of the header.
-pub fn shorter_than_header(given: usize) -> String {
+pub(crate) fn shorter_than_header(given: usize) -> String {
     format!("a serialised FMU state has at least {HEADER} bytes, {given} were given")
 }
 

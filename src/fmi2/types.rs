@@ -66,11 +66,11 @@ pub enum Status {
 /// `fmi2CallbackLogger`: environment, instance name, status, category, format, arguments.
 pub type Logger = unsafe extern "C" fn(ComponentEnvironment, String, Status, String, String, ...);
 /// `fmi2CallbackAllocateMemory`
-pub type AllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
+pub(crate) type AllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
 /// `fmi2CallbackFreeMemory`
-pub type FreeMemory = unsafe extern "C" fn(*mut c_void);
+pub(crate) type FreeMemory = unsafe extern "C" fn(*mut c_void);
 /// `fmi2StepFinished`
-pub type StepFinished = unsafe extern "C" fn(ComponentEnvironment, Status);
+pub(crate) type StepFinished = unsafe extern "C" fn(ComponentEnvironment, Status);
 
 /// `fmi2CallbackFunctions`. Every function may be NULL here; memory comes from Rust's own allocator
 /// and steps are synchronous, so only the logger is ever called.

@@ -2,7 +2,6 @@
 
 use elasticity::discretization::{cells_for, compliances};
 use scene::Scene;
-use sliding_contact::component::Snapshot;
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state};
 use test_support::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
@@ -81,17 +80,7 @@ fn a_replay_gives_the_same_bits() {
     for changes in [&[][..], &PADS] {
         let mut drive = clutch(changes);
         engage(&mut drive, 0..9);
-        let mut saved = Snapshot::default();
-        drive.0.snapshot(&mut saved);
-        let straight_on = engage(&mut drive, 9..25);
-        drive.0.restore(&saved).unwrap();
-        assert!(straight_on == engage(&mut drive, 9..25), "{changes:?}: same instance");
-        let mut bytes = Vec::new();
-        saved.encode(&mut bytes);
-        assert!(bytes.len() <= 256 << 10, "{}", bytes.len());
-        let mut fresh = clutch(changes);
-        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-        assert!(straight_on == engage(&mut fresh, 9..25), "{changes:?}: fresh instance");
+        drive.assert_replay(clutch(changes), |drive| engage(drive, 9..25));
     }
 }
 

@@ -1,6 +1,5 @@
 //! Order in time, saved states, and quantities independent of heat without expansion.
 
-use sliding_contact::component::Snapshot;
 use test_support::{Application, Drive, scene};
 
 fn reciprocating(changes: &[(&str, f64)]) -> Drive {
@@ -30,18 +29,7 @@ fn a_replay_gives_the_same_bits() {
     for changes in [&[][..], &[("holder.stiffness", 1e8)], &fade[1..]] {
         let mut drive = reciprocating(changes);
         drive_on(&mut drive, 0..7);
-        let mut saved = Snapshot::default();
-        drive.0.snapshot(&mut saved);
-        let straight_on = drive_on(&mut drive, 7..25);
-        drive.0.restore(&saved).unwrap();
-        assert!(straight_on == drive_on(&mut drive, 7..25), "{changes:?}: same instance");
-        let mut bytes = Vec::new();
-        saved.encode(&mut bytes);
-        println!("{} bytes", bytes.len());
-        assert!(bytes.len() <= 256 << 10);
-        let mut fresh = reciprocating(changes);
-        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-        assert!(straight_on == drive_on(&mut fresh, 7..25), "{changes:?}: fresh instance");
+        drive.assert_replay(reciprocating(changes), |drive| drive_on(drive, 7..25));
     }
 }
 

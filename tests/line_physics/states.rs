@@ -33,20 +33,8 @@ fn a_replay_gives_the_same_bits() {
         let changes = [changes, &[("solver.cells", 17.0), ("punch.wear_coefficient", 4e-13)]].concat();
         let mut drive = line(&changes);
         drive_on(&mut drive, 0..7);
-        let mut saved = Snapshot::default();
-        drive.0.snapshot(&mut saved);
-        let straight_on = drive_on(&mut drive, 7..30);
-        drive.0.restore(&saved).unwrap();
-        assert_eq!(straight_on, drive_on(&mut drive, 7..30), "{changes:?}: same instance");
-        // Through bytes, into a fresh instance.
-        let mut bytes = Vec::new();
-        saved.encode(&mut bytes);
-        assert_eq!(bytes.len(), saved.encoded_size());
-        let mut fresh = line(&changes);
-        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-        assert_eq!(straight_on, drive_on(&mut fresh, 7..30), "{changes:?}: fresh instance");
+        let straight_on = drive.assert_replay(line(&changes), |drive| drive_on(drive, 7..30));
         // Looking at outputs for other inputs changes nothing.
-        drive.0.restore(&saved).unwrap();
         for load in [0.0, 2e4, 100.0] {
             drive.set("normal_load", load).get("pressure_max");
             drive.set("sliding_velocity", -load).get("profile.pressure[5]");

@@ -268,21 +268,12 @@ fn nothing_jumps_where_a_property_changes() {
 #[test]
 fn a_replay_gives_the_same_bits() {
     let more = [("strip.base_thermal", CONVECTING), ("strip.convection", 120.0)];
-    for (level, of_level) in LEVELS {
+    for (_, of_level) in LEVELS {
         let with = [covered(&[&more[..], of_level].concat()), table("strip", &points())].concat();
         let mut run = drive(&with);
         component(&mut run, &stops(2, 3e6), 0.7);
-        let mut saved = Snapshot::default();
-        run.0.snapshot(&mut saved);
         let phases = [(3e6, 0.0, 4.0), (0.0, 0.0, 30.0)];
-        let first = component(&mut run, &phases, 0.9);
-        run.0.restore(&saved).unwrap();
-        assert_eq!(component(&mut run, &phases, 0.9), first, "{level}");
-        let mut bytes = Vec::new();
-        saved.encode(&mut bytes);
-        let mut fresh = drive(&with);
-        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-        assert_eq!(component(&mut fresh, &phases, 0.9), first, "{level}");
+        run.assert_replay(drive(&with), |run| component(run, &phases, 0.9));
     }
 }
 

@@ -50,12 +50,6 @@ const DECAYS: [[f64; 2]; 11] = [
     [1.622413223510e-02, 1200.0],
 ];
 
-/// Wave number times b beyond which a Fourier mode along the path decays before it spreads laterally.
-const SHORT_WAVE: f64 = 12.0;
-
-/// Least ratio of depth to width of a contact; a more slender one is the slice of a plane problem.
-const SLENDER: f64 = 0.5;
-
 /// Lateral conduction to both sides of a contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lateral {
@@ -77,16 +71,18 @@ impl Lateral {
     /// contact for one as deep as the strip; neither spreads (`None`).
     pub fn of(scene: &Scene) -> Option<Lateral> {
         let strip = &scene.strip;
+        // Least ratio of depth to width of a contact; a more slender one is the slice of a plane problem.
         let spreads = scene.geometry == Geometry::Line
-            && scene.depth >= SLENDER * scene.width
+            && scene.depth >= 0.5 * scene.width
             && strip.height >= scene.depth
             && strip.conductivity > 0.0;
         spreads.then(|| Lateral::new(scene.depth, strip.conductivity / strip.capacity()))
     }
 
     /// Wave number along the path beyond which lateral spreading has no effect, 1/m.
-    pub fn shortest_wave(&self) -> f64 {
-        SHORT_WAVE / self.half_depth
+    pub(crate) fn shortest_wave(&self) -> f64 {
+        // Wave number times b beyond which a Fourier mode along the path decays before it spreads laterally.
+        12.0 / self.half_depth
     }
 
     /// Weighted mean of `answer` over the frequencies into which spreading turns `s`, 1/s.

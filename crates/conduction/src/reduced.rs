@@ -17,12 +17,12 @@
 /// The response at a real frequency s, which is in the space and lags behind the jump, has the part `s/(s + rate)`; this is the
 /// combination of two of them whose error in the slow states is of second order. By reciprocity it is the part of its heat that counts as
 /// stored: the rest has left through that face, so that a flux into the contact does not pass there at once.
-pub fn lagging(rate: f64, [first, second]: [f64; 2]) -> f64 {
+pub(crate) fn lagging(rate: f64, [first, second]: [f64; 2]) -> f64 {
     1.0 - rate / (rate + first) * (rate / (rate + second))
 }
 
 /// Largest number of states of a reduced slab.
-pub const MAX_SLAB_STATES: usize = 24;
+pub(crate) const MAX_SLAB_STATES: usize = 24;
 
 /// Largest number of states of a reduced body: the slab's and those of a stroke's track.
 pub const MAX_STATES: usize = 32;

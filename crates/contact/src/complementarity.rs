@@ -32,8 +32,6 @@ pub fn pair_operators(punch: &Compliance, strip: &Compliance) -> (DMatrix<f64>, 
 
 /// Number of active sets tried before complementary pivoting. Contacts met so far need at most 12.
 const ITERATION_LIMIT: usize = 40;
-/// Pressure and gap of the wrong sign that count as zero, relative to the largest of the solution.
-const SIGN_TOLERANCE: f64 = 1e-12;
 
 /// One contact problem for the [`ContactSolver`].
 #[derive(Clone, Copy, Debug)]
@@ -128,7 +126,7 @@ impl ContactSolver {
 
     /// [`Self::with_weights`] with the normal compliance C and the shear coupling S of the pair, N x N, m/Pa, for any
     /// friction; see [`pair_operators`].
-    pub fn with_operators(
+    pub(crate) fn with_operators(
         cells: &Cells,
         weights: &[f64],
         normal: DMatrix<f64>,
@@ -186,7 +184,8 @@ impl ContactSolver {
     }
 
     /// Sets the cells that the next [`Self::solve`] initially assumes in contact.
-    pub fn set_active(&mut self, active: &[bool]) {
+    #[cfg(test)]
+    pub(crate) fn set_active(&mut self, active: &[bool]) {
         assert_eq!(active.len(), self.active.len(), "one status per cell");
         self.active.copy_from_slice(active);
     }
@@ -207,7 +206,7 @@ impl ContactSolver {
     }
 
     /// `target += T worn`, N values each.
-    pub fn add_worn(&self, worn: &[f64], target: &mut [f64]) {
+    pub(crate) fn add_worn(&self, worn: &[f64], target: &mut [f64]) {
         match self.factors.operator() {
             Some(operator) => dense::multiply_add(operator, worn, target),
             None => target.iter_mut().zip(worn).for_each(|(t, w)| *t += w),
@@ -231,7 +230,7 @@ impl ContactSolver {
     /// Solves a problem from the initial active set in `active`, and stores the final set there.
     ///
     /// On an error the active set is unchanged and the state unspecified.
-    pub fn solve_into(
+    pub(crate) fn solve_into(
         &mut self,
         problem: &ContactProblem<'_>,
         active: &mut [bool],
@@ -259,7 +258,7 @@ impl ContactSolver {
     }
 
     /// Solves the equations of the cells in `active` whatever the signs of their pressures, N values; returns approach and tilt.
-    pub fn solve_for_set(
+    pub(crate) fn solve_for_set(
         &mut self,
         problem: &ContactProblem<'_>,
         active: &[bool],
@@ -317,7 +316,8 @@ impl ContactSolver {
             memory.worn[i] = own[i] * memory.pressure[i];
             largest = maximum(largest, maximum(memory.worn[i].abs(), memory.open_gap[i].abs()));
         }
-        let tolerance = SIGN_TOLERANCE * largest;
+        // Pressure and gap of the wrong sign that count as zero, relative to the largest of the solution.
+        let tolerance = 1e-12 * largest;
         let mut changed = false;
         for i in 0..count {
             memory.next[i] = if memory.set[i] { memory.worn[i] >= -tolerance } else { memory.open_gap[i] < -tolerance };

@@ -385,7 +385,7 @@ impl Factors {
     }
 
     /// The entry with the rows of its open cells.
-    pub fn with_open_rows(&mut self, position: usize) -> &Entry {
+    pub(crate) fn with_open_rows(&mut self, position: usize) -> &Entry {
         if self.entries[position].has_open_rows {
             return &self.entries[position];
         }
@@ -410,7 +410,7 @@ impl Factors {
     }
 
     /// The entry with its pressures per approach and per linear displacement, as requested.
-    pub fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
+    pub(crate) fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
         let entry = &mut self.entries[position];
         let m = entry.index.len();
         if uniform && !entry.has_uniform {
@@ -443,7 +443,7 @@ impl Entry {
     }
 
     /// Adds the displacements by the pressures of the cells in contact to the gaps of the open cells.
-    pub fn add_to_open(&self, pressure: &[f64], gaps: &mut [f64]) {
+    pub(crate) fn add_to_open(&self, pressure: &[f64], gaps: &mut [f64]) {
         let rows = &self.open_rows[..pressure.len() * gaps.len()];
         dense::multiply_transposed_add(rows, pressure, gaps);
     }

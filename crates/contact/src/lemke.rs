@@ -37,14 +37,14 @@ pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> 
 }
 
 /// Largest number of free unknowns beside the complementary ones.
-pub const FREE_UNKNOWNS: usize = 2;
+pub(crate) const FREE_UNKNOWNS: usize = 2;
 const BLOCK: usize = 2 * FREE_UNKNOWNS;
 
 /// Workspace of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.
 ///
 /// The tableau holds `w - M z - z0 = q` in the current basis. Columns: w (n), z (n), z0, right-hand side.
 #[derive(Clone, Debug)]
-pub struct Pivoting {
+pub(crate) struct Pivoting {
     columns: DMatrix<f64>,
     basis: Vec<usize>,
     factors: Vec<f64>,

@@ -8,7 +8,7 @@
 pub mod complementarity;
 mod factors;
 pub mod friction;
-pub mod friction_curve;
+pub(crate) mod friction_curve;
 pub mod lemke;
 pub mod problem;
 pub mod wear;

@@ -15,9 +15,6 @@
 
 use super::strip_kernel::sinh_less_argument;
 
-/// Below this `u` the difference `sinh 2u - 2u` is summed as a series.
-const SERIES_LIMIT: f64 = 0.5;
-
 /// Beyond this `u` the other face has no effect to rounding.
 const DEEP: f64 = 20.0;
 
@@ -42,7 +39,8 @@ pub fn dilatation(u: f64) -> (f64, f64) {
 
 /// 2 (sinh 2u - 2u) exp(-2u).
 fn denominator(u: f64, e: f64) -> f64 {
-    if u < SERIES_LIMIT { 2.0 * e * sinh_less_argument(2.0 * u) } else { 1.0 - e * e - 4.0 * u * e }
+    // Below this `u` the difference `sinh 2u - 2u` is summed as a series.
+    if u < 0.5 { 2.0 * e * sinh_less_argument(2.0 * u) } else { 1.0 - e * e - 4.0 * u * e }
 }
 
 #[cfg(test)]

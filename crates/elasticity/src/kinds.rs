@@ -181,7 +181,7 @@ pub(crate) fn tangential_to_far_face(
 /// [`crate::tangential::TangentialCompliance::to_far_face`] on a single cell; on an annulus, where sliding is normal to the contact
 /// line, that of out-of-plane shear. Blocks and layers flatter than their finite elements or waves allow shear by h/G but for their
 /// edges, blocks more slender than [`LARGEST_SLENDERNESS`] bend like beams.
-pub fn mean_tangential_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
+pub(crate) fn mean_tangential_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
     let modulus = body.youngs_modulus / (2.0 * (1.0 + body.poissons_ratio));
     let material = Material::new(body.youngs_modulus, body.poissons_ratio);
     let (simple, periodic) = (body.height / modulus, scene.geometry == Geometry::Periodic);
@@ -297,9 +297,6 @@ impl FarFace {
     }
 }
 
-/// q h beyond which a layer is a half-plane to rounding.
-const DEEP: f64 = 20.0;
-
 /// Amplitude of the normal displacement per amplitude of a wave of pressure of the wave number `wave` (1/m), m/Pa.
 pub fn wave_compliance(body: &Body, far: FarFace, wave: f64) -> f64 {
     let (nu, u) = (body.poissons_ratio, wave * body.height);
@@ -309,7 +306,8 @@ pub fn wave_compliance(body: &Body, far: FarFace, wave: f64) -> f64 {
         MechanicalBody::Winkler if body.foundation_stiffness > 0.0 => body.foundation_stiffness.recip(),
         MechanicalBody::Winkler => confined(body),
         MechanicalBody::HalfPlane => half_plane,
-        MechanicalBody::Elastic if u > DEEP => half_plane,
+        // q h beyond which a layer is a half-plane to rounding.
+        MechanicalBody::Elastic if u > 20.0 => half_plane,
         MechanicalBody::Elastic if far == FarFace::Antisymmetric => half_plane * antisymmetric::compliance(u),
         MechanicalBody::Elastic => half_plane * StripKernel::new(far.base(), nu).normal(u),
     }

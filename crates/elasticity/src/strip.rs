@@ -44,12 +44,8 @@ pub struct Strip {
     extent: Extent,
 }
 
-/// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
-const DECAY_LENGTH: f64 = 40.0;
 /// Largest contact width over the height; below it the strip needs a hundred thousand Fourier modes.
 pub(super) const FLATTEST: f64 = 2e4;
-/// Value of `q h` beyond which `Phi - 1` is below 1e-16.
-const SHORTEST_WAVE: f64 = 23.0;
 /// Fourier modes taken together in one matrix product.
 const MODES_AT_ONCE: usize = 512;
 
@@ -65,7 +61,7 @@ impl Strip {
 
     /// Compliance on the given cells; an error where the strip is shorter than the contact zone
     /// or too flat.
-    pub fn try_compliance(&self, cells: &Cells) -> Result<Compliance, OutOfRange> {
+    pub(crate) fn try_compliance(&self, cells: &Cells) -> Result<Compliance, OutOfRange> {
         let width = 2.0 * cells.half_width();
         OutOfRange::unless(
             self.height * FLATTEST >= width,
@@ -80,7 +76,8 @@ impl Strip {
         // Rounding of the width must not refuse full periodic contact.
         let requirement = "at least the width of the contact zone";
         OutOfRange::unless(length >= width * (1.0 - 1e-12), "strip length", length, requirement)?;
-        Ok(self.on_period(cells, length.max(width), (width + DECAY_LENGTH * self.height).min(length.max(width))))
+        // Length of unloaded strip, in heights, after which its surface no longer responds to the load.
+        Ok(self.on_period(cells, length.max(width), (width + 40.0 * self.height).min(length.max(width))))
     }
 
     /// Compliance of a strip that is closed after `length` m, from the Fourier sum with the period `period` m.
@@ -118,7 +115,8 @@ impl Strip {
         shear: &mut DMatrix<f64>,
     ) {
         let count = cells.count();
-        let last = (SHORTEST_WAVE * period / (2.0 * PI * self.height)).ceil() as usize;
+        // Value of `q h` beyond which `Phi - 1` is below 1e-16.
+        let last = (23.0 * period / (2.0 * PI * self.height)).ceil() as usize;
         let mut first = 1;
         while first <= last {
             let modes = MODES_AT_ONCE.min(last + 1 - first);

@@ -11,9 +11,6 @@ pub enum Base {
     Smooth,
 }
 
-/// Below this `u` the difference `sinh 2u - 2u` is summed as a series.
-const SERIES_LIMIT: f64 = 0.5;
-
 /// Fourier kernels of a layer of height `h`, as functions of `u = q h`, `q > 0` the wave number.
 ///
 /// Under the pressure `cos q x` the surface moves by `(1-nu)/(G q) Phi(u) cos q x` into the layer, under the shear
@@ -47,7 +44,8 @@ impl StripKernel {
         let e = (-2.0 * u).exp();
         match self.base {
             Base::Bonded => {
-                let numerator = if u < SERIES_LIMIT {
+                // Below this `u` the difference `sinh 2u - 2u` is summed as a series.
+                let numerator = if u < 0.5 {
                     e * (2.0 * self.kappa * sinh_less_argument(2.0 * u) + 4.0 * u * (self.kappa - 1.0))
                 } else {
                     self.kappa * (1.0 - e * e) - 4.0 * u * e
@@ -59,7 +57,7 @@ impl StripKernel {
     }
 
     /// Phi(u) - 1, accurate where it is small, u > 0.
-    pub fn normal_remainder(&self, u: f64) -> f64 {
+    pub(crate) fn normal_remainder(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         match self.base {
             Base::Bonded => {
@@ -72,7 +70,7 @@ impl StripKernel {
     }
 
     /// Limit of Phi(u)/u for u -> 0: a uniform pressure p compresses the layer by `(1-nu) h/G` times this times p.
-    pub fn normal_at_zero(&self) -> f64 {
+    pub(crate) fn normal_at_zero(&self) -> f64 {
         match self.base {
             Base::Bonded => 0.5 * (1.0 - 2.0 * self.nu) / (1.0 - self.nu).powi(2),
             Base::Smooth => 0.5,
@@ -89,7 +87,7 @@ impl StripKernel {
     ///
     /// The half-plane has the same kernel for both, so the difference decays like `u exp(-2u)`. On a smooth base it grows
     /// like `1/(2u)` for u -> 0: the layer is unconstrained against a net shear.
-    pub fn tangential_less_normal(&self, u: f64) -> f64 {
+    pub(crate) fn tangential_less_normal(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         match self.base {
             Base::Bonded => 8.0 * u * e / self.bonded_normal_denominator(u, e),
@@ -111,7 +109,7 @@ impl StripKernel {
     }
 
     /// (1-2nu) (Psi(u) - 1), accurate where it is small, u > 0.
-    pub fn shear_remainder(&self, u: f64) -> f64 {
+    pub(crate) fn shear_remainder(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         let squeezed = 1.0 - 2.0 * self.nu;
         match self.base {
@@ -125,7 +123,7 @@ impl StripKernel {
 
     /// Limit of (1-2nu) Psi(u) for u -> 0. Not zero for a smooth base: a net shear stretches the layer on one side of
     /// the contact and compresses it on the other, and its height follows by Poisson's ratio.
-    pub fn shear_at_zero(&self) -> f64 {
+    pub(crate) fn shear_at_zero(&self) -> f64 {
         match self.base {
             Base::Bonded => 0.0,
             Base::Smooth => -self.nu,

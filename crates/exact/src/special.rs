@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// `I_t(1/2 - e, 1/2 + e)`, regularised incomplete beta function for |e| < 1/2 and 0 <= t <= 1.
 ///
 /// Its complete beta function is `pi/cos(pi e)`. Continued fraction of DLMF 8.17.22, to rounding.
-pub fn incomplete_beta_half(e: f64, t: f64) -> f64 {
+pub(crate) fn incomplete_beta_half(e: f64, t: f64) -> f64 {
     if t <= 0.0 {
         return 0.0;
     }

@@ -14,16 +14,16 @@ use crate::xml::{Attribute, Xml, number, numeric, text};
 pub const MODEL_IDENTIFIER: &str = "SlidingContact";
 
 /// One-line description of the model.
-pub const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
+pub(crate) const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
 
 /// Authors, as the licences name them.
-pub const AUTHOR: &str = "The sliding-contact authors";
+pub(crate) const AUTHOR: &str = "The sliding-contact authors";
 
 /// Line of the licences.
 pub const COPYRIGHT: &str = "Copyright (c) 2026 The sliding-contact authors";
 
 /// Categories under which the library logs; it uses no others.
-pub const LOG_CATEGORIES: [(&str, &str); 3] = [
+pub(crate) const LOG_CATEGORIES: [(&str, &str); 3] = [
     ("logStatusWarning", "Conditions that do not end the simulation"),
     ("logStatusError", "Reasons of refused or failed calls"),
     ("logEvents", "Choices made at initialisation, limits reached, changes of the contact"),
@@ -131,7 +131,7 @@ pub fn enumerations() -> Vec<&'static EnumerationType> {
 }
 
 /// The types of the Real variables in use, in the order of their table.
-pub fn real_types() -> impl Iterator<Item = &'static RealType> {
+pub(crate) fn real_types() -> impl Iterator<Item = &'static RealType> {
     let used = |kind: &RealType| TABLE.iter().filter_map(Row::real_type).any(|other| other.name == kind.name);
     TYPES.iter().filter(move |kind| used(kind))
 }
@@ -232,7 +232,7 @@ pub fn causality(row: &Row) -> &'static str {
 }
 
 /// Variability as the standard spells it.
-pub fn variability(row: &Row) -> &'static str {
+pub(crate) fn variability(row: &Row) -> &'static str {
     match row.variability {
         Variability::Fixed => "fixed",
         Variability::Tunable => "tunable",

@@ -21,7 +21,7 @@ use scene_file::SceneFile;
 use std::path::Path;
 
 /// Path of the model description in an FMU.
-pub const DESCRIPTION: &str = "modelDescription.xml";
+pub(crate) const DESCRIPTION: &str = "modelDescription.xml";
 
 /// Path in an FMU of the library for the platform of this process.
 pub fn own_library() -> String {

@@ -6,10 +6,10 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
 /// An attribute: name and unescaped value.
-pub type Attribute<'a> = (&'a str, Cow<'a, str>);
+pub(crate) type Attribute<'a> = (&'a str, Cow<'a, str>);
 
 /// An XML file in the making. Writing to memory cannot fail, so neither can any method.
-pub struct Xml {
+pub(crate) struct Xml {
     writer: Writer<Vec<u8>>,
     open: Vec<String>,
 }
@@ -65,7 +65,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// `(name, number)` as an attribute.
-pub fn numeric(name: &str, value: f64) -> Attribute<'_> {
+pub(crate) fn numeric(name: &str, value: f64) -> Attribute<'_> {
     (name, number(value).into())
 }
 

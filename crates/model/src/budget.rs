@@ -43,7 +43,7 @@ impl Budget {
     ///
     /// # Errors
     /// The budget is exhausted; `rest` describes the progress for the message.
-    pub fn spend(&mut self, rest: impl FnOnce() -> String) -> Result<(), StepFailure> {
+    pub(crate) fn spend(&mut self, rest: impl FnOnce() -> String) -> Result<(), StepFailure> {
         if self.steps < MOST_STEPS && self.solutions < self.most {
             self.steps += 1;
             return Ok(());

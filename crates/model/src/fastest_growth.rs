@@ -41,9 +41,6 @@ use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene};
 use std::f64::consts::PI;
 
-/// Ratio of successive wave numbers in the search: the maximum lies between two of them, at most a twentieth above their values.
-const SPACING: f64 = 1.25;
-
 /// Decay into the body over the wave number at which layer and half-plane are compared: from the wave at rest in steps of this
 /// ratio, and number of steps.
 const DECAY_RATIO: f64 = 2.0;
@@ -123,7 +120,7 @@ impl Pair {
 
 /// Pair of bodies and range of waves resolved by the cells.
 #[derive(Clone, PartialEq, Debug)]
-pub struct FastestGrowth {
+pub(crate) struct FastestGrowth {
     pair: Pair,
     /// Largest thermal lift of layers relative to half-planes for waves at rest in punch and strip, at the wave numbers of the
     /// search in ascending order, the largest one last.
@@ -211,7 +208,8 @@ impl FastestGrowth {
 
 /// Wave numbers of the search.
 fn numbers(range: [f64; 2]) -> impl Iterator<Item = f64> + Clone {
-    let below = std::iter::successors(Some(range[0]), |wave| Some(wave * SPACING));
+    // Ratio of successive wave numbers in the search: the maximum lies between two of them, at most a twentieth above their values.
+    let below = std::iter::successors(Some(range[0]), |wave| Some(wave * 1.25));
     below.take_while(move |&wave| wave < range[1]).chain([range[1]])
 }
 

@@ -17,10 +17,6 @@ use crate::instability::{CriticalSpeed, FarFaces};
 use numerics::maximum::maximum;
 use scene::Scene;
 
-/// Shortest wave in half widths of the contact: the smallest cell that `solver.cells` = 0 gives. Shorter waves grow more slowly than
-/// the longest ones wherever the bodies conduct as in machines.
-const SHORTEST: f64 = 129.0;
-
 /// Speeds of the table of rates, over the critical one: this many, in a geometric series up to this ratio. Beyond, rates grow with the
 /// square of the speed.
 const SPEEDS: usize = 32;
@@ -51,7 +47,9 @@ impl PerturbationGrowth {
         // The mode that a contact line contains, and those of a strip between two faces beyond it.
         let FarFaces { own, others } = FarFaces::of(scene);
         let faces = std::iter::once(own).chain(others.iter().copied());
-        let bounds: Vec<_> = faces.map(|far| FastestGrowth::of_mode(scene, far, scene.width / SHORTEST)).collect();
+        // Shortest wave in half widths of the contact: the smallest cell that `solver.cells` = 0 gives. Shorter waves grow more slowly than
+        // the longest ones wherever the bodies conduct as in machines.
+        let bounds: Vec<_> = faces.map(|far| FastestGrowth::of_mode(scene, far, scene.width / 129.0)).collect();
         let modelled = critical.modelled(friction);
         let rate = |speed: f64| {
             let contained = if modelled > 0.0 && speed > modelled { 0 } else { 1 };
@@ -100,6 +98,6 @@ impl PerturbationGrowth {
 }
 
 /// Exponent from which on growth matters: a perturbation as small as the tolerance becomes as large as the pressure itself.
-pub fn noticeable(tolerance: f64) -> f64 {
+pub(crate) fn noticeable(tolerance: f64) -> f64 {
     -tolerance.ln()
 }

@@ -132,7 +132,7 @@ impl CriticalSpeed {
 
     /// Whether pressure perturbations grow at this friction coefficient and speed, m/s.
     #[inline]
-    pub fn is_exceeded(&self, friction: f64, speed: f64) -> bool {
+    pub(crate) fn is_exceeded(&self, friction: f64, speed: f64) -> bool {
         // The table costs logarithms, and most steps are far below it.
         if speed * friction <= self.least_product {
             return false;
@@ -142,7 +142,7 @@ impl CriticalSpeed {
     }
 
     /// Whether nothing grows at any speed.
-    pub fn is_neutral(&self) -> bool {
+    pub(crate) fn is_neutral(&self) -> bool {
         self.all.0.is_empty()
     }
 
@@ -151,7 +151,7 @@ impl CriticalSpeed {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_message(
+    pub(crate) fn write_message(
         &self,
         text: &mut dyn fmt::Write,
         exponent: f64,
@@ -179,7 +179,7 @@ impl CriticalSpeed {
 
     /// Lower bound of the critical speed of the waves that a contact line resolves, at this friction coefficient, m/s: with only
     /// one body absorbing heat, the more unstable one. Heat uptake by the mate increases the critical speed.
-    pub fn stable_speed(&self, friction: f64) -> f64 {
+    pub(crate) fn stable_speed(&self, friction: f64) -> f64 {
         self.alone / friction
     }
 }
@@ -285,7 +285,7 @@ impl Table {
 
 /// Body in which the waves that grow first are at rest, the better conductor of those with thermal expansion: a wave at rest in
 /// the other one moves over it and is cooled.
-pub fn driving_body(scene: &Scene) -> Option<&Body> {
+pub(crate) fn driving_body(scene: &Scene) -> Option<&Body> {
     [&scene.punch, &scene.strip]
         .into_iter()
         .filter(|body| body.conductivity > 0.0 && body.thermal_expansion > 0.0)

@@ -31,9 +31,6 @@ pub enum ModelState {
     Line(lumped::state::LumpedState, Vec<f64>),
 }
 
-/// Part of the tolerance up to which neglected elastic slip is not stated.
-const LEAST_STATED: f64 = 0.1;
-
 impl ModelState {
     /// Name and value of a number larger than `most` in magnitude, if any.
     pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
@@ -154,7 +151,8 @@ impl ModelOperators {
         }
         let lost = self.mean().deformation_at_reversal();
         let share = lost / scene.nominal_stroke;
-        (share > LEAST_STATED * scene.tolerance).then_some((share, lost))
+        // Part of the tolerance up to which neglected elastic slip is not stated.
+        (share > 0.1 * scene.tolerance).then_some((share, lost))
     }
 
     /// Warnings about the scene, before it runs.
@@ -269,7 +267,7 @@ impl Model {
     }
 
     /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails.
-    pub fn limit_attempts(&mut self, most: u32) {
+    pub(crate) fn limit_attempts(&mut self, most: u32) {
         if let Model::Line(line) = self {
             line.limit_attempts(most);
         }

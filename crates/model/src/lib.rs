@@ -7,7 +7,7 @@
 
 pub mod budget;
 pub mod events;
-pub mod fastest_growth;
+pub(crate) mod fastest_growth;
 pub mod growth;
 pub mod instability;
 pub mod levels;
@@ -15,7 +15,7 @@ pub mod line;
 pub mod lumped;
 pub mod plan;
 pub mod run_error;
-pub mod step_control;
+pub(crate) mod step_control;
 pub mod tolerance;
 
 /// Inputs of the component in the order of the variable table.

@@ -26,12 +26,6 @@ use scene::message::Number;
 use scene::variables::COUNT;
 use std::fmt;
 
-/// Part of the error of reduction and time steps beside a measured difference, which contains some of it.
-const STEP_PART: f64 = 1.0 / 3.0;
-
-/// Admissible excess of the nominal conditions by rounding.
-const ROUNDING: f64 = 1e-6;
-
 /// Most cells that are advised.
 const MOST_CELLS: usize = 129;
 
@@ -137,7 +131,8 @@ impl RunError {
         let most = |of: &dyn Fn(&Inputs) -> f64| of(inputs).max(of(&inputs.after(slopes, step)));
         let speed = most(&|inputs| inputs.velocity(scene.mean_radius).abs());
         let (load, work) = (most(&|inputs| inputs.normal_load), model.friction_work());
-        let within = |value: f64, nominal: f64| value <= nominal * (1.0 + ROUNDING);
+        // Admissible excess of the nominal conditions by rounding.
+        let within = |value: f64, nominal: f64| value <= nominal * (1.0 + 1e-6);
         self.is_beyond =
             !(within(speed, comparison.fastest) && within(load, scene.nominal_load) && within(work, comparison.work));
         self.is_beyond.then_some(Notice::Beyond { prepared, speed, load, work })
@@ -156,7 +151,8 @@ impl RunError {
             return Some(step_error);
         }
         if let Some(companion) = &self.companion {
-            return companion.distance.map(|distance| largest(distance.relative()).hypot(STEP_PART * step_error));
+            // Part of the error of reduction and time steps beside a measured difference, which contains some of it.
+            return companion.distance.map(|distance| largest(distance.relative()).hypot((1.0 / 3.0) * step_error));
         }
         let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
         choice.comparison.as_ref().map(|comparison| comparison.error.hypot(step_error))

@@ -7,14 +7,11 @@
 //! Theory: docs/theory.md, section 7.3.
 
 /// Finest subdivision: 2^-40 of the piece.
-pub const FINEST: u8 = 40;
-
-/// Most halvings after one rejected step.
-const MOST_HALVINGS: f64 = 10.0;
+pub(crate) const FINEST: u8 = 40;
 
 /// Where a piece stands, and how finely it is cut.
 #[derive(Clone, Copy, Debug)]
-pub struct StepController {
+pub(crate) struct StepController {
     length: f64,
     level: u8,
     part: u64,
@@ -30,7 +27,7 @@ impl StepController {
     }
 
     /// Whether the piece is done.
-    pub fn is_done(&self) -> bool {
+    pub(crate) fn is_done(&self) -> bool {
         self.part >= 1_u64 << self.level
     }
 
@@ -64,7 +61,7 @@ impl StepController {
     }
 
     /// Halves the step so many times, down to the finest; false where it is the finest already.
-    pub fn halve(&mut self, halvings: u8) -> bool {
+    pub(crate) fn halve(&mut self, halvings: u8) -> bool {
         if self.level >= FINEST {
             return false;
         }
@@ -77,7 +74,8 @@ impl StepController {
 
 /// Halvings that bring an error (> 1) of the given order below 1; 2 where it is not finite.
 pub fn halvings(error: f64, order: u8) -> u8 {
-    if error.is_finite() { (error.log2() / f64::from(order)).ceil().clamp(1.0, MOST_HALVINGS) as u8 } else { 2 }
+    // Most halvings after one rejected step.
+    if error.is_finite() { (error.log2() / f64::from(order)).ceil().clamp(1.0, 10.0) as u8 } else { 2 }
 }
 
 #[cfg(test)]

@@ -10,9 +10,6 @@
 use crate::dense;
 use crate::maximum::maximum;
 
-/// Least part of a difference, squared, that must be linearly independent of the others for it to be used.
-const INDEPENDENT: f64 = 1e-9;
-
 /// Anderson acceleration with at most `DEPTH` stored differences. It allocates nothing after construction.
 #[derive(Clone, Debug)]
 pub struct Anderson<const DEPTH: usize> {
@@ -122,7 +119,8 @@ impl<const DEPTH: usize> Anderson<DEPTH> {
                 }
             }
             let square = product(&own, &own);
-            if square > INDEPENDENT * products[k][k] {
+            // Least part of a difference, squared, that must be linearly independent of the others for it to be used.
+            if square > 1e-9 * products[k][k] {
                 let norm = square.sqrt().recip();
                 directions[k] = own.map(|value| value * norm);
                 let part = multiply(&directions[k], &parts);

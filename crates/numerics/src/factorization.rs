@@ -130,7 +130,11 @@ where
 ///
 /// # Errors
 /// A matrix or right-hand side that is not finite, or singular values that are not found.
-pub fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>, smallest: f64) -> Result<DVector<f64>, Unfactorable> {
+pub(crate) fn least_squares(
+    matrix: DMatrix<f64>,
+    right: &DVector<f64>,
+    smallest: f64,
+) -> Result<DVector<f64>, Unfactorable> {
     check(right.as_slice(), right.nrows())?;
     let limit = limit(&matrix);
     let factors =

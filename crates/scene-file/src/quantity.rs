@@ -9,7 +9,7 @@ use scene::variables::units::{DisplayUnit, ONE, Unit};
 use scene::variables::{EnumerationType, Kind, Row};
 
 /// Type of a value with its article, for messages.
-pub fn type_of(value: &DeValue) -> String {
+pub(crate) fn type_of(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the string {}", Quoted(text)),
         DeValue::Integer(number) => format!("the number {}", Clipped(number.as_str())),

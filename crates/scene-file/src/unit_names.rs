@@ -49,7 +49,7 @@ pub fn units(unit: &'static Unit, absolute: bool) -> impl Iterator<Item = &'stat
 }
 
 /// Name that the tables have for a unit written as `symbol`: `degC` for `°C`, `rev/min` for `rpm`, `N.m` for `N·m`.
-pub fn canonical(symbol: &str) -> Cow<'_, str> {
+pub(crate) fn canonical(symbol: &str) -> Cow<'_, str> {
     let plain = plain(symbol);
     match WORDS.iter().find(|(word, _)| *word == plain) {
         Some((_, name)) => Cow::Borrowed(name),

@@ -56,7 +56,7 @@ impl FadeTable {
     }
 
     /// Index of the first temperature that is not above its predecessor, if there is one.
-    pub fn disorder(&self) -> Option<usize> {
+    pub(crate) fn disorder(&self) -> Option<usize> {
         (1..8).find(|&i| self.temperature[i] <= self.temperature[i - 1])
     }
 

@@ -21,7 +21,7 @@ impl FrictionTable {
     }
 
     /// Index of the first speed that is not above its predecessor, if there is one.
-    pub fn disorder(&self) -> Option<usize> {
+    pub(crate) fn disorder(&self) -> Option<usize> {
         (1..self.points).find(|&i| self.speed[i] <= self.speed[i - 1])
     }
 }

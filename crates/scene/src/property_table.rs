@@ -23,7 +23,7 @@ pub struct PropertyTable {
 
 impl PropertyTable {
     /// Index of the first temperature that is not above its predecessor, if there is one.
-    pub fn disorder(&self) -> Option<usize> {
+    pub(crate) fn disorder(&self) -> Option<usize> {
         (1..self.points)
             .find(|&i| self.temperature[i].partial_cmp(&self.temperature[i - 1]) != Some(std::cmp::Ordering::Greater))
     }
@@ -47,12 +47,12 @@ impl PropertyTable {
     }
 
     /// Conductivity at `temperature` (K), W/(m K).
-    pub fn conductivity_at(&self, temperature: f64) -> f64 {
+    pub(crate) fn conductivity_at(&self, temperature: f64) -> f64 {
         self.at(temperature)[0]
     }
 
     /// Specific heat at `temperature` (K), J/(kg K).
-    pub fn specific_heat_at(&self, temperature: f64) -> f64 {
+    pub(crate) fn specific_heat_at(&self, temperature: f64) -> f64 {
         self.at(temperature)[1]
     }
 

@@ -31,7 +31,7 @@ pub const STOCK_NAME: &str = "stock";
 pub const NAME_CAPACITY: usize = 64;
 
 /// Largest admissible relative tolerance of a run.
-pub const LARGEST_TOLERANCE: f64 = 0.5;
+pub(crate) const LARGEST_TOLERANCE: f64 = 0.5;
 
 const LAYOUT_VERSION: u32 = 1;
 const CHECKSUM_AT: usize = 24;

@@ -8,7 +8,7 @@ use super::{Body, FadeTable, Scene, ThermalBoundary};
 const COLDEST: f64 = 150.0;
 
 /// Warnings about temperatures that are probably in degrees Celsius.
-pub fn of_temperatures(scene: &Scene) -> Vec<String> {
+pub(crate) fn of_temperatures(scene: &Scene) -> Vec<String> {
     let mut given = vec![
         ("ambient_temperature".to_owned(), scene.ambient_temperature),
         ("contact.temperature_limit".to_owned(), off_at_zero(scene.temperature_limit)),
@@ -21,7 +21,7 @@ pub fn of_temperatures(scene: &Scene) -> Vec<String> {
 }
 
 /// External temperatures of strip and punch, where they act.
-pub fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
+pub(crate) fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
     [(&scene.strip, "strip"), (&scene.punch, "punch")]
         .iter()
         .zip(temperatures)

@@ -205,7 +205,7 @@ pub(crate) struct Contact<'a> {
 }
 
 impl<'a> Contact<'a> {
-    pub(crate) fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
+    pub fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
         let law = FrictionLaw::new(scene);
         let kinetic_coefficient: f64 = law.kinetic_coefficient(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);

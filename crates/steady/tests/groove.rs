@@ -75,3 +75,20 @@ fn sliding_on_ends_in_the_groove() {
         }
     }
 }
+
+#[test]
+fn second_order_in_the_travel() {
+    let cells = Cells::graded(1.0, 17).unwrap();
+    for exponent in [1.0, 0.7] {
+        let compliance = Winkler::new(2.0).unwrap().compliance(&cells).normal;
+        let rate = CellRate::uniform(1.0, 0.5, exponent);
+        let truth = slide(&cells, &compliance, &rate, 1.0, 512, true);
+        let errors: Vec<f64> = [2, 4, 8, 16, 32]
+            .iter()
+            .map(|steps| root_mean_square(&cells, &slide(&cells, &compliance, &rate, 1.0, *steps, true), &truth))
+            .collect();
+        println!("order in travel, b {exponent}: {errors:?}");
+        let slope = (errors[0] / errors[3]).log2() / 3.0;
+        assert!((1.6..2.4).contains(&slope), "b {exponent}: {slope} {errors:?}");
+    }
+}

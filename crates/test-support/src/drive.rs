@@ -2,7 +2,7 @@
 
 use crate::{AUTO, LUMPED, changed, reference};
 use scene::variables::STARTS;
-use sliding_contact::component::{Component, Values};
+use sliding_contact::component::{Component, Snapshot, Values};
 use std::sync::Arc;
 
 /// A component addressed by names.
@@ -30,6 +30,23 @@ impl Drive {
         component.enter_initialization();
         component.initialise(None)?;
         Ok(Drive(component))
+    }
+
+    /// Runs `on` from here, again from the saved state, and in the component `fresh` that gets it as bytes: all give the same. Ends in
+    /// the saved state.
+    #[track_caller]
+    pub fn assert_replay<T: PartialEq>(&mut self, mut fresh: Drive, mut on: impl FnMut(&mut Drive) -> T) -> T {
+        let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+        self.0.snapshot(&mut saved);
+        saved.encode(&mut bytes);
+        assert!(bytes.len() == saved.encoded_size() && bytes.len() <= 256 << 10, "{} bytes", bytes.len());
+        let first = on(self);
+        self.0.restore(&saved).unwrap();
+        assert!(first == on(self), "another result in the same component");
+        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert!(first == on(&mut fresh), "another result in a fresh component");
+        self.0.restore(&saved).unwrap();
+        first
     }
 
     pub fn get(&mut self, name: &str) -> f64 {

@@ -4,6 +4,7 @@
 //! layer that is compiled for its own unit tests.
 
 mod application;
+pub mod counting;
 mod drive;
 pub mod importer;
 mod random;
@@ -18,7 +19,7 @@ use sliding_contact::component::Values;
 use std::path::PathBuf;
 
 /// `solver.fidelity`: the level is chosen by the tolerance.
-pub const AUTO: f64 = 1.0;
+pub(crate) const AUTO: f64 = 1.0;
 /// `solver.fidelity`: uniform pressure.
 pub const LUMPED: f64 = 2.0;
 

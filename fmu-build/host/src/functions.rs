@@ -6,17 +6,17 @@ use std::ffi::{CStr, c_char, c_double, c_int, c_uint, c_void};
 use std::path::Path;
 
 /// `fmi2Component`
-pub type Handle = *mut c_void;
+pub(crate) type Handle = *mut c_void;
 /// `fmi2Status`, as the plain number that it is in C.
 pub type Status = c_uint;
 
 /// `fmi2Warning`: still a success.
-pub const WARNING: Status = 1;
+pub(crate) const WARNING: Status = 1;
 /// `fmi2Fatal`: no instance may be touched any more.
-pub const FATAL: Status = 4;
+pub(crate) const FATAL: Status = 4;
 
 /// Name of a status.
-pub fn status_name(status: Status) -> &'static str {
+pub(crate) fn status_name(status: Status) -> &'static str {
     match status {
         0 => "fmi2OK",
         WARNING => "fmi2Warning",
@@ -42,7 +42,7 @@ pub type Logger = unsafe extern "C" fn(
 
 /// `fmi2CallbackFunctions`
 #[repr(C)]
-pub struct Callbacks {
+pub(crate) struct Callbacks {
     pub logger: Logger,
     pub allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
     pub free: unsafe extern "C" fn(*mut c_void),
@@ -52,7 +52,7 @@ pub struct Callbacks {
 
 unsafe extern "C" {
     /// Of the C library.
-    pub fn calloc(count: usize, size: usize) -> *mut c_void;
+    pub(crate) fn calloc(count: usize, size: usize) -> *mut c_void;
     /// Of the C library.
     pub fn free(memory: *mut c_void);
 }

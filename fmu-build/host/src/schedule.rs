@@ -70,7 +70,7 @@ impl<'a> Schedule<'a> {
 
 /// Changes of the inputs since the step before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Change {
+pub(crate) struct Change {
     /// A value, or a derivative: both must then be given, because setting a value clears its derivative.
     pub any: bool,
     /// Whether any derivative is other than 0.
@@ -78,7 +78,7 @@ pub struct Change {
 }
 
 /// Follows a schedule from step to step, forwards.
-pub struct Follower<'a> {
+pub(crate) struct Follower<'a> {
     schedule: Schedule<'a>,
     interpolation: Interpolation,
     factors: &'a [f64],

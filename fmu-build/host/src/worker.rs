@@ -115,7 +115,7 @@ impl Worker {
     ///
     /// # Errors
     /// As [`Worker::run`]; a run that was stopped.
-    pub fn run_until(&mut self, scene: &Scene, stop: Option<&AtomicBool>) -> Result<Vec<f64>, Failure> {
+    pub(crate) fn run_until(&mut self, scene: &Scene, stop: Option<&AtomicBool>) -> Result<Vec<f64>, Failure> {
         // A handle of its own, so that the request may point into the description while the worker changes.
         let description = Arc::clone(&self.description);
         let request = Request::resolve(&description, scene)?;

@@ -9,7 +9,7 @@ use fmu_build::bench::{Cost, TURNS, report};
 
 /// Time wear steps of the contact line, in solutions of one dense system of as many unknowns.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// As `cargo fmu bench` knows it; there is nothing else here to time.
     #[arg(long, required = true)]
     line: bool,
@@ -25,7 +25,7 @@ const STOP_TURNS: usize = 3;
 ///
 /// # Errors
 /// Where a step fails, or a cost exceeds its limit with the allowance.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut costs = line::measure()?;
     costs.extend(level::measure()?);
     costs.extend(stop::measure()?);

@@ -3,7 +3,7 @@
 mod document;
 mod figure;
 mod findings;
-pub mod machine;
+pub(crate) mod machine;
 mod measure;
 mod peers;
 mod scaling;
@@ -27,7 +27,7 @@ use verification::drives::{self, DriveProblem, Sample};
 /// Every level, tolerance, number of cells, order of the inputs and communication step, and peers where they can do
 /// the scene. Writes one SVG and one CSV per scene, and those of the cost per step; prints what reaches 1 %.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenes to chart; by default all, and the cost per step.
     #[arg(long, value_name = "NAME")]
     scene: Vec<String>,
@@ -80,7 +80,7 @@ struct Chart {
 ///
 /// # Errors
 /// Where there is no such scene, its reference cannot be computed, a peer breaks, or a file cannot be written.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     if arguments.list {
         problems.iter().for_each(|problem| print_line!("{:20} {}", problem.name, problem.title));

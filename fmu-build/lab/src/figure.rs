@@ -8,12 +8,12 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Formats, by the ending of the file.
-pub const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
+pub(crate) const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
 
 /// What is drawn: the content of a run, the record of a steady state or of cycles.
 #[derive(Serialize)]
 #[serde(tag = "kind", content = "content", rename_all = "lowercase")]
-pub enum Drawn<'a> {
+pub(crate) enum Drawn<'a> {
     Simulation(&'a analyses::simulation::Figure),
     Steady(serde_json::Value),
     Cycles(serde_json::Value),
@@ -23,7 +23,7 @@ pub enum Drawn<'a> {
 ///
 /// # Errors
 /// Where the Python environment cannot be made, or the file not be written.
-pub fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
+pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
     let kind = format(option, path)?;
     output::make_above(path)?;
     let python = python::environment().with_context(|| format!("the environment with matplotlib, for {option}"))?;
@@ -54,7 +54,7 @@ pub fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// Another ending, with those that are accepted.
-pub fn format(option: &str, path: &Path) -> Result<&'static str> {
+pub(crate) fn format(option: &str, path: &Path) -> Result<&'static str> {
     let Some(ending) = path.extension() else { return Ok(FORMATS[0]) };
     FORMATS.into_iter().find(|format| ending.eq_ignore_ascii_case(format)).ok_or_else(|| {
         anyhow!("{option} {}: .{} are drawn, not .{}", path.display(), FORMATS.join(", ."), ending.display())

@@ -37,7 +37,7 @@ use crate::arguments;
 use crate::output::print_line;
 
 /// Result of an execution: what was found.
-pub type Verdict = Result<(), String>;
+pub(crate) type Verdict = Result<(), String>;
 
 /// Call the library, its states, scene files and batch inputs with random values and sequences, and report what breaks
 ///
@@ -52,7 +52,7 @@ pub type Verdict = Result<(), String>;
 ///   --target x86_64-unknown-linux-gnu --target-dir target/sanitizer -- fuzz
 #[derive(clap::Args, Debug)]
 #[command(verbatim_doc_comment)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Only these targets; all by default, each for its share of the time.
     #[arg(long, value_enum)]
     target: Vec<Target>,
@@ -85,7 +85,7 @@ pub struct Arguments {
 
 /// Fuzzed interface.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Target {
+pub(crate) enum Target {
     /// Sequences of calls of the C interface.
     Calls,
     /// Serialised states.
@@ -108,7 +108,7 @@ impl Target {
 
 /// Kinds of messages that were seen: texts without their numbers.
 #[derive(Default, Debug)]
-pub struct Kinds {
+pub(crate) struct Kinds {
     seen: BTreeSet<String>,
 }
 
@@ -117,7 +117,7 @@ const KIND: usize = 70;
 
 impl Kinds {
     /// Takes note of a message.
-    pub fn note(&mut self, text: &str) {
+    pub(crate) fn note(&mut self, text: &str) {
         let kind = kind_of(text);
         if !self.seen.contains(&kind) {
             self.seen.insert(kind);
@@ -177,7 +177,7 @@ fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
 ///
 /// # Errors
 /// Where something was found.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     for (option, seconds) in [("--seconds", arguments.seconds), ("--limit", arguments.limit)] {
         if !(seconds > 0.0 && seconds < 1e6) {
             bail!("{option} {seconds} s must be above 0 s and below 1e6 s");

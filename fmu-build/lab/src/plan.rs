@@ -12,7 +12,7 @@ use crate::scenes;
 
 /// Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file, or name of a folder in `examples`; by default the stock scene.
     scene: Option<String>,
     /// Give a variable another value, as KEY=VALUE.
@@ -41,7 +41,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {
         scenes::assign(&mut file, assignment)?;

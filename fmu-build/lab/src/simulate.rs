@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Drives the component that the FMU contains. Without --inputs: nominal load and velocity for the nominal duration, over the
 /// nominal stroke where the scene has one.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file, or name of a folder in `examples`.
     scene: String,
     /// Inputs over time (CSV or Parquet): time [s], sliding_velocity [km/h], normal_load [kN], or any input by its name and a unit.
@@ -66,7 +66,7 @@ pub struct Arguments {
 /// # Errors
 /// Everything wrong with the arguments, the scene and the files, by file, line, variable and value; a step that fails; a file
 /// that cannot be written.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let parquet = arguments
         .output
         .as_deref()

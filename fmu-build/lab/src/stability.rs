@@ -15,7 +15,7 @@ use verification::stability::{self, Definition, Grid, Map, Verdict};
 ///
 /// Writes one SVG and one CSV per map and prints the number of runs of each verdict.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Map to compute, as often as wanted; by default all.
     #[arg(long = "map", value_name = "NAME")]
     maps: Vec<String>,
@@ -37,7 +37,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Where there is no such map, one cannot be computed, or a file cannot be written.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let definitions = chosen(&arguments.maps)?;
     if arguments.list {
         definitions.iter().for_each(|definition| print_line!("{:12} {}", definition.name, definition.summary));

@@ -23,7 +23,7 @@ const LAW_CELLS: usize = 33;
 /// heat flows, pressure and shape. Ends with an error that gives the reason where there is no steady state; where there is
 /// one without heat but not with it, the reason is printed.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Print the state as JSON instead of a table: at the cells, and at the stations of the FMU's profiles.
@@ -55,7 +55,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.law {
         output::check_ending(arguments.output.as_deref(), &["svg"])?;
     } else if let Some(path) = &arguments.output {

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 ///
 /// Temperatures in K above ambient, fluxes in W/m2; the equations stand in tests/fmpy/slow/quadrature.py.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Tolerance instead of the scene's own.
@@ -26,7 +26,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Everything wrong with the scene.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     print_line!("{:#}", tables(arguments.scene.as_deref(), arguments.tolerance)?);
     Ok(())
 }
@@ -41,7 +41,7 @@ fn speeds() -> impl Iterator<Item = f64> {
 ///
 /// # Errors
 /// Everything wrong with the scene.
-pub fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
+pub(crate) fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     let packaged = scenes::load(scene)?.packaged;
     let mut scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;
     if let Some(tolerance) = tolerance {

@@ -11,7 +11,7 @@ use verification::{Row, problems};
 /// Errors are relative to the exact value, those of temperatures to the peak rise. Ends with an error
 /// where one exceeds its bound.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Print the rows as a JSON array instead of a table.
     #[arg(long)]
     json: bool,
@@ -24,7 +24,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Where the filter leaves nothing, a problem cannot be solved, or an error exceeds its bound.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let rows = solve(arguments.filter.as_deref())?;
     if arguments.json {
         print_line!("{:#}", Value::Array(rows.iter().map(record).collect()));

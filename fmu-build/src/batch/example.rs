@@ -6,7 +6,7 @@ use std::process::Command;
 
 /// A script of examples/batch.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Script {
+pub(crate) enum Script {
     /// A design of experiments on Dask.
     Sweep,
 }

@@ -38,7 +38,7 @@ impl Row {
 
 /// Rows that failed, and why.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Failures {
+pub(crate) struct Failures {
     /// Number of rows.
     pub count: usize,
     /// The most frequent first.
@@ -58,7 +58,7 @@ pub struct Reason {
 
 /// Identity of a batch, so that rows of different ones are not mixed: hashes of what they depend on, by name, in one line of text.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Identity(String);
+pub(crate) struct Identity(String);
 
 impl Identity {
     /// Of these parts.
@@ -78,7 +78,7 @@ impl Identity {
 /// Rows that are there, and the file beside the output that holds them until all are.
 ///
 /// A finished output has a file `.batch` beside it with the identity of the batch, so that a longer design continues it.
-pub struct Results {
+pub(crate) struct Results {
     output: PathBuf,
     partial: PathBuf,
     batch: PathBuf,

@@ -64,7 +64,7 @@ impl Table {
     ///
     /// # Errors
     /// A header with a unit that is not one of its variable, with those that are accepted; a column that is there twice then.
-    pub fn for_fmu(&self, description: &Description) -> Result<Converted> {
+    pub(crate) fn for_fmu(&self, description: &Description) -> Result<Converted> {
         let mut columns: Vec<String> = Vec::with_capacity(self.columns.len());
         let mut rows: Vec<Result<Vec<String>, String>> =
             vec![Ok(Vec::with_capacity(self.columns.len())); self.rows.len()];
@@ -105,7 +105,7 @@ impl Table {
 
 /// A design as the FMU takes it.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Converted {
+pub(crate) struct Converted {
     /// Names of variables, and factors.
     pub columns: Vec<String>,
     /// Cells of every row; the fault of a row that cannot be run.

@@ -14,7 +14,7 @@ const MOST_BYTES: u64 = 1 << 30;
 const LOCK: &str = "lock";
 
 /// A folder with the files of an FMU, removed in the end; where the process is killed, by the next one.
-pub struct Unpacked {
+pub(crate) struct Unpacked {
     pub folder: PathBuf,
     lock: PathBuf,
     _held: File,

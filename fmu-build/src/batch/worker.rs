@@ -9,13 +9,13 @@ use scene::message::Quoted;
 use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
 /// Status of a scene that did not fail.
-pub const OK: &str = "ok";
+pub(crate) const OK: &str = "ok";
 /// Status of a scene whose process was lost.
-pub const LOST: &str = "lost";
+pub(crate) const LOST: &str = "lost";
 
 /// Result of a scene.
 #[derive(serde::Serialize, serde::Deserialize, Clone, PartialEq, Eq, Debug)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// [`OK`], [`LOST`], or the stage that failed.
     pub status: String,
     /// Reason for the failure; empty on success.

@@ -6,7 +6,7 @@ use object::elf::FileHeader64;
 use object::read::elf::FileHeader;
 
 /// A version of glibc, such as 2.17.
-pub type Version = (u32, u32);
+pub(crate) type Version = (u32, u32);
 
 /// The newest version that the library may require: that of the oldest distributions still in use.
 pub const WANTED: Version = (2, 17);

@@ -17,7 +17,7 @@ use crate::python::{self, Tier};
 const SEPARATOR: &str = "\u{1f}";
 
 /// A library that is shipped.
-pub struct Product {
+pub(crate) struct Product {
     /// Package with the library.
     package: &'static str,
     /// Name of the crate.
@@ -30,7 +30,7 @@ pub struct Product {
 pub const FMU: Product = Product { package: "sliding-contact", name: "sliding_contact", profile: "fmu" };
 
 /// The library of the Python package.
-pub const PYTHON: Product =
+pub(crate) const PYTHON: Product =
     Product { package: "sliding-contact-python", name: "sliding_contact_native", profile: "wheel" };
 
 /// Builds a library for a platform and returns its bytes.
@@ -49,7 +49,7 @@ pub fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// As [`build`].
-pub fn for_this_machine(product: &Product) -> Result<Vec<u8>> {
+pub(crate) fn for_this_machine(product: &Product) -> Result<Vec<u8>> {
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return build(Platform::Linux64, product);
     }

@@ -119,7 +119,7 @@ pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
+pub(crate) fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
     check_platforms(&options.platforms)?;
     scenes::warn(scene);
     let path = options.output.clone().unwrap_or_else(|| default_path(scene, "fmu"));
@@ -189,7 +189,7 @@ fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {
 ///
 /// # Errors
 /// With what to install.
-pub fn check_platforms(platforms: &[Platform]) -> Result<()> {
+pub(crate) fn check_platforms(platforms: &[Platform]) -> Result<()> {
     match platforms.iter().find_map(|&platform| missing(platform)) {
         Some(reason) => Err(anyhow!(reason)),
         None => Ok(()),

@@ -21,7 +21,7 @@ pub enum Platform {
 impl Platform {
     /// Platform of this machine; [`None`] where there is none for it. A Mac with an ARM processor runs the library for x86-64 in an
     /// importer for x86-64.
-    pub fn host() -> Option<Self> {
+    pub(crate) fn host() -> Option<Self> {
         match (std::env::consts::OS, std::env::consts::ARCH) {
             ("linux", "x86_64") => Some(Platform::Linux64),
             ("linux", "aarch64") => Some(Platform::Aarch64Linux),
@@ -42,7 +42,7 @@ impl Platform {
     }
 
     /// Path of the library in the FMU.
-    pub fn library_path(self) -> String {
+    pub(crate) fn library_path(self) -> String {
         let ending = match self {
             Platform::Linux64 | Platform::Aarch64Linux => "so",
             Platform::Win64 => "dll",
@@ -52,7 +52,7 @@ impl Platform {
     }
 
     /// Name that cargo gives the built library of a crate.
-    pub fn built_name(self, name: &str) -> String {
+    pub(crate) fn built_name(self, name: &str) -> String {
         match self {
             Platform::Linux64 | Platform::Aarch64Linux => format!("lib{name}.so"),
             Platform::Win64 => format!("{name}.dll"),
@@ -72,7 +72,7 @@ impl Platform {
 
     /// Rust target where the standard library is compiled too. The Windows one needs nothing newer than Windows 7,
     /// so that it also runs under Wine 8, which is without functions of Windows 10 that the prebuilt one imports.
-    pub fn target_with_sources(self) -> &'static str {
+    pub(crate) fn target_with_sources(self) -> &'static str {
         match self {
             Platform::Win64 => "x86_64-win7-windows-gnu",
             other => other.target(),
@@ -80,7 +80,7 @@ impl Platform {
     }
 
     /// Linker and the Debian package that has it; `None`: the one of this system.
-    pub fn linker(self) -> Option<(&'static str, &'static str)> {
+    pub(crate) fn linker(self) -> Option<(&'static str, &'static str)> {
         match self {
             Platform::Win64 => Some(("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64")),
             Platform::Aarch64Linux if cfg!(not(all(target_os = "linux", target_arch = "aarch64"))) => {

@@ -39,7 +39,7 @@ impl Compiler {
 }
 
 /// Toolchain that builds for a platform.
-pub struct Toolchain {
+pub(crate) struct Toolchain {
     compiler: Compiler,
     /// Rust target.
     pub target: &'static str,
@@ -96,7 +96,7 @@ impl Toolchain {
     }
 
     /// Root of the toolchain, whose path must not get into the library.
-    pub fn sysroot(&self) -> &Path {
+    pub(crate) fn sysroot(&self) -> &Path {
         &self.compiler.sysroot
     }
 

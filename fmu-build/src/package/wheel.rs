@@ -76,7 +76,7 @@ pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
 ///
 /// # Errors
 /// As [`build`].
-pub fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
+pub(crate) fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
     let folder = project::target().join("python-package");
     let mut files = sources()?;
     let library = for_scripts()?;
@@ -130,7 +130,7 @@ fn for_scripts() -> Result<PathBuf> {
 ///
 /// # Errors
 /// Where it is none of those that wheels are made for.
-pub fn of_this_machine() -> Result<Platform> {
+pub(crate) fn of_this_machine() -> Result<Platform> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Ok(Platform::Linux64),
         ("linux", "aarch64") => Ok(Platform::Aarch64Linux),

@@ -10,7 +10,7 @@ const DECADES: usize = 9;
 const LOWEST: f64 = 0.01;
 
 /// Times in ascending order.
-pub struct Histogram {
+pub(crate) struct Histogram {
     /// Nanoseconds.
     sorted: Vec<u32>,
 }
@@ -28,7 +28,7 @@ impl Histogram {
     }
 
     /// The time that this share of all does not exceed, microseconds.
-    pub fn quantile(&self, share: f64) -> f64 {
+    pub(crate) fn quantile(&self, share: f64) -> f64 {
         // The share is a number of times but for rounding.
         let rank = (share * self.sorted.len() as f64 - 1e-6).ceil().max(1.0) as usize;
         microseconds(self.sorted[rank.min(self.sorted.len()) - 1])
@@ -62,7 +62,7 @@ impl Histogram {
     }
 
     /// Points (time in microseconds, share of all that takes longer), down to one of all.
-    pub fn tail(&self) -> Vec<(f64, f64)> {
+    pub(crate) fn tail(&self) -> Vec<(f64, f64)> {
         let count = self.count() as f64;
         let mut points: Vec<(f64, f64)> = self
             .fine()

@@ -19,7 +19,7 @@ const UNUSUAL_ACCELERATION: f64 = 12.0;
 
 /// A cycle as a file with the columns time_s and speed_m_per_s.
 #[derive(Debug)]
-pub struct Cycle {
+pub(crate) struct Cycle {
     path: PathBuf,
     /// Folder of a converted file, which goes with it.
     converted: Option<PathBuf>,

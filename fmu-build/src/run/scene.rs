@@ -22,7 +22,7 @@ const PADS: f64 = 0.5;
 ///
 /// # Errors
 /// With the variables, their values and what the example drives.
-pub fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
+pub(crate) fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
     check(example, &packaged.name, &|name| Some(packaged.starts[variables::find(name)? as usize]))
 }
 
@@ -30,7 +30,7 @@ pub fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
 ///
 /// # Errors
 /// As [`check_scene`], and where the file is no FMU.
-pub fn check_fmu(example: Example, file: &Path) -> Result<()> {
+pub(crate) fn check_fmu(example: Example, file: &Path) -> Result<()> {
     let context = || format!("reading {}", file.display());
     let mut text = String::new();
     let opened = File::open(file).with_context(context)?;

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 /// Format from which a step's results are counted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Counter {
+pub(crate) enum Counter {
     /// `test result: ok. 3 passed; 0 failed; 1 ignored; ...`, once per test binary.
     CargoTest,
     /// `==== 3 passed, 1 skipped in 2.00s ====`, at the end.
@@ -32,14 +32,14 @@ impl Counts {
 }
 
 /// Everything counted so far.
-pub struct Tally {
+pub(crate) struct Tally {
     json: bool,
     steps: Vec<(String, Counts, f64)>,
     skipped: Vec<(String, String)>,
 }
 
 /// A step that is running.
-pub struct Step {
+pub(crate) struct Step {
     json: bool,
     counts: Counts,
     skipped: Vec<String>,

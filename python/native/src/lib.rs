@@ -30,7 +30,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Changes with the meaning of any argument, request or result.
-pub const INTERFACE_VERSION: u32 = 2;
+pub(crate) const INTERFACE_VERSION: u32 = 2;
 
 /// What another thread shares with the work of a request.
 #[repr(C)]

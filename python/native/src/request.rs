@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// A scene as it is named and changed.
 #[derive(Deserialize)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// Name of a shipped scene or path of a file; `None`: the stock scene.
     scene: Option<String>,
     /// Folder of the shipped scenes.

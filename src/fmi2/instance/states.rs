@@ -48,7 +48,7 @@ impl Instance {
     }
 
     /// `fmi2FreeFMUstate`; NULL is ignored.
-    pub fn free_fmu_state(&mut self, state: *mut c_void) -> Outcome {
+    pub(crate) fn free_fmu_state(&mut self, state: *mut c_void) -> Outcome {
         if !state.is_null() {
             drop(STATES.remove(state).map_err(problem::unknown_state)?);
         }
@@ -56,7 +56,7 @@ impl Instance {
     }
 
     /// `fmi2SerializedFMUstateSize`
-    pub fn serialized_size(&mut self, state: *mut c_void) -> Result<usize, Problem> {
+    pub(crate) fn serialized_size(&mut self, state: *mut c_void) -> Result<usize, Problem> {
         Ok(STATES.acquire(state).map_err(problem::unknown_state)?.encoded_size(self.scene.guid.as_str()))
     }
 

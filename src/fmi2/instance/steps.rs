@@ -53,18 +53,18 @@ impl Instance {
     }
 
     /// `fmi2GetRealStatus`: the time of the last successful step.
-    pub fn real_status(&mut self, kind: StatusKind) -> Result<Real, Problem> {
+    pub(crate) fn real_status(&mut self, kind: StatusKind) -> Result<Real, Problem> {
         if kind == LAST_SUCCESSFUL_TIME { Ok(self.clock.time) } else { Err(problem::no_status(kind)) }
     }
 
     /// `fmi2GetBooleanStatus`: this slave never terminates the simulation.
-    pub fn boolean_status(&mut self, kind: StatusKind) -> Result<Boolean, Problem> {
+    pub(crate) fn boolean_status(&mut self, kind: StatusKind) -> Result<Boolean, Problem> {
         if kind == TERMINATED { Ok(FALSE) } else { Err(problem::no_status(kind)) }
     }
 
     /// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: they report on steps that are
     /// still running, of which there are none.
-    pub fn no_status<T>(&mut self, kind: StatusKind) -> Result<T, Problem> {
+    pub(crate) fn no_status<T>(&mut self, kind: StatusKind) -> Result<T, Problem> {
         Err(problem::no_status(kind))
     }
 }

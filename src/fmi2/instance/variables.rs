@@ -11,7 +11,7 @@ use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, Row, ValueRefer
 
 /// Workspace of `fmi2GetDirectionalDerivative`, reused so that repeated calls allocate nothing.
 #[derive(Default)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     unknowns: Vec<ValueReference>,
     knowns: Vec<ValueReference>,
     seed: Vec<f64>,
@@ -118,13 +118,13 @@ impl Instance {
     }
 
     /// `fmi2GetString`, `fmi2SetString`: there are no such variables.
-    pub fn no_strings(&mut self, references: Source<'_, ValueReference>) -> Outcome {
+    pub(crate) fn no_strings(&mut self, references: Source<'_, ValueReference>) -> Outcome {
         if references.count() == 0 { Ok(()) } else { Err(reference_problem(references.at(0), None, None)) }
     }
 
     /// `fmi2SetRealInputDerivatives`: order 1 only, valid for the next step. Like the inputs
     /// themselves they are stored whatever their value, and that step refuses values that are not finite.
-    pub fn set_real_input_derivatives(
+    pub(crate) fn set_real_input_derivatives(
         &mut self,
         references: Source<'_, ValueReference>,
         orders: Source<'_, Integer>,
@@ -150,7 +150,7 @@ impl Instance {
     }
 
     /// `fmi2GetRealOutputDerivatives`: order 1, at the end of the last step, at the present inputs.
-    pub fn get_real_output_derivatives(
+    pub(crate) fn get_real_output_derivatives(
         &mut self,
         references: Source<'_, ValueReference>,
         orders: Source<'_, Integer>,
@@ -182,7 +182,7 @@ impl Instance {
     }
 
     /// `fmi2GetDirectionalDerivative`: of outputs by inputs.
-    pub fn get_directional_derivative(
+    pub(crate) fn get_directional_derivative(
         &mut self,
         unknowns: Source<'_, ValueReference>,
         knowns: Source<'_, ValueReference>,

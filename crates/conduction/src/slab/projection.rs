@@ -373,7 +373,7 @@ impl<'a> Basis<'a> {
 impl ReducedBody {
     /// Closes the heat balance: the flow out of the base is input - d(stored)/dt - flow to ambient. For a convecting base
     /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
-    pub fn close_balance(&mut self) {
+    pub(crate) fn close_balance(&mut self) {
         for k in 0..self.count {
             self.base_flow.states[k] = self.stored.states[k] * self.rate[k] - self.ambient_flow.states[k];
         }

@@ -4,29 +4,7 @@ use contact::wear::line::{CellRate, Conditions, ContactRate, Disturbance, WarmSt
 use contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
 use exact::{FlatPunch, HertzLine, friction_exponent};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-/// Counts the allocations of every thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promises are those of this function.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the memory came from `alloc`, that is from the system's allocator.
-        unsafe { System.dealloc(memory, layout) }
-    }
-}
+use test_support::counting::{ALLOCATIONS, Counting};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 const EXTRA_POINTS: usize = 4;
 
 /// The cells between ascending `boundaries`, which must span the contact of the given width.
-pub fn contact_cells(width: f64, boundaries: &[f64]) -> Result<Vec<(f64, f64)>, BlockError> {
+pub(crate) fn contact_cells(width: f64, boundaries: &[f64]) -> Result<Vec<(f64, f64)>, BlockError> {
     for (index, pair) in boundaries.windows(2).enumerate() {
         if pair[1].partial_cmp(&pair[0]) != Some(Ordering::Greater) {
             return Err(BlockError::CellsNotAscending { index: index + 1, before: pair[0], value: pair[1] });
@@ -31,14 +31,14 @@ pub fn contact_cells(width: f64, boundaries: &[f64]) -> Result<Vec<(f64, f64)>, 
 }
 
 /// Whether cells between these boundaries are their own mirror images about x = 0.
-pub fn are_symmetric(boundaries: &[f64]) -> bool {
+pub(crate) fn are_symmetric(boundaries: &[f64]) -> bool {
     let width = boundaries.last().map_or(0.0, |last| 2.0 * last.abs());
     boundaries.iter().zip(boundaries.iter().rev()).all(|(x, mirrored)| (x + mirrored).abs() <= 1e-14 * width)
 }
 
 /// Integrals of the contact's shape functions over each cell: (scalar degree of freedom, integral, m). Exact, also
 /// where a cell covers a part of an element.
-pub fn contact_integrals(mesh: &Mesh, cells: &[(f64, f64)]) -> Vec<Vec<(usize, f64)>> {
+pub(crate) fn contact_integrals(mesh: &Mesh, cells: &[(f64, f64)]) -> Vec<Vec<(usize, f64)>> {
     let grid = &mesh.x;
     let degrees: Vec<Vec<usize>> = (0..grid.intervals()).map(|column| mesh.horizontal_degrees(column, false)).collect();
     let highest = degrees.iter().map(Vec::len).max().unwrap_or(0);
@@ -70,7 +70,7 @@ pub fn contact_integrals(mesh: &Mesh, cells: &[(f64, f64)]) -> Vec<Vec<(usize, f
 
 /// Loads of `columns` fields of traction or flux `density(column, right side, z)` on both sides, in the order of the
 /// free skeleton's degrees of freedom.
-pub fn side_loads<const C: usize>(
+pub(crate) fn side_loads<const C: usize>(
     mesh: &Mesh,
     columns: usize,
     density: impl Fn(usize, bool, f64) -> [f64; C],
@@ -101,7 +101,7 @@ pub fn side_loads<const C: usize>(
 
 /// Coefficients of `columns` prescribed fields at the held top, in the order of the held degrees of freedom: exact at the
 /// vertices, the best approximation of `slope` = d `value` / dx in the mean square between them.
-pub fn top_values<const C: usize>(
+pub(crate) fn top_values<const C: usize>(
     mesh: &Mesh,
     columns: usize,
     value: impl Fn(usize, f64) -> [f64; C],

@@ -38,7 +38,7 @@ impl fmt::Display for FactorizationError {
 
 /// Sparsity pattern of the free skeleton and its symbolic factorisation.
 #[derive(Debug)]
-pub struct Pattern {
+pub(crate) struct Pattern {
     /// Components per scalar degree of freedom: 2 for displacements, 1 for temperature.
     components: usize,
     symbolic_matrix: SymbolicSparseColMat<usize>,
@@ -97,12 +97,12 @@ impl Pattern {
     }
 
     /// Number of entries of the Cholesky factor.
-    pub fn factor_entries(&self) -> usize {
+    pub(crate) fn factor_entries(&self) -> usize {
         self.symbolic_factor.len_val()
     }
 
     /// Allocates a factor.
-    pub fn empty_factor(&self) -> Factor {
+    pub(crate) fn empty_factor(&self) -> Factor {
         Factor { values: vec![0.0; self.factor_entries()] }
     }
 
@@ -139,7 +139,7 @@ impl Pattern {
     ///
     /// # Errors
     /// The sum is not positive definite; then the content of the factor is undefined.
-    pub fn factorize_into(
+    pub(crate) fn factorize_into(
         &self,
         factor: &mut Factor,
         mesh: &Mesh,
@@ -206,7 +206,7 @@ impl Pattern {
     }
 
     /// Moves the values of the held degrees of freedom to the right-hand side.
-    pub fn subtract_held(
+    pub(crate) fn subtract_held(
         &self,
         mesh: &Mesh,
         elements: &[CondensedElement],
@@ -243,7 +243,7 @@ impl Pattern {
 
     /// [`Self::solve_in_place`] with at most as many columns as the workspace has; allocates as little as
     /// [`Self::factorize_into`].
-    pub fn solve_in_workspace(&self, factor: &Factor, loads: MatMut<'_, f64>, workspace: &mut Workspace) {
+    pub(crate) fn solve_in_workspace(&self, factor: &Factor, loads: MatMut<'_, f64>, workspace: &mut Workspace) {
         LltRef::new(&self.symbolic_factor, &factor.values).solve_in_place_with_conj(
             Conj::No,
             loads,

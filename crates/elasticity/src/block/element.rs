@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 use numerics::factorization;
 
 /// Pairs (a, b) of one-dimensional functions in the local order, and the number of those that belong to the skeleton.
-pub fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, usize) {
+pub(crate) fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, usize) {
     let mut functions = vec![(0, 0), (1, 0), (0, 1), (1, 1)];
     for b in 0..2 {
         functions.extend((2..=order_x).map(|a| (a, b)));
@@ -51,7 +51,7 @@ impl Shape {
     }
 
     /// Whether the shapes are equal up to rounding.
-    pub fn congruent(&self, other: &Self) -> bool {
+    pub(crate) fn congruent(&self, other: &Self) -> bool {
         self.similar(other) && (self.size_x - other.size_x).abs() <= 1e-13 * self.size_x
     }
 }
@@ -60,7 +60,7 @@ impl Shape {
 ///
 /// a(u, v) = int [ (lambda div u) div v + 2 G eps(u) : eps(v) ] dx dz with `lambda_over_shear` = lambda / G. It depends
 /// on the ratio of the element's sides only.
-pub fn elastic_stiffness(reference: &ReferenceMatrices, shape: Shape, lambda_over_shear: f64) -> DMatrix<f64> {
+pub(crate) fn elastic_stiffness(reference: &ReferenceMatrices, shape: Shape, lambda_over_shear: f64) -> DMatrix<f64> {
     let (functions, _) = local_functions(shape.order_x, shape.order_z);
     let ratio = shape.size_z / shape.size_x;
     let modulus = lambda_over_shear + 2.0;
@@ -118,7 +118,7 @@ pub fn dilatation(reference: &ReferenceMatrices, shape: Shape) -> DMatrix<f64> {
 
 /// Element with condensed interior modes, and the factors that recover them.
 #[derive(Clone, Debug)]
-pub struct CondensedElement {
+pub(crate) struct CondensedElement {
     /// Schur complement on the skeleton's degrees of freedom.
     pub skeleton: DMatrix<f64>,
     /// Lower Cholesky factor L of the interior block (its upper triangle is not used).
@@ -129,7 +129,7 @@ pub struct CondensedElement {
 
 /// Eliminates the degrees of freedom behind the first `skeleton` ones of a symmetric positive semidefinite element
 /// matrix whose interior block is definite. None if that block is not positive definite.
-pub fn condense(matrix: &DMatrix<f64>, skeleton: usize) -> Option<CondensedElement> {
+pub(crate) fn condense(matrix: &DMatrix<f64>, skeleton: usize) -> Option<CondensedElement> {
     let mut condensed = CondensedElement::empty(matrix.nrows(), skeleton);
     condensed.fill(matrix).then_some(condensed)
 }
@@ -168,13 +168,13 @@ impl CondensedElement {
 
     /// Moves interior loads to the skeleton: writes the contribution to `skeleton`, and leaves in `interior` the data of
     /// [`Self::recover_in_place`]. One column for each load.
-    pub fn reduce_in_place(&self, mut interior: MatMut<'_, f64>, skeleton: MatMut<'_, f64>) {
+    pub(crate) fn reduce_in_place(&self, mut interior: MatMut<'_, f64>, skeleton: MatMut<'_, f64>) {
         solve_lower_triangular_in_place(view(&self.interior_factor), interior.rb_mut(), Par::Seq);
         matmul(skeleton, Accum::Replace, view(&self.coupling).transpose(), interior.rb(), -1.0, Par::Seq);
     }
 
     /// Replaces reduced interior loads by the interior solution for the skeleton's solution.
-    pub fn recover_in_place(&self, skeleton: MatRef<'_, f64>, mut interior: MatMut<'_, f64>) {
+    pub(crate) fn recover_in_place(&self, skeleton: MatRef<'_, f64>, mut interior: MatMut<'_, f64>) {
         matmul(interior.rb_mut(), Accum::Add, view(&self.coupling), skeleton, -1.0, Par::Seq);
         solve_upper_triangular_in_place(view(&self.interior_factor).transpose(), interior, Par::Seq);
     }

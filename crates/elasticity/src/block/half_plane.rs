@@ -31,7 +31,7 @@ pub struct Stress {
 
 impl HalfPlane {
     /// Displacement (u_x, u_z) times the shear modulus at distance `x` along and `z` below a unit line load.
-    pub fn line_load_displacement(&self, x: f64, z: f64) -> (f64, f64) {
+    pub(crate) fn line_load_displacement(&self, x: f64, z: f64) -> (f64, f64) {
         let nu = self.poissons_ratio;
         let square = x * x + z * z;
         let along = x * z / square - (1.0 - 2.0 * nu) * x.atan2(z);
@@ -71,13 +71,13 @@ impl HalfPlane {
 
     /// Integral over `observed` of the surface's normal displacement (times the shear modulus) by unit pressure on
     /// `loaded`: -(1 - nu)/pi times the double integral of ln(|x - s|/scale). The cells coincide or do not overlap.
-    pub fn normal_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+    pub(crate) fn normal_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
         -(1.0 - self.poissons_ratio) / PI * logarithm_integral(observed, loaded, self.scale)
     }
 
     /// Integral over `observed` of the surface's displacement along x (times the shear modulus) by unit pressure on
     /// `loaded`; the cells coincide or do not overlap.
-    pub fn tangential_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+    pub(crate) fn tangential_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
         let side = if observed.0 >= loaded.1 {
             1.0
         } else if observed.1 <= loaded.0 {
@@ -92,14 +92,14 @@ impl HalfPlane {
 /// Conducting half-plane z >= 0 under a uniform flux on an interval of its surface; temperatures times the conductivity,
 /// unit flux into the body, the constant fixed by the scale of the logarithm.
 #[derive(Clone, Copy, Debug)]
-pub struct ConductingHalfPlane {
+pub(crate) struct ConductingHalfPlane {
     /// Length at which the temperature by a line source is zero, m.
     pub scale: f64,
 }
 
 impl ConductingHalfPlane {
     /// Temperature at distance `x` along and `z` below a unit line source.
-    pub fn line_source_temperature(&self, x: f64, z: f64) -> f64 {
+    pub(crate) fn line_source_temperature(&self, x: f64, z: f64) -> f64 {
         -0.5 / PI * ((x * x + z * z) / (self.scale * self.scale)).ln()
     }
 
@@ -110,7 +110,7 @@ impl ConductingHalfPlane {
     }
 
     /// Slope of the temperature along x at (x, z), z > 0, by unit flux on `cell`.
-    pub fn slope_along(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
+    pub(crate) fn slope_along(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
         self.line_source_temperature(x - cell.0, z) - self.line_source_temperature(x - cell.1, z)
     }
 

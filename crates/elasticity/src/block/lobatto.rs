@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 
 /// Highest polynomial order of a shape function that the block accepts. Order 8 is the practical limit; the orders
 /// above it exist for reference solutions.
-pub const MAXIMUM_ORDER: usize = 12;
+pub(crate) const MAXIMUM_ORDER: usize = 12;
 
 /// Exact matrices of one variable on [-1, 1], all (order + 1) x (order + 1), rows and columns in the order of the
 /// shape functions.
@@ -95,7 +95,7 @@ fn legendre(xi: f64, values: &mut [f64]) {
 }
 
 /// Values of the shape functions 0 .. values.len() - 1 at `xi`.
-pub fn shape_values(xi: f64, values: &mut [f64]) {
+pub(crate) fn shape_values(xi: f64, values: &mut [f64]) {
     let mut polynomials = [0.0; MAXIMUM_ORDER + 1];
     legendre(xi, &mut polynomials[..values.len().max(2)]);
     for (k, value) in values.iter_mut().enumerate() {
@@ -104,7 +104,7 @@ pub fn shape_values(xi: f64, values: &mut [f64]) {
 }
 
 /// Derivatives with respect to `xi` of the shape functions 0 .. values.len() - 1 at `xi`.
-pub fn shape_derivatives(xi: f64, values: &mut [f64]) {
+pub(crate) fn shape_derivatives(xi: f64, values: &mut [f64]) {
     let mut polynomials = [0.0; MAXIMUM_ORDER + 1];
     legendre(xi, &mut polynomials[..values.len().max(2)]);
     for (k, value) in values.iter_mut().enumerate() {

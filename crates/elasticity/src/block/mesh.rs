@@ -82,7 +82,7 @@ impl Grid {
 }
 
 /// Number of vertices and edges of an element.
-pub const ENTITIES_PER_ELEMENT: usize = 8;
+pub(crate) const ENTITIES_PER_ELEMENT: usize = 8;
 
 /// Positions of an element's skeleton entities relative to its lower left vertex: vertices, then edges along x
 /// (below, above), then edges along z (left, right).
@@ -91,8 +91,9 @@ const LOCAL_POSITIONS: [(usize, usize); ENTITIES_PER_ELEMENT] =
 
 /// One vertex or edge of the skeleton.
 #[derive(Clone, Copy, Debug)]
-pub struct Entity {
+pub(crate) struct Entity {
     /// Position in the grid of vertices (even) and intervals (odd).
+    #[cfg(test)]
     position: (usize, usize),
     /// Number of its first scalar degree of freedom.
     pub first: usize,
@@ -102,7 +103,7 @@ pub struct Entity {
 
 /// The mesh: columns times rows of rectangles, x along the contact, z from the contact (0) to the top.
 #[derive(Clone, Debug)]
-pub struct Mesh {
+pub(crate) struct Mesh {
     /// Columns.
     pub x: Grid,
     /// Rows.
@@ -138,7 +139,12 @@ impl Mesh {
             let (u, w) = position;
             let count = x.functions_at(u) * z.functions_at(w);
             number_at[u * rows + w] = entities.len();
-            entities.push(Entity { position, first: total, count });
+            entities.push(Entity {
+                #[cfg(test)]
+                position,
+                first: total,
+                count,
+            });
             total += count;
             if w <= last_free {
                 (free, free_entities) = (total, entities.len());
@@ -160,12 +166,12 @@ impl Mesh {
     }
 
     /// Scalar interior modes of element `element`, counted over all interiors.
-    pub fn interior(&self, element: usize) -> std::ops::Range<usize> {
+    pub(crate) fn interior(&self, element: usize) -> std::ops::Range<usize> {
         self.interiors[element]..self.interiors[element + 1]
     }
 
     /// Number of scalar interior modes of all elements.
-    pub fn interior_total(&self) -> usize {
+    pub(crate) fn interior_total(&self) -> usize {
         self.interiors[self.elements()]
     }
 
@@ -181,7 +187,7 @@ impl Mesh {
     }
 
     /// The distinct shapes of the elements under the relation `same`, and the index of each element's shape.
-    pub fn distinct_shapes(&self, same: impl Fn(&Shape, &Shape) -> bool) -> (Vec<Shape>, Vec<usize>) {
+    pub(crate) fn distinct_shapes(&self, same: impl Fn(&Shape, &Shape) -> bool) -> (Vec<Shape>, Vec<usize>) {
         let mut shapes: Vec<Shape> = Vec::new();
         let kind = (0..self.elements())
             .map(|element| {
@@ -201,7 +207,7 @@ impl Mesh {
     }
 
     /// Column and row of element `element`.
-    pub fn column_and_row(&self, element: usize) -> (usize, usize) {
+    pub(crate) fn column_and_row(&self, element: usize) -> (usize, usize) {
         (element / self.z.intervals(), element % self.z.intervals())
     }
 
@@ -210,12 +216,12 @@ impl Mesh {
     }
 
     /// Numbers of the entities of the element in `column`, `row`, in the order of the element matrices.
-    pub fn element_entities(&self, column: usize, row: usize) -> [usize; ENTITIES_PER_ELEMENT] {
+    pub(crate) fn element_entities(&self, column: usize, row: usize) -> [usize; ENTITIES_PER_ELEMENT] {
         LOCAL_POSITIONS.map(|(u, w)| self.entity_at(2 * column + u, 2 * row + w))
     }
 
     /// Scalar degrees of freedom of the element in `column`, `row`, in the order of the element matrices.
-    pub fn element_degrees(&self, column: usize, row: usize) -> Vec<usize> {
+    pub(crate) fn element_degrees(&self, column: usize, row: usize) -> Vec<usize> {
         let mut degrees = Vec::new();
         for entity in self.element_entities(column, row) {
             let Entity { first, count, .. } = self.entities[entity];
@@ -233,21 +239,22 @@ impl Mesh {
 
     /// Degrees of freedom of the shape functions 0 .. order of column `column` on the contact (`top` false) or the
     /// top edge.
-    pub fn horizontal_degrees(&self, column: usize, top: bool) -> Vec<usize> {
+    pub(crate) fn horizontal_degrees(&self, column: usize, top: bool) -> Vec<usize> {
         let w = if top { self.z.positions() - 1 } else { 0 };
         let u = 2 * column;
         self.line_degrees([self.entity_at(u, w), self.entity_at(u + 2, w)], self.entity_at(u + 1, w))
     }
 
     /// Degrees of freedom of the shape functions 0 .. order of row `row` on the left or right side.
-    pub fn vertical_degrees(&self, row: usize, right: bool) -> Vec<usize> {
+    pub(crate) fn vertical_degrees(&self, row: usize, right: bool) -> Vec<usize> {
         let u = if right { self.x.positions() - 1 } else { 0 };
         let w = 2 * row;
         self.line_degrees([self.entity_at(u, w), self.entity_at(u, w + 2)], self.entity_at(u, w + 1))
     }
 
     /// Coordinates of the vertex behind entity `entity`, if it is one.
-    pub fn vertex(&self, entity: &Entity) -> Option<(f64, f64)> {
+    #[cfg(test)]
+    pub(crate) fn vertex(&self, entity: &Entity) -> Option<(f64, f64)> {
         let (u, w) = entity.position;
         (u.is_multiple_of(2) && w.is_multiple_of(2)).then(|| (self.x.points[u / 2], self.z.points[w / 2]))
     }

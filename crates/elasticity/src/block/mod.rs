@@ -26,7 +26,7 @@
 //! Theory: docs/theory.md, section 3.4.
 
 pub mod boundary;
-pub mod condense;
+pub(crate) mod condense;
 pub mod distortion;
 pub mod element;
 pub mod half_plane;
@@ -37,8 +37,7 @@ pub mod tangential;
 #[cfg(test)]
 mod tests;
 pub mod thermal;
-pub mod thermal_factor;
-pub mod unreduced;
+pub(crate) mod thermal_factor;
 
 pub use distortion::FunctionsAcross;
 pub use mechanical::{Block, BlockProperties, Compliance};
@@ -51,9 +50,9 @@ use mesh::{Division, Grid, Mesh};
 use std::fmt;
 
 /// Largest height / width: the bending of a more slender block amplifies rounding beyond 1e-4 of S.
-pub const LARGEST_SLENDERNESS: f64 = 20.0;
+pub(crate) const LARGEST_SLENDERNESS: f64 = 20.0;
 /// Largest width / height: the mesh grows in proportion to it.
-pub const LARGEST_FLATNESS: f64 = 500.0;
+pub(crate) const LARGEST_FLATNESS: f64 = 500.0;
 
 /// Refused input, with its value and its limit.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,9 +148,9 @@ impl Discretization {
     pub const CORNER_GRADING: f64 = 0.15;
     /// Optimal grading for the remainder fields of the cells next to the corners, which vary over the distance between cell
     /// and corner: a steeper one needs higher orders, a milder one more layers.
-    pub const CELL_GRADING: f64 = 0.25;
+    pub(crate) const CELL_GRADING: f64 = 0.25;
     /// Highest order of `for_cells`.
-    pub const HIGHEST_ORDER: usize = 8;
+    pub(crate) const HIGHEST_ORDER: usize = 8;
 
     /// The same number of layers at all four corners, for smooth loads.
     pub fn uniform(order: usize, layers: usize) -> Self {

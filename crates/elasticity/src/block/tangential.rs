@@ -16,7 +16,7 @@ impl Block {
     ///
     /// # Errors
     /// Boundaries that do not ascend or do not span the contact.
-    pub fn tangential_by_shear(&self, boundaries: &[f64]) -> Result<DMatrix<f64>, BlockError> {
+    pub(crate) fn tangential_by_shear(&self, boundaries: &[f64]) -> Result<DMatrix<f64>, BlockError> {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let integrals = contact_integrals(&self.mesh, &cells);
         let n = cells.len();

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! A held top is T = 0 there; where the prescribed temperature varies, T is relative to it, f_side has the ambient
-//! temperature relative to it as well, and its rate enters as -`uniform_capacity` dT_top/dt.
+//! temperature relative to it as well, and its rate enters as -M 1 dT_top/dt.
 //!
 //! Vectors hold the free skeleton's degrees of freedom (vertices and edges), then the interior modes element by element.
 //!
@@ -146,67 +146,12 @@ impl ThermalBlock {
         }))
     }
 
-    /// f_side: heat per unit depth and unit ambient temperature through the sides [W/(m K)].
-    pub fn side_load(&self) -> Mat<f64> {
-        let coefficient = self.properties.side_convection;
-        self.on_whole_vector(side_loads(&self.mesh, 1, |_, _, _| [coefficient]))
-    }
-
-    /// f_top: heat per unit depth and unit outside temperature through a convecting top [W/(m K)]; 0 for a held one.
-    pub fn top_load(&self) -> Mat<f64> {
-        self.over_top(self.properties.top_convection())
-    }
-
-    /// int_top v, m: heat per unit depth and unit flux into a top that is not held; 0 for a held one.
-    pub fn top_integrals(&self) -> Mat<f64> {
-        self.over_top(1.0)
-    }
-
-    fn over_top(&self, coefficient: f64) -> Mat<f64> {
-        let mut load = Mat::zeros(self.degrees(), 1);
-        if self.properties.top != FarBoundary::Held {
-            for column in 0..self.mesh.x.intervals() {
-                // Integrals over an edge: half its size for each vertex, -sqrt(2/3) of that for the quadratic function.
-                let integrals = [1.0, 1.0, -(2.0f64 / 3.0).sqrt()];
-                let scale = 0.5 * self.mesh.x.size(column) * coefficient;
-                for (degree, integral) in self.mesh.horizontal_degrees(column, true).into_iter().zip(integrals) {
-                    load[(degree, 0)] += scale * integral;
-                }
-            }
-        }
-        load
-    }
-
-    /// int rho c v [J/(m K)]: M times the uniform temperature 1, a held top included.
-    pub fn uniform_capacity(&self) -> Mat<f64> {
-        let mut load = Mat::zeros(self.degrees(), 1);
-        for (element, &kind) in self.kind.iter().enumerate() {
-            let matrix = &self.capacity[kind];
-            for (i, degree) in self.local_degrees(element).into_iter().enumerate() {
-                if let Some(degree) = degree {
-                    // The first four local functions are those of the vertices and sum to 1.
-                    load[(degree, 0)] += (0..4).map(|vertex| matrix[(i, vertex)]).sum::<f64>();
-                }
-            }
-        }
-        load
-    }
-
-    /// K times each column of `fields`, convection included.
-    pub fn apply_conduction(&self, fields: &Mat<f64>) -> Mat<f64> {
-        let mut result = self.apply(&self.conduction, fields);
-        for (element, matrix) in &self.convection {
-            let (column, row) = self.mesh.column_and_row(*element);
-            let degrees = self.mesh.element_degrees(column, row);
-            for k in 0..fields.ncols() {
-                for (j, &from) in degrees.iter().enumerate().filter(|&(_, &degree)| degree < self.mesh.free) {
-                    for (i, &to) in degrees.iter().enumerate().filter(|&(_, &degree)| degree < self.mesh.free) {
-                        result[(to, k)] += matrix[(i, j)] * fields[(from, k)];
-                    }
-                }
-            }
-        }
-        result
+    /// Integrals of the shape functions over each cell, by cell: (degree of freedom, integral, m).
+    ///
+    /// # Errors
+    /// Boundaries that do not ascend or do not span the contact.
+    pub fn cell_integrals(&self, boundaries: &[f64]) -> Result<Vec<Vec<(usize, f64)>>, BlockError> {
+        Ok(contact_integrals(&self.mesh, &contact_cells(self.properties.width, boundaries)?))
     }
 
     /// M times each column of `fields`.
@@ -360,40 +305,6 @@ mod tests {
                 assert!(means.iter().all(|mean| (mean - expected).abs() < bound * expected), "{rate}: {means}");
             }
         }
-    }
-
-    #[test]
-    fn heat_that_enters_leaves_through_sides_and_top() {
-        let properties = ThermalProperties { side_convection: 300.0, top: FarBoundary::Convecting(50.0), ..PROPERTIES };
-        let block = ThermalBlock::new(properties, Discretization::uniform(5, 4)).unwrap();
-        let mut field = block.flux_loads(&cells(9)).unwrap();
-        block.solve_in_place(&block.factorize(0.0).unwrap(), &mut field).unwrap();
-        let (side, top) = (block.side_load(), block.top_load());
-        for (j, cell) in cells(9).windows(2).enumerate() {
-            let flow = |load: &Mat<f64>| (0..block.degrees()).map(|i| load[(i, 0)] * field[(i, j)]).sum::<f64>();
-            let entered = cell[1] - cell[0];
-            assert!((flow(&side) + flow(&top) - entered).abs() < 1e-11 * entered);
-            assert!(flow(&side) > 0.1 * entered && flow(&top) > 0.001 * entered);
-        }
-        // A uniform temperature equal to that outside causes no heat flow.
-        let mut uniform = block.side_load() + block.top_load();
-        block.solve_in_place(&block.factorize(0.0).unwrap(), &mut uniform).unwrap();
-        let means = block.contact_temperatures(&cells(9), &uniform).unwrap();
-        assert!(means.iter().all(|mean| (mean - 1.0).abs() < 1e-11));
-        let stored: f64 = (0..block.degrees()).map(|i| block.uniform_capacity()[(i, 0)] * uniform[(i, 0)]).sum();
-        assert!((stored - 3.6e6 * 0.006).abs() < 1e-9 * stored);
-    }
-
-    #[test]
-    fn solution_satisfies_the_applied_matrices() {
-        let properties = ThermalProperties { side_convection: 300.0, ..PROPERTIES };
-        let block = ThermalBlock::new(properties, Discretization::uniform(4, 3)).unwrap();
-        let load = Mat::from_fn(block.degrees(), 2, |i, j| ((7 * i + 3 * j) % 11) as f64 - 5.0);
-        let mut field = load.clone();
-        let shift = 0.3;
-        block.solve_in_place(&block.factorize(shift).unwrap(), &mut field).unwrap();
-        let residual = block.apply_conduction(&field) + block.apply_capacity(&field) * faer::Scale(shift) - &load;
-        assert!(residual.norm_max() < 1e-9, "{:e}", residual.norm_max());
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::element::CondensedElement;
 use super::thermal::ThermalBlock;
 use faer::reborrow::ReborrowMut;
 use faer::{Mat, MatMut};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use scene::FarBoundary;
 
 /// Factor of K + shift M.
@@ -35,8 +35,6 @@ pub struct ThermalWorkspace {
     skeleton: Vec<f64>,
     /// Largest number of loads together.
     columns: usize,
-    /// Values of the functions of one element, before and after a product.
-    values: [DVector<f64>; 2],
 }
 
 impl ThermalBlock {
@@ -63,7 +61,7 @@ impl ThermalBlock {
     }
 
     /// Allocates a factor.
-    pub fn empty_factor(&self) -> ThermalFactor {
+    pub(crate) fn empty_factor(&self) -> ThermalFactor {
         let empty = |matrix: &DMatrix<f64>| CondensedElement::empty(matrix.nrows(), self.skeleton_functions());
         ThermalFactor { elements: self.capacity.iter().map(empty).collect(), factor: self.pattern.empty_factor() }
     }
@@ -74,13 +72,11 @@ impl ThermalBlock {
     /// Out of memory.
     pub fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
         let functions = self.capacity.first().map_or(0, DMatrix::nrows);
-        let values = || DVector::zeros(functions);
         Ok(ThermalWorkspace {
             condensed: self.pattern.workspace(columns).map_err(|reason| self.failed(reason))?,
             local: DMatrix::zeros(functions, functions),
             skeleton: vec![0.0; self.skeleton_functions() * columns],
             columns,
-            values: [values(), values()],
         })
     }
 
@@ -99,7 +95,7 @@ impl ThermalBlock {
     ///
     /// # Errors
     /// As [`Self::factorize`]; then the content of the factor is undefined.
-    pub fn factorize_into(
+    pub(crate) fn factorize_into(
         &self,
         factor: &mut ThermalFactor,
         shift: f64,
@@ -145,7 +141,7 @@ impl ThermalBlock {
 
     /// [`Self::solve_in_place`] with at most as many columns as the workspace has; allocates as little as
     /// [`Self::factorize_into`].
-    pub fn solve_in_workspace(
+    pub(crate) fn solve_in_workspace(
         &self,
         factor: &ThermalFactor,
         mut loads: MatMut<'_, f64>,
@@ -175,27 +171,6 @@ impl ThermalBlock {
                 }
             }
             factor.elements[kind].recover_in_place(outer.as_ref(), loads.rb_mut().subrows_mut(first, count));
-        }
-    }
-
-    /// Adds `factor` times M times `field` to `target`; no allocation.
-    pub fn add_capacity(&self, factor: f64, field: &[f64], target: &mut [f64], workspace: &mut ThermalWorkspace) {
-        let free = self.mesh.free;
-        let [before, after] = &mut workspace.values;
-        for (element, &kind) in self.kind.iter().enumerate() {
-            let (first, count) = self.interior(element);
-            let skeleton = self.skeleton(element);
-            for (i, &degree) in skeleton.iter().enumerate() {
-                before[i] = if degree < free { field[degree] } else { 0.0 };
-            }
-            before.as_mut_slice()[skeleton.len()..].copy_from_slice(&field[first..first + count]);
-            after.gemv(factor, &self.capacity[kind], before, 0.0);
-            for (i, &degree) in skeleton.iter().enumerate().filter(|&(_, &degree)| degree < free) {
-                target[degree] += after[i];
-            }
-            for (target, after) in target[first..first + count].iter_mut().zip(&after.as_slice()[skeleton.len()..]) {
-                *target += after;
-            }
         }
     }
 }

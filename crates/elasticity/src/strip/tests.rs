@@ -72,7 +72,7 @@ fn straight_strip_does_not_depend_on_the_auxiliary_period() {
             let strip = Strip::new(material, height, base, Extent::Straight).unwrap();
             let cells = Cells::graded(1.0, 17).unwrap();
             let usual = strip.compliance(&cells);
-            let longer = strip.on_period(&cells, f64::INFINITY, 2.0 + 1.37 * DECAY_LENGTH * height);
+            let longer = strip.on_period(&cells, f64::INFINITY, 2.0 + 1.37 * 40.0 * height);
             let scale = largest(&HalfPlane { material }.compliance(&cells).normal);
             let error = largest(&(&usual.normal - &longer.normal)) / scale;
             assert!(error < 1e-11, "{base:?} nu {nu} h {height}: C {error:e}");

@@ -3,7 +3,7 @@
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 
 /// Markdown as HTML, for one page: a link to a heading of any page leads to that heading here, and pictures lie beside the page.
-pub fn to_html(markdown: &str) -> String {
+pub(crate) fn to_html(markdown: &str) -> String {
     let mut events: Vec<Event> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
     for at in 0..events.len() {
         let (start, rest) = events[at..].split_first_mut().expect("an event");
@@ -40,13 +40,13 @@ pub fn to_html(markdown: &str) -> String {
 }
 
 /// Anchor that a page shows for a heading.
-pub fn anchor(heading: &str) -> String {
+pub(crate) fn anchor(heading: &str) -> String {
     let kept = |letter: &char| letter.is_alphanumeric() || " -_".contains(*letter);
     heading.to_lowercase().chars().filter(kept).map(|letter| if letter == ' ' { '-' } else { letter }).collect()
 }
 
 /// List of links to headings of a page.
-pub fn contents<T: AsRef<str>>(headings: impl Iterator<Item = T>) -> String {
+pub(crate) fn contents<T: AsRef<str>>(headings: impl Iterator<Item = T>) -> String {
     let link = |heading: T| format!("[{0}](#{1})", heading.as_ref(), anchor(heading.as_ref()));
     format!("{}\n\n", headings.map(link).collect::<Vec<_>>().join(" ·\n"))
 }
@@ -57,7 +57,7 @@ pub fn section(page: &str) -> String {
 }
 
 /// Text in a cell of a table, or in a paragraph.
-pub fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('|', "\\|").replace('*', "\\*")
 }
 

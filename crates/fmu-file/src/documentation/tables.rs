@@ -7,7 +7,7 @@ use crate::description::variability;
 use crate::xml::number;
 
 /// A table of variables.
-pub struct Topic {
+pub(crate) struct Topic {
     /// Heading of the table.
     pub title: &'static str,
     /// Whether the user gives the values: the table then has start values and limits.
@@ -17,7 +17,7 @@ pub struct Topic {
 }
 
 /// A row of a table, in plain text.
-pub struct Entry {
+pub(crate) struct Entry {
     /// Name, with the range of an array's index.
     pub name: String,
     /// Unit of the interface, or the type.
@@ -109,7 +109,7 @@ fn fits(name: &str, pattern: &str) -> bool {
 }
 
 /// Tables of a scene's variables: inputs, outputs, results by topic, parameters by topic.
-pub fn topics(starts: &[f64]) -> Vec<Topic> {
+pub(crate) fn topics(starts: &[f64]) -> Vec<Topic> {
     let table = |title, causality, names: Option<&[&str]>| {
         let mut first = 0;
         let mut entries = Vec::new();

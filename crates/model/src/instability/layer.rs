@@ -20,12 +20,10 @@ use elasticity::{Base, antisymmetric};
 use nalgebra::Complex;
 use scene::{Body, FarBoundary, MechanicalBody, Scene};
 
-/// Half of the resistance between surfaces without heat exchange, K m2/W: each receives half of the heat.
-const NO_EXCHANGE: f64 = 1e12;
-
 /// 1/(2 h_c), K m2/W.
 pub fn half_resistance(scene: &Scene) -> f64 {
-    if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE }
+    // Half of the resistance between surfaces without heat exchange, K m2/W: each receives half of the heat.
+    if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 1e12 }
 }
 
 /// Layer at one wave number.
@@ -108,7 +106,7 @@ impl Layers {
     }
 
     /// Whether the wave cannot grow: no thermal expansion, or no elastic compliance.
-    pub fn is_neutral(&self) -> bool {
+    pub(crate) fn is_neutral(&self) -> bool {
         let lifts = self.bodies.iter().any(|body| body.expands);
         !lifts || self.compliance() <= 0.0 || !self.compliance().is_finite()
     }

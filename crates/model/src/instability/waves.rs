@@ -14,8 +14,6 @@ const WAVE_SPEEDS: usize = 12;
 const SLOWEST_WAVE: f64 = 1e-10;
 const FASTEST_WAVE: f64 = 0.5001;
 
-/// q h from which on a layer is a half-plane, in which shorter waves are more stable.
-const DEEP: f64 = 4.0;
 /// Ratio of neighbouring wave numbers, up to this number of them; the minimum is refined by a parabola.
 const SPACING: f64 = 1.2;
 const MOST_WAVES: usize = 24;
@@ -102,7 +100,8 @@ impl Families {
         match scene.geometry {
             Geometry::Periodic => add(&Numbers::multiples(scene, 2.0 * PI / scene.width), &free),
             Geometry::Annular => {
-                if scene.count * scene.depth > FULL_RING * 2.0 * PI * scene.mean_radius {
+                // Fraction of the circle from which on punches count as a full ring.
+                if scene.count * scene.depth > 0.999 * 2.0 * PI * scene.mean_radius {
                     add(&Numbers::multiples(scene, 1.0 / scene.mean_radius), &free);
                 } else {
                     add(&half_waves(scene.depth), &with);
@@ -121,7 +120,7 @@ impl Families {
     }
 
     /// Whether no wave can grow.
-    pub fn is_neutral(&self) -> bool {
+    pub(crate) fn is_neutral(&self) -> bool {
         self.families.iter().flat_map(|family| &family.waves).all(Layers::is_neutral)
     }
 
@@ -148,9 +147,6 @@ impl Families {
     }
 }
 
-/// Fraction of the circle from which on punches count as a full ring.
-const FULL_RING: f64 = 0.999;
-
 /// Wave numbers in ascending order, 1/m.
 struct Numbers {
     values: Vec<f64>,
@@ -175,7 +171,8 @@ impl Numbers {
     }
 
     fn highest(scene: &Scene, lowest: f64) -> f64 {
-        lowest.max(DEEP / scene.punch.height.min(scene.strip.height))
+        // q h from which on a layer is a half-plane, in which shorter waves are more stable.
+        lowest.max(4.0 / scene.punch.height.min(scene.strip.height))
     }
 
     fn count(scene: &Scene, lowest: f64) -> usize {

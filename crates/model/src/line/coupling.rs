@@ -129,7 +129,7 @@ impl Iterate {
 
 /// Thermal coupling of both bodies through the contact: operators, the step under way and its stages.
 #[derive(Clone, Debug)]
-pub struct ThermalCoupling {
+pub(crate) struct ThermalCoupling {
     parameters: Parameters,
     // Operators.
     /// Punch and strip; `None`: an insulator.

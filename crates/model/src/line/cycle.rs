@@ -18,8 +18,8 @@ mod tangent;
 pub mod tracked;
 
 pub use error::CycleError;
-pub use jump::{Jump, JumpOptions, Jumps};
+pub use jump::{Jump, JumpOptions, Jumps, Progress};
 pub use map::{CycleMap, Passage, Resolution, StrokePassage};
 pub use records::Totals;
 pub use solve::{Solution, SolveOptions};
-pub use tracked::{TrackedCycles, TrackedJump};
+pub use tracked::TrackedCycles;

@@ -19,7 +19,7 @@ impl LineOperators {
     /// w = k K/(mu alpha (1 + nu) kd): ratio of the decay of a pressure wave by wear to its growth by heat, k the wear depth of
     /// both bodies per pressure and distance at nominal load and speed, times `acceleration`. For the body whose waves become
     /// unstable first. 0 where nothing grows.
-    pub fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
+    pub(crate) fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
         let scene = &self.scene;
         let Some(body) = driving_body(scene).filter(|_| self.heat.is_some() && friction > 0.0) else { return 0.0 };
         let (load, speed) = (scene.nominal_load, scene.nominal_velocity);
@@ -39,7 +39,7 @@ impl LineOperators {
     ///
     /// # Errors
     /// A text with variable, value and limit.
-    pub fn check_acceleration(&self, friction: f64, acceleration: f64) -> Result<(), String> {
+    pub(crate) fn check_acceleration(&self, friction: f64, acceleration: f64) -> Result<(), String> {
         let w = self.wear_against_growth(friction, acceleration);
         if acceleration > 1.0 && w > LARGEST_WEAR {
             return Err(format!(
@@ -87,7 +87,7 @@ impl Line {
     }
 
     /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
-    pub fn end_friction(&self, speed: f64) -> f64 {
+    pub(crate) fn end_friction(&self, speed: f64) -> f64 {
         let kinetic_coefficient =
             self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
         kinetic_coefficient * self.friction.stribeck(speed)

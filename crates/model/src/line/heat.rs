@@ -7,5 +7,5 @@ pub mod air;
 pub mod bodies;
 pub mod edges;
 pub mod partition;
-pub mod partitions;
+pub(crate) mod partitions;
 pub mod state;

@@ -126,7 +126,7 @@ impl Line {
     }
 
     /// State of the lumped level.
-    pub fn mean_state(&self) -> &lumped::state::LumpedState {
+    pub(crate) fn mean_state(&self) -> &lumped::state::LumpedState {
         self.mean.state()
     }
 
@@ -158,7 +158,7 @@ impl Line {
     }
 
     /// Limits the internal steps tried from here on: a step that needs more than `most` fails.
-    pub fn limit_attempts(&mut self, most: u32) {
+    pub(crate) fn limit_attempts(&mut self, most: u32) {
         self.attempts_left = Some(most);
     }
 

@@ -21,7 +21,7 @@ use scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene};
 use std::sync::Arc;
 
 /// Number of cells for a tolerance: its error is mostly below it, and stated where it is not.
-pub fn cells_of(tolerance: f64) -> usize {
+pub(crate) fn cells_of(tolerance: f64) -> usize {
     match tolerance {
         5e-3.. => 17,
         5e-4.. => 33,
@@ -273,7 +273,7 @@ impl LineOperators {
     }
 
     /// Whether friction or wear of a cell depend on its local contact temperature.
-    pub fn wears_by_cell(&self) -> bool {
+    pub(crate) fn wears_by_cell(&self) -> bool {
         let fades = !self.scene.friction_fade.flat;
         self.heat.is_some() && self.wear.iter().any(|(law, _)| law.active() && law.follows_temperature(fades))
     }
@@ -321,7 +321,7 @@ impl LineOperators {
     }
 
     /// Whether elastic slip depends on the pressure along the line.
-    pub fn has_tangential_compliance(&self) -> bool {
+    pub(crate) fn has_tangential_compliance(&self) -> bool {
         self.tangential.is_some()
     }
 

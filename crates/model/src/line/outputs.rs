@@ -148,7 +148,7 @@ impl Line {
     }
 
     /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
-    pub fn end_rise(&self) -> f64 {
+    pub(crate) fn end_rise(&self) -> f64 {
         match &self.state.heat {
             Some(heat) => heat.mean(&self.operators.weights),
             None => self.mean.end_rise(),
@@ -310,17 +310,17 @@ fn taper(cells: &Cells, depth: &[f64]) -> f64 {
 
 impl LineOperators {
     /// Whether the contact line determines the load of the lumped level.
-    pub fn decides_load(&self) -> bool {
+    pub(crate) fn decides_load(&self) -> bool {
         self.scene.holder_stiffness > 0.0 || self.scene.geometry == Geometry::Annular
     }
 
     /// Whether the contact line depends on the lumped temperature, or on the bristle, during a step.
-    pub fn follows_heat(&self) -> bool {
+    pub(crate) fn follows_heat(&self) -> bool {
         self.follows_temperature() || self.mean.has_bristle()
     }
 
     /// Whether tables or the load depend on the lumped temperature.
-    pub fn follows_temperature(&self) -> bool {
+    pub(crate) fn follows_temperature(&self) -> bool {
         let scene = &self.scene;
         let expands = scene.holder_stiffness > 0.0
             && [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);

@@ -49,7 +49,7 @@ impl Profile {
     }
 
     /// Rates of the station values where the cell means change at `rates`.
-    pub fn fill_rates(&self, means: &[f64], rates: &[f64], out: &mut [f64]) {
+    pub(crate) fn fill_rates(&self, means: &[f64], rates: &[f64], out: &mut [f64]) {
         self.integrate(means, rates, out);
     }
 
@@ -122,7 +122,7 @@ impl Profile {
 }
 
 /// Cell means of a quantity given at the stations and linear between them.
-pub fn cell_means(cells: &Cells, values: &[f64; STATIONS]) -> Vec<f64> {
+pub(crate) fn cell_means(cells: &Cells, values: &[f64; STATIONS]) -> Vec<f64> {
     let half_width = cells.half_width();
     let spacing = 2.0 * half_width / (STATIONS - 1) as f64;
     // Integral from the -x edge; linear interpolation integrates to a quadratic within an interval.

@@ -30,7 +30,7 @@ impl LineState {
     }
 
     /// Copies everything except the temperatures inside the bodies.
-    pub fn copy_contact_from(&mut self, other: &LineState) {
+    pub(crate) fn copy_contact_from(&mut self, other: &LineState) {
         self.punch.copy_from_slice(&other.punch);
         self.strip.copy_from_slice(&other.strip);
         match (&mut self.track, &other.track) {

@@ -17,7 +17,7 @@ use scene::Geometry;
 
 /// Data that are given while the stages of a step are solved: operators, laws, and the state at the start of the step.
 #[derive(Clone, Copy, Debug)]
-pub struct StepData<'a> {
+pub(crate) struct StepData<'a> {
     pub operators: &'a LineOperators,
     pub friction: &'a FrictionLaw,
     pub tunables: &'a Tunables,
@@ -40,7 +40,7 @@ impl StepData<'_> {
 
 /// Contact problem of the stages of a step, their solutions and the workspace. Vectors have N values, one per cell.
 #[derive(Clone, Debug)]
-pub struct ContactStages {
+pub(crate) struct ContactStages {
     /// Contact problem of a stage without resolved heat, and of the outputs; with resolved heat each stage has its own.
     pub contact: WearingContact,
     pub conditions: Conditions,
@@ -108,7 +108,7 @@ impl ContactStages {
     }
 
     /// Sets the gap of the worn bodies before they deform: `g0 + w + u_T`.
-    pub fn set_gap(&mut self, given: &StepData<'_>, expansion: f64) {
+    pub(crate) fn set_gap(&mut self, given: &StepData<'_>, expansion: f64) {
         let (operators, state) = (given.operators, given.state);
         for i in 0..operators.count() {
             self.gap[i] = operators.initial_gap[i] + state.punch[i] + state.strip[i] + expansion;
@@ -116,7 +116,7 @@ impl ContactStages {
     }
 
     /// Adds the thermal distortion at the end of the last step to the gap.
-    pub fn add_held_distortion(&mut self, given: &StepData<'_>) {
+    pub(crate) fn add_held_distortion(&mut self, given: &StepData<'_>) {
         if let Some(heat) = &given.state.heat {
             self.gap.iter_mut().zip(&heat.distortion).for_each(|(gap, moved)| *gap += moved);
         }
@@ -126,7 +126,11 @@ impl ContactStages {
     ///
     /// # Errors
     /// The contact has no equilibrium.
-    pub fn solve_without_wear(&mut self, given: &StepData<'_>, moment: &StageConditions) -> Result<(), StageError> {
+    pub(crate) fn solve_without_wear(
+        &mut self,
+        given: &StepData<'_>,
+        moment: &StageConditions,
+    ) -> Result<(), StageError> {
         self.set_equilibrium(given, moment);
         self.contact.stage_into(&self.gap, 0.0, &self.conditions, &mut self.end)
     }
@@ -136,7 +140,11 @@ impl ContactStages {
     ///
     /// # Errors
     /// The contact has no equilibrium.
-    pub fn solve_for_outputs(&mut self, given: &StepData<'_>, moment: &StageConditions) -> Result<(), StageError> {
+    pub(crate) fn solve_for_outputs(
+        &mut self,
+        given: &StepData<'_>,
+        moment: &StageConditions,
+    ) -> Result<(), StageError> {
         self.set_gap(given, moment.expansion);
         self.add_held_distortion(given);
         self.set_equilibrium(given, moment);
@@ -170,14 +178,14 @@ impl ContactStages {
     }
 
     /// Sets friction and the equilibrium of the holder at `moment`.
-    pub fn set_equilibrium(&mut self, given: &StepData<'_>, moment: &StageConditions) {
+    pub(crate) fn set_equilibrium(&mut self, given: &StepData<'_>, moment: &StageConditions) {
         let (signed, normal, tilt) = self.balance(given, moment);
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
     }
 
     /// Sets wear coefficients and the equilibrium of the holder at `moment`, for a stage of length `tau` (s).
-    pub fn set_conditions(&mut self, given: &StepData<'_>, moment: &StageConditions, tau: f64) {
+    pub(crate) fn set_conditions(&mut self, given: &StepData<'_>, moment: &StageConditions, tau: f64) {
         self.set_equilibrium(given, moment);
         let operators = given.operators;
         let coefficients = given.coefficients(moment);
@@ -234,7 +242,7 @@ impl ContactStages {
     }
 
     /// Approach of the unworn bodies at rest under `load` (N/m), m.
-    pub fn approach_of_unworn(&mut self, operators: &LineOperators, load: f64) -> f64 {
+    pub(crate) fn approach_of_unworn(&mut self, operators: &LineOperators, load: f64) -> f64 {
         if self.reference_approach.0 != load {
             self.conditions.signed_friction = 0.0;
             (self.conditions.normal, self.conditions.tilt) = (Normal::Load(load), Tilt::Fixed(0.0));
@@ -247,7 +255,7 @@ impl ContactStages {
     }
 
     /// Adds the strip's depth under the cells after `travel` (m) to the gap, from the track of the step.
-    pub fn meet_track(&mut self, given: &StepData<'_>, travel: f64) {
+    pub(crate) fn meet_track(&mut self, given: &StepData<'_>, travel: f64) {
         let Some(track) = &self.track else { return };
         track.depth_under(given.state.position + travel, &mut self.strip);
         for i in 0..self.gap.len() {
@@ -256,7 +264,7 @@ impl ContactStages {
     }
 
     /// Deposits the first stage's wear of `duration` (s) along the first `travel` (m) on the step's track.
-    pub fn leave_first_stage(&mut self, given: &StepData<'_>, travel: f64, duration: f64) {
+    pub(crate) fn leave_first_stage(&mut self, given: &StepData<'_>, travel: f64, duration: f64) {
         let Some(track) = &mut self.track else { return };
         for (deposit, rate) in self.deposit.iter_mut().zip(&self.rates[0][1]) {
             *deposit = duration * rate;
@@ -265,7 +273,7 @@ impl ContactStages {
     }
 
     /// Passes the operator from the wear of a stage to the gap to `contact`, another contact problem than the stages' own.
-    pub fn set_operator_of(
+    pub(crate) fn set_operator_of(
         &mut self,
         contact: &mut WearingContact,
         given: &StepData<'_>,
@@ -310,7 +318,7 @@ impl ContactStages {
     }
 
     /// Rate (m/s) of the gap of cell `i` by wear at a stage.
-    pub fn reshaping(&self, operators: &LineOperators, stage: usize, i: usize) -> f64 {
+    pub(crate) fn reshaping(&self, operators: &LineOperators, stage: usize, i: usize) -> f64 {
         let [punch, strip] = &self.rates[stage];
         if operators.reshapes(1) { punch[i] + strip[i] } else { punch[i] }
     }

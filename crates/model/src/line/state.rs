@@ -86,7 +86,7 @@ impl LineState {
     }
 
     /// Name of a quantity that is not finite, if any.
-    pub fn not_finite(&self) -> Option<&'static str> {
+    pub(crate) fn not_finite(&self) -> Option<&'static str> {
         let contact = [self.approach, self.tilt, self.carried, self.position, self.volume[0], self.volume[1]];
         let rows = [
             ("the pressure", &self.pressure[..]),

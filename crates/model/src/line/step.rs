@@ -26,9 +26,6 @@ use numerics::maximum::maximum;
 use scene::message::Number;
 use std::fmt;
 
-/// Error below which the step is doubled: it goes as the square of the step.
-const DOUBLING: f64 = 0.175;
-
 /// Order of the error.
 const ORDER: u8 = 2;
 
@@ -55,7 +52,8 @@ impl Line {
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.advance_without_wear(path, length);
         }
-        let mut control = StepController::new(length, self.state.refinement, DOUBLING);
+        // Error below which the step is doubled: it goes as the square of the step.
+        let mut control = StepController::new(length, self.state.refinement, 0.175);
         let mut failures = 0;
         while !control.is_done() {
             let (start, step) = (control.start(), control.step());

@@ -8,7 +8,7 @@ use contact::friction::FrictionLaw;
 
 /// Lumped temperature and expansion over a piece, linear between its ends.
 #[derive(Clone, Copy, Debug)]
-pub struct LumpedTemperature {
+pub(crate) struct LumpedTemperature {
     /// Contact temperature at the ends, K.
     pub temperature: [f64; 2],
     /// Thermal displacement of both surfaces, m into the bodies.
@@ -19,7 +19,7 @@ pub struct LumpedTemperature {
 
 /// Slip of a bristle in a piece, the same for all cells.
 #[derive(Clone, Copy, Debug)]
-pub struct Slipped {
+pub(crate) struct Slipped {
     /// Distance slipped, m.
     pub distance: f64,
     /// Friction force over normal load at the end, signed.
@@ -39,7 +39,7 @@ impl LumpedTemperature {
 
 /// Stage conditions: the conditions of the contact at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct StageConditions {
+pub(crate) struct StageConditions {
     /// s: sign of the velocity, regularised where the friction law is.
     pub sign: f64,
     /// s mu.
@@ -81,7 +81,7 @@ impl StageConditions {
 
 /// Motion in a stage of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct StageMotion {
+pub(crate) struct StageMotion {
     /// Sliding velocity at the end of the stage, m/s.
     pub velocity: f64,
     /// Length of the stage, s.
@@ -93,13 +93,9 @@ pub struct StageMotion {
 /// Speed, relative to the highest so far, up to which the bodies are at rest: rounding of an input that is intended to be 0.
 const REST: f64 = 1e-12;
 
-/// Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0. Any load at
-/// all would bring the surfaces together, which then exchange heat, and let them part again.
-const UNLOADED: f64 = 1e-12;
-
 /// Input trajectory over a piece.
 #[derive(Clone, Debug)]
-pub struct InputTrajectory {
+pub(crate) struct InputTrajectory {
     inputs: Inputs,
     slopes: Option<Inputs>,
     length: f64,
@@ -133,7 +129,9 @@ impl InputTrajectory {
             heat,
             friction,
             mean_radius,
-            unloaded: UNLOADED * operators.scene.nominal_load,
+            // Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0. Any load
+            // at all would bring the surfaces together, which then exchange heat, and let them part again.
+            unloaded: 1e-12 * operators.scene.nominal_load,
             direction,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.

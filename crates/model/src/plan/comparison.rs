@@ -12,9 +12,6 @@ use scene::{HeatResolution, Scene};
 /// Cells of the two lines.
 const CELLS: [usize; 2] = [9, 17];
 
-/// Tolerance of the three runs.
-const TOLERANCE: f64 = 1e-2;
-
 /// Most internal steps of a line, 5 to 10 ms: more than the nominal course takes where cells agree.
 const MOST_STEPS: u32 = 300;
 
@@ -40,7 +37,8 @@ pub struct Comparison {
 pub fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOperators>), String> {
     let course = NominalCourse::new(scene)?;
     let mut compared = course.scene(scene);
-    (compared.tolerance, compared.heat_resolution) = (TOLERANCE, HeatResolution::Resolved);
+    // Tolerance of the three runs.
+    (compared.tolerance, compared.heat_resolution) = (1e-2, HeatResolution::Resolved);
     let lumped = ModelOperators::new(&ModelLevel::Lumped.apply(&compared), run_in)?;
     let run = course.run(&lumped, MOST_STEPS)?;
     let mut comparison = Comparison {

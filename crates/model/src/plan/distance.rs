@@ -10,7 +10,7 @@ use scene::variables::COUNT;
 pub type Main = [f64; 3];
 
 /// The main outputs among `values`, at this ambient temperature (K).
-pub fn main_outputs(values: &[f64; COUNT], ambient: f64) -> Main {
+pub(crate) fn main_outputs(values: &[f64; COUNT], ambient: f64) -> Main {
     [value!(values, "wear_depth"), value!(values, "contact_temperature") - ambient, value!(values, "friction_force")]
 }
 

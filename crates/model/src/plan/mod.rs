@@ -25,7 +25,7 @@ use scene::{ErrorEstimate, Fidelity, HeatResolution, Scene};
 use std::fmt;
 
 /// Stated error where it is not known.
-pub const UNKNOWN: f64 = 1.0;
+pub(crate) const UNKNOWN: f64 = 1.0;
 
 /// Cells of the companion of a lumped run.
 const CELLS_BESIDE_LUMPED: usize = 9;
@@ -128,7 +128,7 @@ impl Prepared {
     }
 
     /// Whether the level is exact but for reduction and time steps.
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.requested.has_rigid_bodies()
     }
 

@@ -25,9 +25,6 @@ const AFTERWARDS: [f64; 5] = [0.0, 2e-3, 0.01, 0.04, 0.1];
 /// Ends of the segments of a half-stroke, as fractions of it.
 const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
 
-/// Largest number of half-strokes.
-const HALF_STROKES: f64 = 24.0;
-
 /// The light load, relative to the nominal one.
 const LIGHT: f64 = 0.05;
 
@@ -44,7 +41,7 @@ pub struct Segment {
 
 /// Nominal course.
 #[derive(Clone, PartialEq, Debug)]
-pub struct NominalCourse {
+pub(crate) struct NominalCourse {
     /// Segments, one communication step each.
     pub segments: Vec<Segment>,
     /// Nominal duration over that of the half-strokes, at least 1: by this factor they wear faster.
@@ -76,7 +73,8 @@ impl NominalCourse {
         let mut repeats = 1.0;
         if scene.nominal_stroke > 0.0 {
             let half = scene.nominal_stroke / speed;
-            let count = (duration / half).clamp(1.0, HALF_STROKES).round();
+            // Largest number of half-strokes.
+            let count = (duration / half).clamp(1.0, 24.0).round();
             repeats = (duration / (half * count)).max(1.0);
             for n in 0..=count as usize {
                 // Strokes of one direction are equal to the last bit, so that operators prepared for one are valid for the next.

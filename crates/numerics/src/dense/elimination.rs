@@ -7,8 +7,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Number of columns eliminated together: the rows below them stay in the first-level cache while the rest is updated.
 const PANEL: usize = 8;
-/// Threshold of pivoting: a diagonal entry smaller than this times the largest below it is exchanged for that one.
-const PIVOT_THRESHOLD: f64 = 0.1;
 
 /// Solves with an upper triangle that holds the reciprocals of its diagonal, in place.
 #[inline(always)]
@@ -111,7 +109,8 @@ pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool 
                         return false;
                     }
                     let mut pivot = j;
-                    if column[j].abs() < PIVOT_THRESHOLD * most {
+                    // Threshold of pivoting: a diagonal entry smaller than this times the largest below it is exchanged for that one.
+                    if column[j].abs() < 0.1 * most {
                         pivot = (j..n).find(|&i| column[i].abs() == most).unwrap_or(j);
                     }
                     exchanged[j] = pivot;

@@ -82,35 +82,35 @@ pub static SECOND: Unit = unit("s", [0, 0, 1, 0, 0], &[shown("min", 1.0 / 60.0),
 /// Velocity.
 pub static METRE_PER_SECOND: Unit = unit("m/s", [0, 1, -1, 0, 0], &[shown("km/h", 3.6), shown("mm/s", 1e3)]);
 /// Angle.
-pub static RADIAN: Unit = unit("rad", [0, 0, 0, 0, 1], &[shown("deg", 180.0 / std::f64::consts::PI)]);
+pub(crate) static RADIAN: Unit = unit("rad", [0, 0, 0, 0, 1], &[shown("deg", 180.0 / std::f64::consts::PI)]);
 /// Angular velocity.
 pub static RADIAN_PER_SECOND: Unit = unit("rad/s", [0, 0, -1, 0, 1], &[shown("rev/min", 30.0 / std::f64::consts::PI)]);
 /// Force.
 pub static NEWTON: Unit = unit("N", [1, 1, -2, 0, 0], &[shown("kN", 1e-3)]);
 /// Torque.
-pub static NEWTON_METRE: Unit = unit("N.m", [1, 2, -2, 0, 0], &[shown("kN.m", 1e-3)]);
+pub(crate) static NEWTON_METRE: Unit = unit("N.m", [1, 2, -2, 0, 0], &[shown("kN.m", 1e-3)]);
 /// Stiffness.
-pub static NEWTON_PER_METRE: Unit = unit("N/m", [1, 0, -2, 0, 0], &[shown("kN/mm", 1e-6)]);
+pub(crate) static NEWTON_PER_METRE: Unit = unit("N/m", [1, 0, -2, 0, 0], &[shown("kN/mm", 1e-6)]);
 /// Damping.
-pub static NEWTON_SECOND_PER_METRE: Unit = unit("N.s/m", [1, 0, -1, 0, 0], &[shown("kN.s/m", 1e-3)]);
+pub(crate) static NEWTON_SECOND_PER_METRE: Unit = unit("N.s/m", [1, 0, -1, 0, 0], &[shown("kN.s/m", 1e-3)]);
 /// Pressure.
-pub static PASCAL: Unit = unit("Pa", [1, -1, -2, 0, 0], &[shown("MPa", 1e-6), shown("GPa", 1e-9)]);
+pub(crate) static PASCAL: Unit = unit("Pa", [1, -1, -2, 0, 0], &[shown("MPa", 1e-6), shown("GPa", 1e-9)]);
 /// Stiffness of a foundation.
-pub static PASCAL_PER_METRE: Unit = unit("Pa/m", [1, -2, -2, 0, 0], &[shown("MPa/mm", 1e-9)]);
+pub(crate) static PASCAL_PER_METRE: Unit = unit("Pa/m", [1, -2, -2, 0, 0], &[shown("MPa/mm", 1e-9)]);
 /// Wear coefficient: depth per sliding distance and pressure.
-pub static SQUARE_METRE_PER_NEWTON: Unit = unit("m2/N", [-1, 1, 2, 0, 0], &[shown("mm3/(N.m)", 1e9)]);
+pub(crate) static SQUARE_METRE_PER_NEWTON: Unit = unit("m2/N", [-1, 1, 2, 0, 0], &[shown("mm3/(N.m)", 1e9)]);
 /// Temperature.
 pub static KELVIN: Unit = unit("K", [0, 0, 0, 1, 0], &[DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }]);
 /// Thermal expansion.
-pub static PER_KELVIN: Unit = unit("1/K", [0, 0, 0, -1, 0], &[shown("um/(m.K)", 1e6)]);
+pub(crate) static PER_KELVIN: Unit = unit("1/K", [0, 0, 0, -1, 0], &[shown("um/(m.K)", 1e6)]);
 /// Energy.
-pub static JOULE: Unit = unit("J", [1, 2, -2, 0, 0], &[shown("kJ", 1e-3), shown("MJ", 1e-6)]);
+pub(crate) static JOULE: Unit = unit("J", [1, 2, -2, 0, 0], &[shown("kJ", 1e-3), shown("MJ", 1e-6)]);
 /// Power.
-pub static WATT: Unit = unit("W", [1, 2, -3, 0, 0], &[shown("kW", 1e-3)]);
+pub(crate) static WATT: Unit = unit("W", [1, 2, -3, 0, 0], &[shown("kW", 1e-3)]);
 /// Thermal conductivity.
 pub static CONDUCTIVITY: Unit = unit("W/(m.K)", [1, 1, -3, -1, 0], &[]);
 /// Heat transfer coefficient.
-pub static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
+pub(crate) static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
 /// Thermal conductance.
 pub static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
 /// Specific heat.

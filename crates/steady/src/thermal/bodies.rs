@@ -6,13 +6,6 @@ use crate::SteadyError;
 use conduction::STEFAN_BOLTZMANN;
 use scene::{Body, Geometry, InitialShape, Path, Scene, ThermalBoundary};
 
-/// Duration until a steady state is reached, in units of the longest of the times in which heat leaves.
-const SLOWEST_TIMES: f64 = 5.0;
-
-/// Duration until a steady state is reached along a strip without cooling, in units of the diffusion time over its height and the
-/// contact's width together: its flux is 0 in the end.
-const SPREADING_TIMES: f64 = 30.0;
-
 /// Rejects scenes without a steady state because no heat leaves: friction heats the bodies without limit.
 pub(super) fn heat_leaves(scene: &Scene, speed: f64) -> Result<(), SteadyError> {
     let fresh = scene.path == Path::Straight && scene.nominal_stroke == 0.0 && scene.strip.conductivity > 0.0;
@@ -70,12 +63,15 @@ pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
         let held = body.far_is_prescribed();
         if !leaves {
             let along = body.height + scene.width;
-            return SPREADING_TIMES * along * along / diffusivity;
+            // Duration until a steady state is reached along a strip without cooling, in units of the diffusion time over its height and
+            // the contact's width together: its flux is 0 in the end.
+            return 30.0 * along * along / diffusivity;
         }
         through + if held || transfer == 0.0 { 0.0 } else { body.capacity() * body.height / transfer }
     };
     let slowest = time(&scene.punch, punch).max(time(&scene.strip, strip));
-    scene.nominal_duration = scene.nominal_duration.max(SLOWEST_TIMES * slowest);
+    // Duration until a steady state is reached, in units of the longest of the times in which heat leaves.
+    scene.nominal_duration = scene.nominal_duration.max(5.0 * slowest);
     if scene.initial_shape == InitialShape::RunIn {
         scene.initial_shape = InitialShape::Flat;
     }

@@ -60,9 +60,6 @@ pub struct Differences {
     pub everywhere: f64,
 }
 
-/// Tolerance of the reduced bodies, relative to the total temperature, of which short cycles change only a small part.
-const BODIES: f64 = 2e-5;
-
 /// Point of the law.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LawPoint {
@@ -79,7 +76,7 @@ pub struct LawPoint {
 }
 
 /// Thermal time of the contact, s.
-pub fn thermal_time(scene: &Scene) -> f64 {
+pub(crate) fn thermal_time(scene: &Scene) -> f64 {
     let half = 0.5 * scene.width;
     let time = |body: &Body| {
         if body.conductivity > 0.0 { half * half * body.capacity() / body.conductivity } else { 0.0 }
@@ -97,7 +94,8 @@ fn at(scene: &Scene, ratio: f64) -> Scene {
         body.wear_coefficient *= WEAR;
     }
     scene.nominal_duration = cycle;
-    scene.tolerance = BODIES;
+    // Tolerance of the reduced bodies, relative to the total temperature, of which short cycles change only a small part.
+    scene.tolerance = 2e-5;
     scene
 }
 

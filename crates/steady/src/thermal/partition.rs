@@ -20,7 +20,7 @@ const CORRECTIONS: usize = 3;
 
 /// Heat partition of an active set, with its distortion.
 #[derive(Clone, Debug)]
-pub struct ActivePartition {
+pub(crate) struct ActivePartition {
     partition: HeatPartition,
     closed: Vec<bool>,
     /// 1/(2 h_c), K m2/W; `None`: the surfaces do not exchange heat.

@@ -108,7 +108,7 @@ impl<'a> Recording<'a> {
     }
 
     /// All rows, one after the other.
-    pub fn into_rows(self) -> Vec<f64> {
+    pub(crate) fn into_rows(self) -> Vec<f64> {
         self.rows
     }
 }

@@ -42,7 +42,7 @@ pub(super) struct Request<'a> {
 impl<'a> Request<'a> {
     /// # Errors
     /// Where a name is none of the FMU's or stands twice, a value is none of its type, or times do not fit.
-    pub fn resolve(description: &'a Description, scene: &Scene) -> Result<Self, Failure> {
+    pub(crate) fn resolve(description: &'a Description, scene: &Scene) -> Result<Self, Failure> {
         let wrong = |reason: String| Err(Failure::request(reason));
         let (mut reals, mut integers, mut booleans) = (Numbers::new(), Numbers::new(), Numbers::new());
         for (at, &(name, value)) in scene.parameters.iter().enumerate() {

@@ -65,7 +65,7 @@ pub(super) fn cost(quantity: String, value: f64, unit: &'static str, limit: f64,
 ///
 /// # Errors
 /// Where a scene or a step fails.
-pub fn measure() -> Result<Vec<Cost>> {
+pub(crate) fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for (count, target) in [(33, 10.0), (129, 150.0)] {
         steps(count, target, &mut costs)?;

@@ -11,7 +11,7 @@ use verification::timed_steps::{CASES, CHUNK, DenseSolution, STEPS, TimedLine};
 ///
 /// # Errors
 /// Where a step fails.
-pub fn measure() -> Result<Vec<Cost>> {
+pub(crate) fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for count in [33, 129] {
         let mut solution = DenseSolution::new(count);

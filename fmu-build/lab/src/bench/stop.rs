@@ -47,7 +47,7 @@ fn advance(component: &mut Component, number: usize) -> Result<()> {
 ///
 /// # Errors
 /// Where the scene or a step fails.
-pub fn measure() -> Result<Vec<Cost>> {
+pub(crate) fn measure() -> Result<Vec<Cost>> {
     let starts = scenes::load(Some("disc_brake"))?.packaged.starts;
     let mut costs = Vec::new();
     for (cells, tolerance, target) in [(33, 1e-2, 150.0), (129, 1e-3, 1500.0)] {

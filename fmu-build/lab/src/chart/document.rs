@@ -52,7 +52,7 @@ fn peer(family: &str, runs: &[&(Reached, Reached)]) -> String {
 }
 
 /// The findings of a scene: data, reference, the cheapest settings within 1 %, and peers.
-pub fn describe(chart: &Chart, findings: &Findings) -> String {
+pub(crate) fn describe(chart: &Chart, findings: &Findings) -> String {
     // Machine, commit and where a reference is kept are in the table of all runs.
     let how = chart.how.split(" (kept: ").next().unwrap_or_default();
     let how = how.strip_prefix("exact: ").unwrap_or(how);
@@ -80,7 +80,7 @@ pub fn describe(chart: &Chart, findings: &Findings) -> String {
 ///
 /// # Errors
 /// Where the page cannot be read or written, or a mark has no end.
-pub fn write(descriptions: &[(&str, String)]) -> Result<()> {
+pub(crate) fn write(descriptions: &[(&str, String)]) -> Result<()> {
     let path = project::root().join(PAGE);
     let mut text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     for (name, passage) in descriptions {

@@ -36,7 +36,7 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
 }
 
 /// The whole picture.
-pub fn draw(chart: &Chart) -> Figure {
+pub(crate) fn draw(chart: &Chart) -> Figure {
     let costs: [(&str, Cost); 2] =
         [("processor time of the whole run (s)", Point::cost), ("internal time steps", |point| point.steps as f64)];
     let mut panels = Vec::new();

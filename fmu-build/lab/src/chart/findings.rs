@@ -10,7 +10,7 @@ use verification::drives::{FORMER, Quantity};
 const WANTED: f64 = 1e-2;
 
 /// See the module.
-pub struct Findings {
+pub(crate) struct Findings {
     /// The cheapest run within 1 % in wear depth, contact temperature and friction force.
     pub right: Option<Reached>,
     /// The cheapest within 1 % in all four.
@@ -23,7 +23,7 @@ pub struct Findings {
 }
 
 /// A run with its error and cost.
-pub struct Reached {
+pub(crate) struct Reached {
     /// Family of the run.
     pub family: String,
     /// Its settings.
@@ -39,10 +39,10 @@ fn reached(point: &Point, error: f64) -> Reached {
 }
 
 /// The quantities to which `solver.tolerance` refers.
-pub const MAIN: &[Quantity] = &[Quantity::WearDepth, Quantity::ContactTemperature, Quantity::FrictionForce];
+pub(crate) const MAIN: &[Quantity] = &[Quantity::WearDepth, Quantity::ContactTemperature, Quantity::FrictionForce];
 
 /// Largest error of the quantities that are judged; `None` where the run did not finish.
-pub fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
+pub(crate) fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
     if point.failure.is_some() {
         return None;
     }
@@ -63,7 +63,7 @@ fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached
 }
 
 /// Reads the findings off a chart.
-pub fn of(chart: &Chart) -> Findings {
+pub(crate) fn of(chart: &Chart) -> Findings {
     let main = MAIN;
     let lumped = chart.family("lumped").filter_map(|point| Some((point, worst(point, main)?)));
     let lumped = lumped.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(point, _)| {
@@ -103,7 +103,7 @@ impl fmt::Display for Reached {
 }
 
 /// A time with its unit.
-pub fn time(seconds: f64) -> String {
+pub(crate) fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "µs"),
         s if s < 1.0 => (1e3, "ms"),
@@ -113,13 +113,13 @@ pub fn time(seconds: f64) -> String {
 }
 
 /// A positive number with three digits, as far as they are behind the point.
-pub fn significant(number: f64) -> String {
+pub(crate) fn significant(number: f64) -> String {
     let decimals = (2.0 - number.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{number:.decimals$}")
 }
 
 /// The errors that were judged, by quantity.
-pub fn lumped_errors(errors: [f64; 3]) -> String {
+pub(crate) fn lumped_errors(errors: [f64; 3]) -> String {
     let named = ["wear", "temperature", "force"].iter().zip(errors).filter(|(_, error)| error.is_finite());
     named.map(|(name, error)| format!("{name} {error:.1e}")).collect::<Vec<_>>().join(", ")
 }

@@ -4,7 +4,7 @@ use crate::project;
 use std::process::Command;
 
 /// Processor, number of cores and operating system.
-pub fn name() -> String {
+pub(crate) fn name() -> String {
     let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
         Some(line.split_once(':')?.1.trim().to_owned())
@@ -15,12 +15,12 @@ pub fn name() -> String {
 }
 
 /// Machine and source version of a chart.
-pub fn measured(quick: bool) -> String {
+pub(crate) fn measured(quick: bool) -> String {
     format!("{}; commit {}{}.", name(), commit(), if quick { " (--quick)" } else { "" })
 }
 
 /// The commit, with a mark where files differ from it; "unknown" outside a clone.
-pub fn commit() -> String {
+pub(crate) fn commit() -> String {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").arg("-C").arg(project::root()).args(arguments).output().ok()?;
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())

@@ -5,7 +5,7 @@ use verification::clock::process_seconds;
 use verification::drives::{DriveProblem, Ending, Errors, Family, Quantity, Record, Sample, Setting};
 
 /// Time budgets of runs.
-pub struct Budget {
+pub(crate) struct Budget {
     /// Of a run on the chart, s.
     pub run: f64,
     /// Of a reference run, s.
@@ -23,7 +23,7 @@ impl Budget {
 
 /// One run on the chart.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Point {
+pub(crate) struct Point {
     /// Family it belongs to.
     pub family: String,
     /// Its settings.
@@ -42,12 +42,12 @@ pub struct Point {
 
 impl Point {
     /// Processor time of the whole run, s.
-    pub fn cost(&self) -> f64 {
+    pub(crate) fn cost(&self) -> f64 {
         self.seconds[1]
     }
 
     /// Error of a quantity that belongs on a chart.
-    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+    pub(crate) fn error(&self, quantity: Quantity) -> Option<f64> {
         (self.failure.is_none() && !self.errors.of(quantity).is_nan()).then(|| self.errors.of(quantity))
     }
 }
@@ -58,7 +58,7 @@ fn timed(problem: &DriveProblem, setting: &Setting, budget: f64) -> Record {
 }
 
 /// Adds the family's runs to the chart: those that are refused to its omissions.
-pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Budget) {
+pub(crate) fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Budget) {
     let duration = chart.problem.samples.last().copied().unwrap_or(1.0);
     let mut refused: Vec<String> = Vec::new();
     // A finer setting is skipped where a coarser one already exceeded the budget.

@@ -52,7 +52,7 @@ const PEERS: [Peer; 3] = [
 ///
 /// # Errors
 /// Where the environment cannot be made or a peer breaks; the end of its output is in the message.
-pub fn measure(chart: &mut Chart, truth: &[Sample]) -> Result<()> {
+pub(crate) fn measure(chart: &mut Chart, truth: &[Sample]) -> Result<()> {
     for peer in &PEERS {
         if !peer.scenes.contains(&chart.problem.name) {
             chart.omissions.push(format!("{}: {}", peer.name, peer.elsewhere));

@@ -61,7 +61,7 @@ struct Group {
 }
 
 /// Everything that was measured.
-pub struct Scaling {
+pub(crate) struct Scaling {
     groups: Vec<Group>,
     omissions: Vec<String>,
     header: Vec<String>,
@@ -71,7 +71,7 @@ pub struct Scaling {
 ///
 /// # Errors
 /// Where a scene is missing. What a scene refuses is an omission.
-pub fn measure(quick: bool) -> Result<Scaling> {
+pub(crate) fn measure(quick: bool) -> Result<Scaling> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     let starts = |name: &str| {
         problems.iter().find(|problem| problem.name == name).map(|problem| problem.starts).context("a scene is missing")
@@ -147,7 +147,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
 ///
 /// # Errors
 /// Where the table cannot be read.
-pub fn read(folder: &Path) -> Result<Scaling> {
+pub(crate) fn read(folder: &Path) -> Result<Scaling> {
     let path = folder.join(TABLE);
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     let mut groups = GROUPS.map(|(title, label)| Group { title, label, laws: Vec::new() });
@@ -239,7 +239,7 @@ impl Scaling {
     ///
     /// # Errors
     /// Where a file cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2]> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<[PathBuf; 2]> {
         let (svg, csv) = (folder.join("cost_per_step.svg"), folder.join(TABLE));
         self.figure().write(&svg)?;
         let mut text: String = self.header.iter().map(|line| format!("# {line}\n")).collect();
@@ -269,7 +269,7 @@ impl Scaling {
 
 impl Scaling {
     /// The exponents as a table of Markdown.
-    pub fn table(&self) -> String {
+    pub(crate) fn table(&self) -> String {
         let mut text = "| over | of | exponent | largest, time of a step |\n|---|---|---|---|\n".to_owned();
         for group in &self.groups {
             for law in &group.laws {

@@ -10,7 +10,7 @@ use verification::drives::{DriveProblem, Errors, FORMER};
 ///
 /// # Errors
 /// Where the file cannot be read or is not of that form.
-pub fn read(problem: DriveProblem, folder: &Path) -> Result<Chart> {
+pub(crate) fn read(problem: DriveProblem, folder: &Path) -> Result<Chart> {
     let path = folder.join(format!("{}.csv", problem.name));
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     parse(problem, &text).with_context(|| format!("{}", path.display()))

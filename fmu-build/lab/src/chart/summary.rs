@@ -59,7 +59,7 @@ fn curves(chart: &Chart, quantities: &[Quantity]) -> Vec<Curve> {
 
 /// The picture: the largest error of wear depth, contact temperature and friction force, and that of the peak pressure, which the
 /// lumped level does not have.
-pub fn draw(chart: &Chart) -> Figure {
+pub(crate) fn draw(chart: &Chart) -> Figure {
     let kinds = [("wear, temperature and force", findings::MAIN), ("peak pressure", &[Quantity::PeakPressure][..])];
     let (mut key, mut panels) = (Vec::new(), Vec::new());
     for (title, quantities) in kinds {

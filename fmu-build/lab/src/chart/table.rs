@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use verification::drives::Quantity;
 
 /// Everything that was measured, one row per run, under a header of comments.
-pub fn of(chart: &Chart) -> String {
+pub(crate) fn of(chart: &Chart) -> String {
     let mut text = String::new();
     for line in header(chart) {
         let _ = writeln!(text, "# {line}");
@@ -37,7 +37,7 @@ pub fn of(chart: &Chart) -> String {
 }
 
 /// Title, data, truth, and where it was measured.
-pub fn header(chart: &Chart) -> Vec<String> {
+pub(crate) fn header(chart: &Chart) -> Vec<String> {
     let problem = &chart.problem;
     vec![
         chart.data.clone(),

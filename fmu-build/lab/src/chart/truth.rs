@@ -34,7 +34,7 @@ fn fingerprint(problem: &DriveProblem) -> u64 {
 ///
 /// # Errors
 /// Where no run gives it in time, or the stored file is damaged.
-pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> {
+pub(crate) fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> {
     if matches!(problem.truth, Truth::Finest(_))
         && let Ok(text) = fs::read_to_string(path(problem))
         && let Some(known) = read(&text, problem).with_context(|| format!("reading {}", path(problem).display()))?
@@ -48,7 +48,7 @@ pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> 
 ///
 /// # Errors
 /// Where no run gives it, or the file cannot be written.
-pub fn write(problem: &DriveProblem) -> Result<()> {
+pub(crate) fn write(problem: &DriveProblem) -> Result<()> {
     if matches!(problem.truth, Truth::Exact { .. }) {
         print_line!("{}: exact, nothing to keep", problem.name);
         return Ok(());

@@ -97,7 +97,7 @@ pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 ///
 /// # Errors
 /// Findings.
-pub fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Kinds) -> Verdict {
     let description = DESCRIPTION.as_ref().map_err(Clone::clone)?;
     let told = |error: anyhow::Error, kinds: &mut Kinds| {
         let text = format!("{error:#}");

@@ -136,7 +136,7 @@ fn process(
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn serve(arguments: &Arguments, target: Target, file: &Path) -> Result<()> {
+pub(crate) fn serve(arguments: &Arguments, target: Target, file: &Path) -> Result<()> {
     keep_panics();
     let mut progress = File::create(file).with_context(|| format!("writing {}", file.display()))?;
     let limit = arguments.limit;

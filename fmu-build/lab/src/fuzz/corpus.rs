@@ -13,7 +13,7 @@ use crate::output::print_line;
 ///
 /// # Errors
 /// Where something is found, or a line is wrong.
-pub fn replay(arguments: &Arguments) -> Result<()> {
+pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     keep_panics();
     let limit = arguments.limit;
     watchdog::start(Duration::from_secs_f64(limit), move |function| {
@@ -32,7 +32,7 @@ pub fn replay(arguments: &Arguments) -> Result<()> {
 ///
 /// # Errors
 /// Where a line is wrong.
-pub fn run_all(targets: &[Target], kinds: &mut Kinds) -> Result<(usize, Vec<String>)> {
+pub(crate) fn run_all(targets: &[Target], kinds: &mut Kinds) -> Result<(usize, Vec<String>)> {
     let folder = project::root().join("tests").join("fuzz");
     let file = folder.join("corpus.txt");
     let text = std::fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;

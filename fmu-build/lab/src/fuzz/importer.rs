@@ -14,10 +14,10 @@ use super::invariants::name_of;
 use super::watchdog::{enter, tell};
 
 /// Messages: status and text.
-pub type Log = Vec<(Status, String)>;
+pub(crate) type Log = Vec<(Status, String)>;
 
 /// An instance.
-pub struct Importer {
+pub(crate) struct Importer {
     /// Its handle.
     pub component: *mut c_void,
     log: Box<RefCell<Log>>,
@@ -51,7 +51,7 @@ fn logger() -> Logger {
 }
 
 /// The GUID of this library's scene.
-pub fn guid() -> CString {
+pub(crate) fn guid() -> CString {
     let guid = slot::current().map(|scene| scene.guid()).unwrap_or_default();
     CString::new(guid).unwrap_or_default()
 }
@@ -78,24 +78,24 @@ impl Importer {
     }
 
     /// The messages since the last call.
-    pub fn take_log(&self) -> Log {
+    pub(crate) fn take_log(&self) -> Log {
         std::mem::take(&mut self.log.borrow_mut())
     }
 
     /// Whether there are messages of refusals.
-    pub fn has_refused(&self) -> bool {
+    pub(crate) fn has_refused(&self) -> bool {
         self.log.borrow().iter().any(|(status, _)| matches!(status, Status::Error | Status::Discard))
     }
 
     /// Puts messages back before those that came since.
-    pub fn put_back(&self, mut log: Log) {
+    pub(crate) fn put_back(&self, mut log: Log) {
         let mut current = self.log.borrow_mut();
         log.append(&mut current);
         *current = log;
     }
 
     /// Whether the last message refuses an output and names an input, or the derivative of an input, as the cause.
-    pub fn has_named_an_input(&self) -> bool {
+    pub(crate) fn has_named_an_input(&self) -> bool {
         let log = self.log.borrow();
         let Some((_, text)) = log.last() else { return false };
         let Some((_, cause)) = text.split_once("is not a finite number: ") else { return false };
@@ -104,7 +104,7 @@ impl Importer {
     }
 
     /// `fmi2SetupExperiment`
-    pub fn setup(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
+    pub(crate) fn setup(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         enter("fmi2SetupExperiment");
         let (with_tolerance, with_stop) = (tolerance.is_some().into(), stop.is_some().into());
         // SAFETY: no pointers.
@@ -115,28 +115,28 @@ impl Importer {
     }
 
     /// `fmi2EnterInitializationMode`
-    pub fn enter(&self) -> Status {
+    pub(crate) fn enter(&self) -> Status {
         enter("fmi2EnterInitializationMode");
         // SAFETY: no pointers, here and below.
         unsafe { fmi2EnterInitializationMode(self.component) }
     }
 
     /// `fmi2ExitInitializationMode`
-    pub fn exit(&self) -> Status {
+    pub(crate) fn exit(&self) -> Status {
         enter("fmi2ExitInitializationMode");
         // SAFETY: as above.
         unsafe { fmi2ExitInitializationMode(self.component) }
     }
 
     /// `fmi2Terminate`
-    pub fn terminate(&self) -> Status {
+    pub(crate) fn terminate(&self) -> Status {
         enter("fmi2Terminate");
         // SAFETY: as above.
         unsafe { fmi2Terminate(self.component) }
     }
 
     /// `fmi2Reset`
-    pub fn reset(&self) -> Status {
+    pub(crate) fn reset(&self) -> Status {
         enter("fmi2Reset");
         // SAFETY: as above.
         unsafe { fmi2Reset(self.component) }
@@ -151,7 +151,7 @@ impl Importer {
     }
 
     /// Communication point.
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         let mut time = f64::NAN;
         // SAFETY: the place is there.
         let _ = unsafe { fmi2GetRealStatus(self.component, types::LAST_SUCCESSFUL_TIME, &mut time) };
@@ -159,7 +159,7 @@ impl Importer {
     }
 
     /// `fmi2SetReal`; the arrays are as long as each other.
-    pub fn set_reals(&self, references: &[ValueReference], values: &[f64]) -> Status {
+    pub(crate) fn set_reals(&self, references: &[ValueReference], values: &[f64]) -> Status {
         enter("fmi2SetReal");
         for (reference, value) in references.iter().zip(values) {
             tell(|| format!("{} = {value:e}", name_of(*reference)));
@@ -170,7 +170,7 @@ impl Importer {
     }
 
     /// `fmi2SetInteger`
-    pub fn set_integer(&self, reference: ValueReference, value: i32) -> Status {
+    pub(crate) fn set_integer(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetInteger");
         tell(|| format!("{} = {value}", name_of(reference)));
         // SAFETY: as above.
@@ -178,7 +178,7 @@ impl Importer {
     }
 
     /// `fmi2SetBoolean`
-    pub fn set_boolean(&self, reference: ValueReference, value: i32) -> Status {
+    pub(crate) fn set_boolean(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetBoolean");
         tell(|| format!("{} = {value}", name_of(reference)));
         // SAFETY: as above.
@@ -186,7 +186,7 @@ impl Importer {
     }
 
     /// `fmi2GetReal` into an array of exactly as many elements.
-    pub fn get_reals(&self, references: &[ValueReference]) -> Result<Vec<f64>, Status> {
+    pub(crate) fn get_reals(&self, references: &[ValueReference]) -> Result<Vec<f64>, Status> {
         enter("fmi2GetReal");
         debug_assert!(references.len() <= COUNT);
         let mut values = vec![f64::NAN; references.len()];
@@ -196,7 +196,7 @@ impl Importer {
     }
 
     /// `limit_reached`
-    pub fn limits(&self) -> i32 {
+    pub(crate) fn limits(&self) -> i32 {
         let mut limits = 0;
         // SAFETY: as above.
         let _ = unsafe { fmi2GetInteger(self.component, &reference("limit_reached"), 1, &mut limits) };
@@ -204,28 +204,28 @@ impl Importer {
     }
 
     /// `fmi2GetFMUstate`
-    pub fn save(&self, state: &mut FmuState) -> Status {
+    pub(crate) fn save(&self, state: &mut FmuState) -> Status {
         enter("fmi2GetFMUstate");
         // SAFETY: the place is there, here and below.
         unsafe { fmi2GetFMUstate(self.component, state) }
     }
 
     /// `fmi2SetFMUstate`
-    pub fn restore(&self, state: FmuState) -> Status {
+    pub(crate) fn restore(&self, state: FmuState) -> Status {
         enter("fmi2SetFMUstate");
         // SAFETY: as above.
         unsafe { fmi2SetFMUstate(self.component, state) }
     }
 
     /// `fmi2FreeFMUstate`
-    pub fn free(&self, state: &mut FmuState) -> Status {
+    pub(crate) fn free(&self, state: &mut FmuState) -> Status {
         enter("fmi2FreeFMUstate");
         // SAFETY: as above.
         unsafe { fmi2FreeFMUstate(self.component, state) }
     }
 
     /// `fmi2SerializedFMUstateSize` and `fmi2SerializeFMUstate`
-    pub fn serialize(&self, state: FmuState) -> Result<Vec<u8>, Status> {
+    pub(crate) fn serialize(&self, state: FmuState) -> Result<Vec<u8>, Status> {
         enter("fmi2SerializeFMUstate");
         let mut size = 0;
         // SAFETY: as above.
@@ -240,7 +240,7 @@ impl Importer {
     }
 
     /// `fmi2DeSerializeFMUstate`
-    pub fn deserialize(&self, bytes: &[u8]) -> Result<FmuState, Status> {
+    pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<FmuState, Status> {
         enter("fmi2DeSerializeFMUstate");
         let mut state = ptr::null_mut();
         // SAFETY: the array is as long as told, the place is there.
@@ -249,7 +249,7 @@ impl Importer {
     }
 
     /// The instance's state as bytes; empty where it gives none.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut state = ptr::null_mut();
         if self.save(&mut state) != Status::Ok {
             return Vec::new();
@@ -272,7 +272,7 @@ const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;
 
 /// The bytes without the phase and the checksum, which a failed step changes.
-pub fn without_phase(mut bytes: Vec<u8>) -> Vec<u8> {
+pub(crate) fn without_phase(mut bytes: Vec<u8>) -> Vec<u8> {
     let phase = HEADER + guid_length(&bytes);
     if phase < bytes.len() {
         bytes[phase] = 0;
@@ -282,12 +282,12 @@ pub fn without_phase(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Length of the GUID in the bytes of a state.
-pub fn guid_length(bytes: &[u8]) -> usize {
+pub(crate) fn guid_length(bytes: &[u8]) -> usize {
     bytes.get(6..8).map_or(0, |length| usize::from(u16::from_le_bytes([length[0], length[1]])))
 }
 
 /// Makes length and checksum of the header fit the bytes, so that a damaged state passes for a whole one.
-pub fn forge(bytes: &mut [u8]) {
+pub(crate) fn forge(bytes: &mut [u8]) {
     if bytes.len() < HEADER {
         return;
     }

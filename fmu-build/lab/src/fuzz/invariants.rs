@@ -12,23 +12,23 @@ const BALANCE: f64 = 1e-7;
 const FLOW: f64 = 1e-12;
 
 /// Every Real variable that the library calculates.
-pub static OUTPUTS: LazyLock<Vec<ValueReference>> = LazyLock::new(|| {
+pub(crate) static OUTPUTS: LazyLock<Vec<ValueReference>> = LazyLock::new(|| {
     rows(|row| matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. }))
 });
 
 /// References of the variables whose row fulfils a condition.
-pub fn rows(condition: impl Fn(&Row) -> bool) -> Vec<ValueReference> {
+pub(crate) fn rows(condition: impl Fn(&Row) -> bool) -> Vec<ValueReference> {
     (0..COUNT).filter(|&at| condition(&TABLE[FLAT[at].0 as usize])).map(|at| at as ValueReference).collect()
 }
 
 /// Full name of a variable.
-pub fn name_of(reference: ValueReference) -> String {
+pub(crate) fn name_of(reference: ValueReference) -> String {
     lookup(reference).map_or_else(|| format!("#{reference}"), |(row, element)| row.element_name(element))
 }
 
 /// Values of all [`OUTPUTS`].
 #[derive(Clone, Debug)]
-pub struct Outputs {
+pub(crate) struct Outputs {
     values: Vec<f64>,
     /// The run has not left the model's validity: bit 4 of `limit_reached`.
     is_valid: bool,
@@ -40,7 +40,7 @@ const TEMPERATURES: [ValueReference; 3] =
     [reference("contact_temperature"), reference("punch.mean_temperature"), reference("strip.mean_temperature")];
 
 /// Bit of `limit_reached`.
-pub const VALIDITY: i32 = 4;
+pub(crate) const VALIDITY: i32 = 4;
 
 impl Outputs {
     /// Of values in the order of [`OUTPUTS`], and `limit_reached`.
@@ -49,7 +49,7 @@ impl Outputs {
     }
 
     /// At the end of `seconds` of simulated time.
-    pub fn at(self, seconds: f64) -> Self {
+    pub(crate) fn at(self, seconds: f64) -> Self {
         Self { seconds: seconds.abs(), ..self }
     }
 
@@ -59,19 +59,19 @@ impl Outputs {
     }
 
     /// Their bits.
-    pub fn bits(&self) -> impl Iterator<Item = u64> {
+    pub(crate) fn bits(&self) -> impl Iterator<Item = u64> {
         self.values.iter().map(|value| value.to_bits())
     }
 
     /// The first that differs in its bits from another's.
-    pub fn difference(&self, other: &Self) -> Option<String> {
+    pub(crate) fn difference(&self, other: &Self) -> Option<String> {
         let at = self.bits().zip(other.bits()).position(|(own, other)| own != other)?;
         Some(format!("{} = {:e} and {:e}", name_of(OUTPUTS[at]), self.values[at], other.values[at]))
     }
 
     /// # Errors
     /// The first output that is not finite.
-    pub fn check_finite(&self) -> Result<(), String> {
+    pub(crate) fn check_finite(&self) -> Result<(), String> {
         match self.values.iter().position(|value| !value.is_finite()) {
             Some(at) => Err(format!("{} = {}", name_of(OUTPUTS[at]), self.values[at])),
             None => Ok(()),
@@ -80,7 +80,7 @@ impl Outputs {
 
     /// # Errors
     /// The first invariant that does not hold; `before`: the outputs of the step before, where the run was not set back.
-    pub fn check(&self, before: Option<&Self>) -> Result<(), String> {
+    pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), String> {
         self.check_finite()?;
         const NOT_NEGATIVE: [ValueReference; 9] = [
             reference("pressure_mean"),

@@ -30,7 +30,7 @@ const SPECIAL: [f64; 22] = [
 
 /// The generator splitmix64 (Steele, Lea, Flood 2014).
 #[derive(Clone)]
-pub struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// Generator number `stream` of an execution.
@@ -41,7 +41,7 @@ impl Random {
     }
 
     /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -50,37 +50,37 @@ impl Random {
     }
 
     /// A whole number below `limit`, which is above 0.
-    pub fn below(&mut self, limit: usize) -> usize {
+    pub(crate) fn below(&mut self, limit: usize) -> usize {
         ((u128::from(self.bits()) * limit as u128) >> 64) as usize
     }
 
     /// Whether an event of probability 1/`count` occurs.
-    pub fn one_in(&mut self, count: usize) -> bool {
+    pub(crate) fn one_in(&mut self, count: usize) -> bool {
         self.below(count) == 0
     }
 
     /// One of some values.
-    pub fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
+    pub(crate) fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
         &from[self.below(from.len())]
     }
 
     /// A number in [low, high).
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// A power of ten with an exponent in [low, high).
-    pub fn power(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn power(&mut self, low: f64, high: f64) -> f64 {
         10_f64.powf(self.between(low, high))
     }
 
     /// 1 or -1.
-    pub fn sign(&mut self) -> f64 {
+    pub(crate) fn sign(&mut self) -> f64 {
         if self.one_in(2) { -1.0 } else { 1.0 }
     }
 
     /// Any double: special values, random bits, every order of magnitude, round and tame numbers.
-    pub fn any(&mut self) -> f64 {
+    pub(crate) fn any(&mut self) -> f64 {
         match self.below(7) {
             0 | 1 => *self.pick(&SPECIAL),
             2 => f64::from_bits(self.bits()),
@@ -92,12 +92,12 @@ impl Random {
     }
 
     /// A round number, of which events fall on the same instant and steps divide each other.
-    pub fn round(&mut self) -> f64 {
+    pub(crate) fn round(&mut self) -> f64 {
         self.sign() * self.pick(&[1.0, 2.0, 2.5, 5.0]) * 10_f64.powi(self.below(10) as i32 - 5)
     }
 
     /// A value for a parameter: mostly within its bounds, near the value that it has, and at times neither.
-    pub fn parameter(&mut self, row: &Row, start: f64) -> f64 {
+    pub(crate) fn parameter(&mut self, row: &Row, start: f64) -> f64 {
         let (low, high) = row.bounds();
         let (low, high) = (low.unwrap_or(-1e6), high.unwrap_or(1e6));
         match self.below(16) {
@@ -115,7 +115,7 @@ impl Random {
     }
 
     /// A count: mostly small.
-    pub fn count(&mut self) -> usize {
+    pub(crate) fn count(&mut self) -> usize {
         match self.below(8) {
             0 => 0,
             1..=4 => 1,

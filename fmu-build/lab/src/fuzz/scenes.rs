@@ -135,7 +135,7 @@ pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 ///
 /// # Errors
 /// Findings.
-pub fn check(text: &str, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn check(text: &str, kinds: &mut Kinds) -> Verdict {
     enter("scene_file::parse");
     let read = match scene_file::parse(text) {
         Ok(read) => read,

@@ -50,7 +50,7 @@ fn piece(text: &str, most: usize, random: &mut Random) -> core::ops::Range<usize
 }
 
 /// Changes a text in one place; `others` lend it pieces.
-pub fn change(text: &mut String, others: &[String], random: &mut Random) {
+pub(crate) fn change(text: &mut String, others: &[String], random: &mut Random) {
     match random.below(6) {
         0 => {
             let at = place(text, random);

@@ -14,7 +14,7 @@ static TRACED: AtomicBool = AtomicBool::new(false);
 const PERIOD: Duration = Duration::from_millis(200);
 
 /// Notes that `function` begins, and that the one before it has ended.
-pub fn enter(function: &'static str) {
+pub(crate) fn enter(function: &'static str) {
     CALLS.fetch_add(1, Ordering::Relaxed);
     if let Ok(mut running) = RUNNING.lock() {
         *running = Some((function, Instant::now()));
@@ -25,29 +25,29 @@ pub fn enter(function: &'static str) {
 }
 
 /// Number of calls so far.
-pub fn calls() -> u64 {
+pub(crate) fn calls() -> u64 {
     CALLS.load(Ordering::Relaxed)
 }
 
 /// The function that runs, or ran last.
-pub fn last() -> &'static str {
+pub(crate) fn last() -> &'static str {
     RUNNING.lock().ok().and_then(|running| *running).map_or("", |(function, _)| function)
 }
 
 /// Prints every call from here on.
-pub fn trace() {
+pub(crate) fn trace() {
     TRACED.store(true, Ordering::Relaxed);
 }
 
 /// Prints what a call is given, where every call is printed.
-pub fn tell(text: impl Fn() -> String) {
+pub(crate) fn tell(text: impl Fn() -> String) {
     if TRACED.load(Ordering::Relaxed) {
         eprintln!("    {}", text());
     }
 }
 
 /// Watches from a thread of its own; `overdue` is called with the function that has run for longer than `limit`.
-pub fn start(limit: Duration, overdue: impl Fn(&'static str) + Send + 'static) {
+pub(crate) fn start(limit: Duration, overdue: impl Fn(&'static str) + Send + 'static) {
     std::thread::spawn(move || {
         loop {
             std::thread::sleep(PERIOD);

@@ -7,7 +7,7 @@ use std::fmt;
 
 /// How much may differ.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Allowed {
+pub(crate) enum Allowed {
     /// Nothing: bits, work counters and messages are the same.
     Nothing,
     /// Values by so much of their scale, see [`least_scale`]; work counters, derivatives, which jump at kinks, and the
@@ -17,7 +17,7 @@ pub enum Allowed {
 
 /// A value that differs.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Value {
+pub(crate) struct Value {
     /// Name of the variable.
     pub name: String,
     /// Communication point and time, s; `None` for what has none.
@@ -30,7 +30,7 @@ pub struct Value {
 
 /// Differences in a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Differences {
+pub(crate) struct Differences {
     /// Differences that are not of values: messages, communication points, variables.
     pub structure: Vec<String>,
     /// The first kept value that differs.
@@ -49,7 +49,7 @@ pub struct Differences {
 
 impl Differences {
     /// Whether there is none.
-    pub fn is_none(&self) -> bool {
+    pub(crate) fn is_none(&self) -> bool {
         self.structure.is_empty()
             && self.first.is_none()
             && self.from.is_none()
@@ -59,7 +59,7 @@ impl Differences {
 }
 
 /// Numbers of the format between two; 0 and -0 are one apart, and so are neighbours.
-pub fn units_in_the_last_place(a: f64, b: f64) -> u64 {
+pub(crate) fn units_in_the_last_place(a: f64, b: f64) -> u64 {
     let order = |value: f64| {
         let bits = value.to_bits();
         if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use std::hint::black_box;
 
 /// The present machine in one line.
-pub fn describe() -> String {
+pub(crate) fn describe() -> String {
     format!(
         "{}-{}, {}, functions {:016x}, products {:016x}",
         std::env::consts::ARCH,

@@ -35,7 +35,7 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Record what the golden scenes compute, or compare it with the records to the bit.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(subcommand)]
     action: Action,
 }
@@ -80,7 +80,7 @@ impl Chosen {
 ///
 /// # Errors
 /// Where a scene cannot be computed, a file not be read or written, or a record differs.
-pub fn execute(arguments: &Arguments) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     match &arguments.action {
         Action::Record(chosen) => record_all(chosen),
         Action::Compare { chosen, tolerance, bits } => compare_all(chosen, *tolerance, *bits),

@@ -11,7 +11,7 @@ const SAME: &str = "=";
 
 /// The 64-bit hash of Fowler, Noll and Vo (FNV-1a) of the bits of numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Hash(pub u64);
+pub(crate) struct Hash(pub u64);
 
 impl Default for Hash {
     fn default() -> Self {
@@ -21,12 +21,12 @@ impl Default for Hash {
 
 impl Hash {
     /// Takes a number in.
-    pub fn add(&mut self, value: f64) {
+    pub(crate) fn add(&mut self, value: f64) {
         self.0 = value.to_le_bytes().into_iter().fold(Fnv(self.0), Fnv::with).0;
     }
 
     /// The hash of these numbers.
-    pub fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         let mut hash = Self::default();
         values.iter().for_each(|&value| hash.add(value));
         hash
@@ -36,7 +36,7 @@ impl Hash {
 /// Numbers that belong together: a variable over the kept communication points, a profile at one of them, an array of a
 /// command's output.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Series {
+pub(crate) struct Series {
     /// Name of the variable; of a profile, with the index of the communication point behind `@`.
     pub name: String,
     /// Hash over all communication points; of what has none, over the values.
@@ -47,7 +47,7 @@ pub struct Series {
 
 /// Record of a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Record {
+pub(crate) struct Record {
     /// The error that the scene ended with.
     pub error: Option<String>,
     /// Number of communication points.
@@ -62,7 +62,7 @@ pub struct Record {
 
 impl Record {
     /// The record as text.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "error: {}", self.error.as_deref().unwrap_or("none").replace('\n', " "));
         let _ = writeln!(text, "points: {}", self.points);
@@ -90,7 +90,7 @@ impl Record {
     ///
     /// # Errors
     /// With the line that is none of a record.
-    pub fn parse(text: &str) -> Result<Self> {
+    pub(crate) fn parse(text: &str) -> Result<Self> {
         let mut record = Self::default();
         for (index, line) in text.lines().enumerate() {
             record.read(line).with_context(|| format!("line {}: {line}", index + 1))?;

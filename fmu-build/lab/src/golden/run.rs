@@ -14,10 +14,10 @@ use std::sync::Arc;
 const KEPT: usize = 8;
 
 /// Beginning of the names of work counters.
-pub const WORK: &str = "work.";
+pub(crate) const WORK: &str = "work.";
 
 /// Beginning of the names of derivatives.
-pub const DERIVATIVE: &str = "derivative.";
+pub(crate) const DERIVATIVE: &str = "derivative.";
 
 /// Numbers of a command that are times measured.
 const MEASURED: [&str; 1] = ["planning_seconds"];

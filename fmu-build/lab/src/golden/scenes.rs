@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// One recorded scene: a component that is driven, or a command whose JSON output is kept.
 #[derive(Clone, Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
-pub struct GoldenScene {
+pub(crate) struct GoldenScene {
     /// Name of the scene and of its record.
     pub name: String,
     /// Purpose of the scene.
@@ -42,7 +42,7 @@ pub struct GoldenScene {
 /// Communication steps of one length.
 #[derive(Clone, Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
-pub struct Segment {
+pub(crate) struct Segment {
     /// Communication step, s.
     pub step: f64,
     /// Number of steps.
@@ -65,7 +65,7 @@ pub struct Segment {
 /// Way in which a segment is replayed.
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize, Default, Debug)]
 #[serde(rename_all = "lowercase")]
-pub enum Replay {
+pub(crate) enum Replay {
     /// It is taken once.
     #[default]
     None,
@@ -86,7 +86,7 @@ struct List {
 }
 
 /// Folder of the list and the records.
-pub fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     project::root().join("tests").join("golden")
 }
 
@@ -94,7 +94,7 @@ pub fn folder() -> PathBuf {
 ///
 /// # Errors
 /// Where the list cannot be read, or a name is not in it.
-pub fn read(wanted: &[String]) -> Result<Vec<GoldenScene>> {
+pub(crate) fn read(wanted: &[String]) -> Result<Vec<GoldenScene>> {
     let path = folder().join("scenes.toml");
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     let list: List = toml::from_str(&text).with_context(|| format!("reading {}", path.display()))?;

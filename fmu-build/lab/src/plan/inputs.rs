@@ -13,7 +13,7 @@ use scene_file::SceneFile;
 use std::path::{Path, PathBuf};
 
 /// A comparison request.
-pub struct Request<'a> {
+pub(crate) struct Request<'a> {
     /// The scene.
     pub scene: SceneFile,
     /// File that it came from, for `--write`.
@@ -32,7 +32,7 @@ pub struct Request<'a> {
 /// # Errors
 /// Where the file of the inputs or the scene is wrong; where no run converges or none meets the tolerance; where the scene
 /// cannot be written.
-pub fn execute(request: &Request) -> Result<()> {
+pub(crate) fn execute(request: &Request) -> Result<()> {
     let name = &request.scene.packaged.name;
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;
     let table = columns::read(request.inputs, &Column::inputs(), &request.reading)?;

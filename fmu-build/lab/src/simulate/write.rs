@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// Where it cannot be written.
-pub fn courses(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn courses(path: &Path, recording: &Recording) -> Result<()> {
     let headers = recording.channels.iter().map(|channel| format!("{} [{}]", channel.name, channel.unit));
     let header: Vec<String> = std::iter::once("time [s]".to_owned()).chain(headers).collect();
     let rows = recording.times.iter().enumerate().map(|(row, time)| {
@@ -22,7 +22,7 @@ pub fn courses(path: &Path, recording: &Recording) -> Result<()> {
 }
 
 /// File of the profiles beside that of the variables.
-pub fn beside(path: &Path) -> PathBuf {
+pub(crate) fn beside(path: &Path) -> PathBuf {
     path.with_extension("profiles.csv")
 }
 
@@ -30,7 +30,7 @@ pub fn beside(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// Where it cannot be written.
-pub fn profiles(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn profiles(path: &Path, recording: &Recording) -> Result<()> {
     let header = [
         "time [s]",
         "profile.x [m]",

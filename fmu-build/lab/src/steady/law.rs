@@ -16,7 +16,7 @@ const DECADES: [i32; 2] = [-3, 2];
 const PER_DECADE: i32 = 3;
 
 /// The law of a scene.
-pub struct Law {
+pub(crate) struct Law {
     name: String,
     points: Vec<LawPoint>,
     endless: Differences,
@@ -64,7 +64,7 @@ impl Law {
     }
 
     /// As a table.
-    pub fn table(&self) -> String {
+    pub(crate) fn table(&self) -> String {
         let mut text = format!(
             "{}: pressures with heat less those without, rms over the mean pressure\n{:>13}  {:>13}  {:>13}  {:>13}  {:>13}\n",
             self.name, "cycle/thermal", "means, inside", "means, all", "ends, inside", "swing of T"
@@ -135,7 +135,7 @@ impl Law {
     }
 
     /// Writes the figure, and the numbers beside it.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
         self.figure().write(path)?;
         let csv = path.with_extension("csv");
         fs::write(&csv, self.csv()).with_context(|| format!("writing {}", csv.display()))

@@ -29,9 +29,6 @@ const NEWTON_TOLERANCE: f64 = 1e-12;
 /// the rounding of the linear solutions, which with many cells and thermal compliance exceeds the tolerance of Newton's
 /// method.
 const ROUNDING: f64 = 1e-9;
-/// [`ROUNDING`] relative to the largest gap of the cells in contact: under a light load the displacements are small against
-/// the gap of the worn and thermally distorted shape.
-const ROUNDING_OF_GAP: f64 = 1e-12;
 /// Lower bound of dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
 const LEAST_SLOPE: f64 = 1e-12;
 /// Limit of chord iterations, after which Newton's method with new factors is used.
@@ -41,8 +38,6 @@ const CHORD_ENOUGH: usize = 6;
 /// Validity radius of the frozen diagonal: deviation of the slopes, relative to the cell's own compliance and wear, beyond
 /// which the Jacobian is refactored.
 const CHORD_DEVIATION: f64 = 0.3;
-/// Ratio of successive changes beyond which the Jacobian is refactored.
-const CHORD_RATIO: f64 = 0.3;
 
 impl WearingContact {
     /// Solves a stage with a nonlinear rate.
@@ -130,7 +125,8 @@ impl WearingContact {
                 converged = Ok(true);
                 break;
             }
-            if !close || (ratio > CHORD_RATIO && iteration > 1) {
+            // Ratio of successive changes beyond which the Jacobian is refactored.
+            if !close || (ratio > 0.3 && iteration > 1) {
                 if refactored {
                     break;
                 }
@@ -215,7 +211,9 @@ impl WearingContact {
                 state.pressure[i] = rate.invert(i, alpha, tau, t);
             }
             self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
-            let rounding = (ROUNDING * largest).max(ROUNDING_OF_GAP * widest);
+            // Rounding relative to the largest gap of the cells in contact: under a light load the displacements are small against the
+            // gap of the worn and thermally distorted shape.
+            let rounding = (ROUNDING * largest).max(1e-12 * widest);
             let rounded = change <= rounding && change > 0.5 * last;
             last = change;
             if rounded || change <= NEWTON_TOLERANCE * largest {

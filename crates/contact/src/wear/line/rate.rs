@@ -96,7 +96,7 @@ impl CellRate {
     }
 
     /// Whether all cells have the same coefficients.
-    pub fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.terms.iter().all(|term| matches!(term.coefficient, Coefficient::Uniform(_)))
     }
 
@@ -127,7 +127,7 @@ impl CellRate {
     }
 
     /// Depth rate and df/dp of a cell at the pressure p >= 0, as [`Self::rate`] and [`Self::slope`] with one power.
-    pub fn rate_and_slope(&self, cell: usize, pressure: f64) -> (f64, f64) {
+    pub(crate) fn rate_and_slope(&self, cell: usize, pressure: f64) -> (f64, f64) {
         let relative = pressure / self.reference_pressure;
         let (mut rate, mut slope) = (0.0, 0.0);
         for WearTerm { coefficient, law } in &self.terms {

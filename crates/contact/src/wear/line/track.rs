@@ -67,8 +67,6 @@ use nalgebra::DMatrix;
 const LARGEST: usize = 8192;
 /// Smallest number of cells of a track.
 const SMALLEST: usize = 256;
-/// Longest travel of one step in half-widths.
-const TRAVEL: f64 = 0.25;
 /// Longest stroke, in half-widths, that is averaged over the cycle.
 pub const AVERAGED_STROKE: f64 = 0.02;
 
@@ -137,13 +135,14 @@ impl LineTrack {
     }
 
     /// Whether the strip is worn as the mean over a cycle.
-    pub fn is_averaged(&self) -> bool {
+    pub(crate) fn is_averaged(&self) -> bool {
         self.averaging
     }
 
     /// Longest travel (m) of one step: a quarter of the half-width; no limit while strokes are averaged.
     pub fn longest_travel(&self) -> f64 {
-        if self.is_averaged() { f64::INFINITY } else { TRAVEL * self.half_width() }
+        // Longest travel of one step in half-widths.
+        if self.is_averaged() { f64::INFINITY } else { 0.25 * self.half_width() }
     }
 
     /// Worn volume in the window, m2 (per depth of the contact), without the discarded cells.

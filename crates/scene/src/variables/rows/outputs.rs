@@ -208,7 +208,7 @@ pub const ROWS: &[Row] = &[
     .output(ON_STATES),
 ];
 
-pub const PROFILES: &[Row] = &[
+pub(crate) const PROFILES: &[Row] = &[
     Row {
         variability: Variability::Fixed,
         ..real(

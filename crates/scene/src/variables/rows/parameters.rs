@@ -5,7 +5,7 @@ use super::super::units::*;
 use super::super::{EnumerationType, TOLERANCES};
 use super::{Row, boolean, choice, integer, real};
 
-pub static MECHANICAL_BODY: EnumerationType = EnumerationType {
+pub(crate) static MECHANICAL_BODY: EnumerationType = EnumerationType {
     name: "MechanicalBody",
     description: "Elastic model of a body; every body conducts heat as a block of its own height",
     items: &[
@@ -20,12 +20,12 @@ pub static PATH: EnumerationType = EnumerationType {
     description: "Path of the punch on the strip",
     items: &[("straight", "Open track"), ("closed", "Closed track of the length strip.length")],
 };
-pub static STRIP_BASE: EnumerationType = EnumerationType {
+pub(crate) static STRIP_BASE: EnumerationType = EnumerationType {
     name: "StripBase",
     description: "Mechanical support of the strip",
     items: &[("bonded", "Fixed to a rigid base"), ("smooth", "Free to slide on a rigid base")],
 };
-pub static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
+pub(crate) static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
     name: "ThermalBoundary",
     description: "Thermal condition of the face opposite to the contact",
     items: &[
@@ -44,7 +44,7 @@ pub static GEOMETRY: EnumerationType = EnumerationType {
         ("periodic", "The punch covers the whole closed path: no edges"),
     ],
 };
-pub static INITIAL_SHAPE: EnumerationType = EnumerationType {
+pub(crate) static INITIAL_SHAPE: EnumerationType = EnumerationType {
     name: "InitialShape",
     description: "Gap between the undeformed bodies at initialisation",
     items: &[
@@ -54,7 +54,7 @@ pub static INITIAL_SHAPE: EnumerationType = EnumerationType {
         ("tabulated", "contact.initial_gap at 33 stations"),
     ],
 };
-pub static CONSTRAINT: EnumerationType = EnumerationType {
+pub(crate) static CONSTRAINT: EnumerationType = EnumerationType {
     name: "HolderConstraint",
     description: "Degrees of freedom of the punch in its holder",
     items: &[
@@ -62,7 +62,7 @@ pub static CONSTRAINT: EnumerationType = EnumerationType {
         ("translate_and_rotate", "Approach and rotation about a pivot at holder.pivot_height"),
     ],
 };
-pub static FIDELITY: EnumerationType = EnumerationType {
+pub(crate) static FIDELITY: EnumerationType = EnumerationType {
     name: "Fidelity",
     description: "Model level",
     items: &[
@@ -79,7 +79,7 @@ pub static HEAT: EnumerationType = EnumerationType {
         ("mean", "One mean flux and temperature: for pressure and wear alone"),
     ],
 };
-pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
+pub(crate) static ERROR_ESTIMATE: EnumerationType = EnumerationType {
     name: "ErrorEstimate",
     description: "What estimated_error is measured with",
     items: &[
@@ -88,7 +88,7 @@ pub static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
     ],
 };
-pub static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
+pub(crate) static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
     name: "TangentialCompliance",
     description: "Elastic displacement of the bodies along the sliding direction",
     items: &[
@@ -625,7 +625,7 @@ pub const CONTACT: &[Row] = &[
     .instead_of_zero("contact.temperature_limited = false"),
 ];
 
-pub const HOLDER_AND_SOLVER: &[Row] = &[
+pub(crate) const HOLDER_AND_SOLVER: &[Row] = &[
     choice("holder.constraint", &CONSTRAINT, 1, "Degrees of freedom of the punch in its holder"),
     real("holder.pivot_height", &METRE, 1e-2, "Height of the pivot above the contact").shown("mm").within(0.0, 10.0),
     real(

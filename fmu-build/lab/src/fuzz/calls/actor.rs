@@ -21,14 +21,14 @@ fn first_difference(one: &[u8], other: &[u8]) -> Option<usize> {
 }
 
 /// Number of the library's inputs: the first variables.
-pub const INPUTS: usize = model::INPUTS;
+pub(crate) const INPUTS: usize = model::INPUTS;
 /// Largest magnitude of an input at which outputs that are read must be finite.
 const LARGEST_READ: f64 = 1e6;
 /// States that an instance keeps.
 const SLOTS: usize = 3;
 
 /// An instance with its random numbers.
-pub struct Actor {
+pub(crate) struct Actor {
     importer: Importer,
     random: Random,
     states: [*mut c_void; SLOTS],
@@ -89,7 +89,7 @@ impl Actor {
     }
 
     /// Ends the sequence; the digest of all answers.
-    pub fn finish(&mut self, kinds: &mut Kinds) -> Result<u64, String> {
+    pub(crate) fn finish(&mut self, kinds: &mut Kinds) -> Result<u64, String> {
         let _ = self.importer.terminate();
         for at in 0..SLOTS {
             let status = self.importer.free(&mut self.states[at]);

@@ -38,7 +38,7 @@ static CHOICES: LazyLock<Vec<ValueReference>> = LazyLock::new(|| {
 });
 
 /// Sets one parameter by the function of its type.
-pub fn set(importer: &Importer, reference: ValueReference, value: f64) {
+pub(crate) fn set(importer: &Importer, reference: ValueReference, value: f64) {
     let kind = TABLE[FLAT[reference as usize].0 as usize].kind;
     let _ = match kind {
         Kind::Real { .. } => importer.set_reals(&[reference], &[value]),
@@ -48,7 +48,7 @@ pub fn set(importer: &Importer, reference: ValueReference, value: f64) {
 }
 
 /// Sets up a random scene; refused values keep the old one. Returns whether its steps are costly.
-pub fn set_up(importer: &Importer, random: &mut Random) -> bool {
+pub(crate) fn set_up(importer: &Importer, random: &mut Random) -> bool {
     let mut values = STARTS;
     let shipped = random.pick(&SHIPPED).clone();
     for (reference, value) in shipped {

@@ -12,7 +12,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 ///
 /// # Errors
 /// Where the file cannot be read, is no scene before or after, or cannot be written.
-pub fn settings(path: &Path, level: ModelLevel, tolerance: f64) -> Result<()> {
+pub(crate) fn settings(path: &Path, level: ModelLevel, tolerance: f64) -> Result<()> {
     let named = || format!("{}", path.display());
     let text = fs::read_to_string(path).with_context(named)?;
     let changed = changed(&text, level, tolerance).with_context(named)?;

@@ -26,9 +26,6 @@ pub(super) struct Averaged {
     span: Option<(f64, f64)>,
 }
 
-/// Largest ratio of the travelled span to the nominal stroke before averaging ends.
-const SLACK: f64 = 1.5;
-
 impl Averaged {
     pub(super) fn new(cells: &Cells, stroke: f64) -> Self {
         let count = cells.count();
@@ -55,7 +52,8 @@ impl Averaged {
     pub(super) fn follow(&mut self, x0: f64, x1: f64) -> bool {
         let (low, high) = self.span.unwrap_or((x0, x0));
         let span = (low.min(x0).min(x1), high.max(x0).max(x1));
-        let inside = span.1 - span.0 <= SLACK * self.stroke;
+        // Largest ratio of the travelled span to the nominal stroke before averaging ends.
+        let inside = span.1 - span.0 <= 1.5 * self.stroke;
         if inside {
             self.span = Some(span);
         }
