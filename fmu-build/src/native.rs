@@ -64,7 +64,7 @@ pub fn forward(arguments: &[OsString]) -> Result<()> {
 ///
 /// # Errors
 /// Where it fails, after it has told why on the error stream.
-pub fn printed<I: AsRef<OsStr>>(arguments: impl IntoIterator<Item = I>) -> Result<Vec<u8>> {
+pub(crate) fn printed<I: AsRef<OsStr>>(arguments: impl IntoIterator<Item = I>) -> Result<Vec<u8>> {
     let mut command = program()?;
     command.args(arguments).stdin(Stdio::null()).stderr(Stdio::inherit());
     let output = command.output().context("starting fmu-lab")?;

@@ -56,7 +56,7 @@ pub fn program() -> std::io::Result<PathBuf> {
 ///
 /// # Errors
 /// Where a signal has ended it, so that it has not.
-pub fn leave(status: ExitStatus, program: &str) -> Result<()> {
+pub(crate) fn leave(status: ExitStatus, program: &str) -> Result<()> {
     match status.code() {
         Some(code) => exit(code),
         None => bail!("{program} was ended ({status})"),

@@ -108,7 +108,7 @@ impl<T: Copy> Sink<'_, T> {
 
     /// Writes element `index`.
     #[inline(always)]
-    pub fn put(&self, index: usize, value: T) {
+    pub(crate) fn put(&self, index: usize, value: T) {
         assert!(index < self.count);
         // SAFETY: `new`'s caller vouched for `count` elements that can be written.
         unsafe { self.start.add(index).write_unaligned(value) }

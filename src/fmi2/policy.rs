@@ -250,7 +250,7 @@ const _: () = {
 impl Function {
     /// The function's row.
     #[inline(always)]
-    pub const fn rule(self) -> &'static Rule {
+    pub(crate) const fn rule(self) -> &'static Rule {
         &RULES[self as usize]
     }
 }
@@ -341,7 +341,7 @@ static ACCESS: [Access; COUNT] = {
 
 /// Access rights of a value reference.
 #[inline(always)]
-pub fn access(reference: ValueReference) -> Access {
+pub(crate) fn access(reference: ValueReference) -> Access {
     ACCESS.get(reference as usize).copied().unwrap_or(Access::NONE)
 }
 

@@ -40,7 +40,7 @@ impl Decays {
 
     /// Interpolant of `response` and its derivative at the frequencies `shifts` (ascending, > 0); at fewer of them where the
     /// pencil is numerically rank-deficient. `response` must be a Stieltjes function of `s`.
-    pub fn interpolate(shifts: &[f64], response: impl Fn(Complex<f64>) -> Complex<f64>) -> Decays {
+    pub(crate) fn interpolate(shifts: &[f64], response: impl Fn(Complex<f64>) -> Complex<f64>) -> Decays {
         let values: Vec<(f64, f64)> = shifts
             .iter()
             .map(|&s| {

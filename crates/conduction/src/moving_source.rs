@@ -176,7 +176,7 @@ impl MovingSource {
     }
 
     /// Whether heat spreads out of the plane.
-    pub fn spreads(&self) -> bool {
+    pub(crate) fn spreads(&self) -> bool {
         self.lateral.is_some()
     }
 

@@ -111,7 +111,8 @@ impl PropertySlab {
     }
 
     /// Heat per area above the first temperature of the points, J/m2.
-    pub fn enthalpy(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn enthalpy(&self) -> f64 {
         self.enthalpies(&self.temperature).iter().sum()
     }
 

@@ -118,7 +118,7 @@ fn unit_definition(xml: &mut Xml, unit: &Unit) {
 }
 
 /// The enumerations of the table in the order of their first use.
-pub fn enumerations() -> Vec<&'static EnumerationType> {
+pub(crate) fn enumerations() -> Vec<&'static EnumerationType> {
     let mut found: Vec<&'static EnumerationType> = Vec::new();
     for row in TABLE {
         if let Kind::Enumeration(kind) = row.kind

@@ -41,7 +41,7 @@ impl Xml {
     }
 
     /// An element without content.
-    pub fn empty(&mut self, name: &str, attributes: &[Attribute]) {
+    pub(crate) fn empty(&mut self, name: &str, attributes: &[Attribute]) {
         self.event(Event::Empty(Self::start(name, attributes)));
     }
 

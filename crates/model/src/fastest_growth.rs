@@ -169,7 +169,7 @@ impl FastestGrowth {
 
     /// Fastest growth rate (1/s) of the waves at rest in the punch (0) or strip (1) at this friction coefficient and sliding
     /// speed (m/s); 0: none grows.
-    pub fn of_body(&self, body: usize, friction: f64, speed: f64) -> f64 {
+    pub(crate) fn of_body(&self, body: usize, friction: f64, speed: f64) -> f64 {
         let (own, mate) = (&self.pair.bodies[body], &self.pair.bodies[1 - body]);
         if own.expansion == 0.0 || self.heated[body] == 0.0 {
             return 0.0;

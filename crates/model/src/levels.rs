@@ -248,7 +248,7 @@ impl Model {
 
     /// Work (J) of the friction force on all faces since initialisation.
     #[inline]
-    pub fn friction_work(&self) -> f64 {
+    pub(crate) fn friction_work(&self) -> f64 {
         match self {
             Model::Lumped(model) => model.friction_work(),
             Model::Line(model) => model.friction_work(),

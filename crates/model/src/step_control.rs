@@ -52,7 +52,7 @@ impl StepController {
     }
 
     /// Takes a step of this error; it is doubled where that leaves room and `may_double`.
-    pub fn accept(&mut self, error: f64, may_double: bool) {
+    pub(crate) fn accept(&mut self, error: f64, may_double: bool) {
         self.part += 1;
         if self.level > 0 && self.part.is_multiple_of(2) && error < self.doubling && may_double {
             self.level -= 1;

@@ -104,7 +104,7 @@ pub fn factor(text: &str, symbol: Option<&str>) -> Result<f64, String> {
 ///
 /// # Errors
 /// The fault and the accepted alternatives.
-pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
+pub(crate) fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
     let written = Written::of(value, unit, absolute)?;
     within(&written, None, None)?;
     Ok(written.si())

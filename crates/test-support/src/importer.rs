@@ -92,7 +92,7 @@ pub fn guid() -> CString {
     CString::new(slot::current().unwrap().guid()).unwrap()
 }
 
-pub fn instantiate(log: &Mutex<Vec<Entry>>, debug: bool) -> *mut c_void {
+pub(crate) fn instantiate(log: &Mutex<Vec<Entry>>, debug: bool) -> *mut c_void {
     let callbacks = CallbackFunctions {
         logger: Some(logger()),
         allocate_memory: None,

@@ -55,7 +55,7 @@ impl WaveScene {
     }
 
     /// Shear coupling `mu (1-2nu)/(2(1-nu))` if enabled.
-    pub fn coupling(&self) -> f64 {
+    pub(crate) fn coupling(&self) -> f64 {
         if self.coupled { FRICTION * (1.0 - 2.0 * POISSONS_RATIO) / (2.0 * (1.0 - POISSONS_RATIO)) } else { 0.0 }
     }
 
@@ -65,7 +65,7 @@ impl WaveScene {
     }
 
     /// Initial amplitude over the mean pressure by the gap, before any heat, `E m g/(2 (1 - nu^2) p)`.
-    pub fn beginning(&self) -> f64 {
+    pub(crate) fn beginning(&self) -> f64 {
         let stiffness = YOUNGS_MODULUS / (2.0 * (1.0 - POISSONS_RATIO * POISSONS_RATIO));
         stiffness * (2.0 * PI / WAVELENGTH) * self.gap / PRESSURE
     }
@@ -164,7 +164,7 @@ impl WaveContact {
     }
 
     /// A wave at `ratio` times the critical speed.
-    pub fn wave(&self, ratio: f64) -> Wave<'_> {
+    pub(crate) fn wave(&self, ratio: f64) -> Wave<'_> {
         let mut inputs = Inputs::from_array(std::array::from_fn(|index| STARTS[index]));
         inputs.sliding_velocity = ratio * critical_speed();
         inputs.normal_load = PRESSURE * WAVELENGTH * WAVELENGTH;
@@ -199,7 +199,7 @@ impl WaveContact {
     ///
     /// # Errors
     /// A failing step, or a contact that opens within a few steps.
-    pub fn follow(&self, ratio: f64, step: f64, count: usize) -> Result<Vec<Complex<f64>>, String> {
+    pub(crate) fn follow(&self, ratio: f64, step: f64, count: usize) -> Result<Vec<Complex<f64>>, String> {
         let mut wave = self.wave(ratio);
         let mut amplitudes = Vec::with_capacity(count);
         for _ in 0..count {
@@ -249,7 +249,7 @@ impl Wave<'_> {
     }
 
     /// Amplitude of the wave over the mean pressure.
-    pub fn amplitude(&self) -> Complex<f64> {
+    pub(crate) fn amplitude(&self) -> Complex<f64> {
         let pressure = &self.line.state().pressure;
         let parts = pressure.iter().zip(&self.contact.angles).map(|(p, angle)| Complex::from_polar(*p, -angle));
         parts.sum::<Complex<f64>>() * (2.0 / (PRESSURE * pressure.len() as f64))
@@ -299,7 +299,7 @@ impl LinearWave {
     }
 
     /// Amplitude over the mean pressure.
-    pub fn amplitude(&self) -> Complex<f64> {
+    pub(crate) fn amplitude(&self) -> Complex<f64> {
         Complex::new(self.amplitude / PRESSURE, 0.0)
     }
 }
@@ -353,7 +353,7 @@ impl SplitWave {
     }
 
     /// Amplitude over the mean pressure.
-    pub fn amplitude(&self) -> Complex<f64> {
+    pub(crate) fn amplitude(&self) -> Complex<f64> {
         self.wave.amplitude()
     }
 }

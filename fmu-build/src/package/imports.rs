@@ -22,7 +22,7 @@ const SYSTEM: [&str; 10] = [
 ///
 /// # Errors
 /// Where the bytes are no 64-bit Windows library.
-pub fn libraries(library: &[u8]) -> Result<Vec<String>> {
+pub(crate) fn libraries(library: &[u8]) -> Result<Vec<String>> {
     let file = PeFile64::parse(library).context("reading the library as PE")?;
     let Some(table) = file.import_table()? else { return Ok(Vec::new()) };
     let mut names = Vec::new();

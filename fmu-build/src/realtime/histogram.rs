@@ -35,7 +35,7 @@ impl Histogram {
     }
 
     /// The longest time, microseconds.
-    pub fn longest(&self) -> f64 {
+    pub(crate) fn longest(&self) -> f64 {
         self.sorted.last().copied().map_or(0.0, microseconds)
     }
 
@@ -44,7 +44,7 @@ impl Histogram {
     }
 
     /// Classes for people: from, to [microseconds], count.
-    pub fn coarse(&self) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
+    pub(crate) fn coarse(&self) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
         self.classes((0..COARSE.len()).map(|at| (COARSE[at], COARSE.get(at + 1).copied().unwrap_or(f64::INFINITY))))
     }
 

@@ -39,7 +39,7 @@ const PROPERTIES: [Property; 9] = [
 ///
 /// # Errors
 /// Everything wrong with an assignment; a car where the example has none.
-pub fn apply(example: Example, assignments: &[String], scene: &mut SceneFile) -> Result<Vec<String>> {
+pub(crate) fn apply(example: Example, assignments: &[String], scene: &mut SceneFile) -> Result<Vec<String>> {
     let mut car = Vec::new();
     for assignment in assignments {
         match assignment.trim_start().strip_prefix("car.") {

@@ -118,7 +118,7 @@ impl Tally {
 
 impl Step {
     /// Counts one success.
-    pub fn pass(&mut self) {
+    pub(crate) fn pass(&mut self) {
         self.counts.passed += 1;
     }
 

@@ -219,7 +219,7 @@ impl Trajectory {
     }
 
     /// Number of times up to `time`, at least 1: the interval after the last of them.
-    pub fn interval(&self, time: f64) -> usize {
+    pub(crate) fn interval(&self, time: f64) -> usize {
         self.times.partition_point(|own| *own <= time).clamp(1, self.times.len() - 1)
     }
 
@@ -253,7 +253,7 @@ fn left_out(names: &[String]) -> String {
 }
 
 /// Unit of a variable; `1` of one without.
-pub fn unit_of(variable: ValueReference) -> &'static str {
+pub(crate) fn unit_of(variable: ValueReference) -> &'static str {
     match lookup(variable).map(|(row, _)| row.kind) {
         Some(Kind::Real { unit, .. }) => unit.name,
         _ => "1",

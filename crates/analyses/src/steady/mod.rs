@@ -105,7 +105,7 @@ fn on_half(scene: &Scene, cells: &Cells, sliding: &Sliding, hot: &HotState) -> O
 }
 
 /// Direction of a half-stroke.
-pub fn direction(stroke: &SteadyStroke) -> &'static str {
+pub(crate) fn direction(stroke: &SteadyStroke) -> &'static str {
     if stroke.velocity < 0.0 { "backward" } else { "forward" }
 }
 
@@ -151,7 +151,7 @@ impl Solved {
     }
 
     /// Pressure at the -x and +x edge; 0 where it is rounding.
-    pub fn edges(&self, stroke: &SteadyStroke) -> [f64; 2] {
+    pub(crate) fn edges(&self, stroke: &SteadyStroke) -> [f64; 2] {
         let half_width = self.cells.half_width();
         [-half_width, half_width].map(|x| {
             let pressure = self.cells.point_value(&stroke.pressure, x);

@@ -63,7 +63,7 @@ impl PressureLaw {
     }
 
     /// Whether f is proportional to z.
-    pub fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         self.exponent == 1.0 && self.threshold == 0.0
     }
 

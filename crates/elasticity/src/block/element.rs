@@ -45,7 +45,7 @@ pub struct Shape {
 
 impl Shape {
     /// Whether the shapes are equal up to a scale and rounding.
-    pub fn similar(&self, other: &Self) -> bool {
+    pub(crate) fn similar(&self, other: &Self) -> bool {
         let (ratio, other_ratio) = (self.size_z / self.size_x, other.size_z / other.size_x);
         (self.order_x, self.order_z) == (other.order_x, other.order_z) && (ratio - other_ratio).abs() <= 1e-13 * ratio
     }

@@ -57,7 +57,7 @@ impl HalfPlane {
     }
 
     /// Stress at (x, z) by unit pressure on `cell`; at an end of the cell on the surface the limit from below.
-    pub fn stress(&self, cell: (f64, f64), x: f64, z: f64) -> Stress {
+    pub(crate) fn stress(&self, cell: (f64, f64), x: f64, z: f64) -> Stress {
         let at = |distance: f64| {
             let square = distance * distance + z * z;
             let ratio = |product: f64| if square > 0.0 { product / square } else { 0.0 };

@@ -131,7 +131,7 @@ impl Line {
     }
 
     /// Work (J) of the friction force on all faces since initialisation.
-    pub fn friction_work(&self) -> f64 {
+    pub(crate) fn friction_work(&self) -> f64 {
         self.mean.friction_work()
     }
 

@@ -187,7 +187,7 @@ impl InputTrajectory {
     }
 
     /// Whether the contact is open or at rest throughout.
-    pub fn idle(&self) -> bool {
+    pub(crate) fn idle(&self) -> bool {
         let [start, end] = [self.at(0.0), self.at(self.length)];
         start.speed == 0.0 && end.speed == 0.0 || start.load == 0.0 && end.load == 0.0
     }

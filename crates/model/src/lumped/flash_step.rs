@@ -291,7 +291,7 @@ impl FlashStep {
 
     /// Free response of the initial states at `point`, K.
     #[inline(always)]
-    pub fn homogeneous(&self, point: usize, states: &Row) -> f64 {
+    pub(crate) fn homogeneous(&self, point: usize, states: &Row) -> f64 {
         let (decay, mut left) = (self.decay[point], *states);
         for k in 0..MAX_FLASH_STATES {
             left[k] *= decay[k];
@@ -307,7 +307,7 @@ impl FlashStep {
 
     /// States at the end of the step under the stage fluxes `flux` into the strip.
     #[inline(always)]
-    pub fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {
+    pub(crate) fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {
         let (start, rise) = (1.5 * flux[0] - 0.5 * flux[1], 1.5 * (flux[1] - flux[0]));
         let ([flat, ramp], decay, mut new) = (self.update, self.decay[2], *states);
         for k in 0..MAX_FLASH_STATES {

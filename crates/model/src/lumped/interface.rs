@@ -80,7 +80,7 @@ pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f
 
 /// Heat partition of separated surfaces: no heat passes. The surface temperature of an insulator is that of the other surface.
 #[inline]
-pub fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
+pub(crate) fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
     let levels = match (punch.gain, strip.gain) {
         (Some(_), None) => [punch.level; 2],
         (None, Some(_)) => [strip.level; 2],
@@ -95,7 +95,7 @@ pub fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> 
 /// table, so the search always ends. Where a rising table permits several solutions the smallest is the one that a heating
 /// contact reaches first.
 #[inline]
-pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
+pub(crate) fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
     let fade = &friction.fade;
     if fade.flat || gain.value() == 0.0 {
         return level + gain * (friction.coefficient * fade.factor[0]);

@@ -169,7 +169,7 @@ impl Lumped {
     }
 
     /// Work (J) of the friction force on all faces since initialisation.
-    pub fn friction_work(&self) -> f64 {
+    pub(crate) fn friction_work(&self) -> f64 {
         self.state.dissipated * self.operators.area * self.operators.scene.faces
     }
 

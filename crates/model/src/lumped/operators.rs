@@ -225,7 +225,12 @@ impl LumpedOperators {
     /// of `known`, whose scene has the same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may
     /// differ. `compliance`: mean displacement of both bodies per uniform pressure on the line, m/Pa; `moves`: the temperature
     /// under the contact follows a moving source. Where the line resolves heat and no bristle asks for it, it need not.
-    pub fn beneath(scene: &Scene, compliance: f64, moves: bool, known: Option<&LumpedOperators>) -> LumpedOperators {
+    pub(crate) fn beneath(
+        scene: &Scene,
+        compliance: f64,
+        moves: bool,
+        known: Option<&LumpedOperators>,
+    ) -> LumpedOperators {
         Self::build(scene, compliance, moves, known)
     }
 

@@ -410,7 +410,7 @@ pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
 
 impl LumpedOperators {
     /// Bristle of this stiffness (N/m), which is 0 where there is none.
-    pub fn bristle(&self, stiffness: f64) -> Option<Bristle> {
+    pub(crate) fn bristle(&self, stiffness: f64) -> Option<Bristle> {
         (stiffness > 0.0).then_some(Bristle { stiffness, damping: self.scene.stick_damping })
     }
 

@@ -74,7 +74,7 @@ impl ActivePartition {
 
     /// Flux into the punch, for the free response `base` (K) of both surfaces and the friction heat `friction` (W/m2), which is 0
     /// on open cells.
-    pub fn punch_flux(
+    pub(crate) fn punch_flux(
         &mut self,
         influence: [Option<&SurfaceInfluence>; 2],
         base: [&[f64]; 2],

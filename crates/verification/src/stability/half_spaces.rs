@@ -32,7 +32,7 @@ impl HalfSpaces {
     /// With the effusivities e, `E = e1 e2/(e1 + e2)` and `k = h_c/E` the flux into the punch is
     /// `Q [e1/(e1+e2) + (e2-e1)/(2 (e1+e2)) exp(k^2 t) erfc(k sqrt t)]`: half of the heat initially, the fraction of the
     /// effusivities finally.
-    pub fn share(&self, time: f64) -> f64 {
+    pub(crate) fn share(&self, time: f64) -> f64 {
         if self.conductance == 0.0 {
             return 0.5;
         }

@@ -151,7 +151,7 @@ impl fmt::Display for Findings {
 
 impl Findings {
     /// The findings for machines.
-    pub fn record(&self, chart: &Chart) -> Value {
+    pub(crate) fn record(&self, chart: &Chart) -> Value {
         let run = |found: &Reached| {
             // JSON has no NaN.
             let error = if found.error.is_finite() { json!(found.error) } else { Value::Null };

@@ -16,7 +16,7 @@ pub(crate) struct Budget {
 
 impl Budget {
     /// Budgets of the whole and of the quick chart.
-    pub fn new(quick: bool) -> Self {
+    pub(crate) fn new(quick: bool) -> Self {
         if quick { Self { run: 0.5, truth: 6.0, repeats: 0.02 } } else { Self { run: 4.0, truth: 40.0, repeats: 0.1 } }
     }
 }

@@ -257,7 +257,7 @@ impl Scaling {
     }
 
     /// The exponents for machines.
-    pub fn record(&self) -> Value {
+    pub(crate) fn record(&self) -> Value {
         let laws = self.groups.iter().flat_map(|group| {
             group.laws.iter().map(move |law| {
                 json!({ "size": group.label, "law": law.name, "exponent": law.exponent(), "points": law.points })

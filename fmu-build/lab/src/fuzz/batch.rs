@@ -77,7 +77,7 @@ fn change(text: &mut String, random: &mut Random) {
 ///
 /// # Errors
 /// Findings.
-pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut texts = [(*random.pick(&DESIGNS)).to_owned(), (*random.pick(&SCHEDULES)).to_owned()];
     for _ in 0..random.below(5) {

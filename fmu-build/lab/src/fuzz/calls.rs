@@ -17,7 +17,7 @@ const MOST: usize = 3;
 ///
 /// # Errors
 /// Findings.
-pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let count = if random.one_in(4) { 1 + random.below(MOST) } else { 1 };
     let mut actors = Vec::new();

@@ -41,7 +41,7 @@ impl Report {
 ///
 /// # Errors
 /// Where something was found, or a process cannot be started.
-pub fn run(arguments: &Arguments, targets: &[Target]) -> Result<()> {
+pub(crate) fn run(arguments: &Arguments, targets: &[Target]) -> Result<()> {
     let share = arguments.seconds / targets.len() as f64;
     let mut found = 0;
     for &target in targets {

@@ -58,7 +58,7 @@ pub(crate) fn guid() -> CString {
 
 impl Importer {
     /// A new instance; `None` where the library gives none.
-    pub fn new(debug: bool) -> Option<Self> {
+    pub(crate) fn new(debug: bool) -> Option<Self> {
         enter("fmi2Instantiate");
         let log: Box<RefCell<Log>> = Box::default();
         let callbacks = CallbackFunctions {
@@ -143,7 +143,7 @@ impl Importer {
     }
 
     /// `fmi2DoStep`
-    pub fn step(&self, from: f64, step: f64) -> Status {
+    pub(crate) fn step(&self, from: f64, step: f64) -> Status {
         enter("fmi2DoStep");
         tell(|| format!("{step:e} s from {from:e} s"));
         // SAFETY: as above.

@@ -44,7 +44,7 @@ pub(crate) const VALIDITY: i32 = 4;
 
 impl Outputs {
     /// Of values in the order of [`OUTPUTS`], and `limit_reached`.
-    pub fn new(values: Vec<f64>, limits: i32) -> Self {
+    pub(crate) fn new(values: Vec<f64>, limits: i32) -> Self {
         Self { values, is_valid: limits & VALIDITY == 0, seconds: 0.0 }
     }
 

@@ -34,7 +34,7 @@ pub(crate) struct Random(u64);
 
 impl Random {
     /// Generator number `stream` of an execution.
-    pub fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut start = Self(seed ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03));
         start.bits();
         Self(start.bits() ^ seed)

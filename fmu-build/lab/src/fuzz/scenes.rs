@@ -122,7 +122,7 @@ fn change(text: &mut String, random: &mut Random) {
 ///
 /// # Errors
 /// Findings.
-pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut text = random.pick(&SHIPPED).clone();
     for _ in 0..1 + random.below(4) {

@@ -104,7 +104,7 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
 ///
 /// # Errors
 /// Findings.
-pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
+pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     thread_local! {
         /// One for every scene, whose operators it keeps.

@@ -115,7 +115,7 @@ fn wording(message: &str) -> String {
 }
 
 /// Differences between a record and the present results.
-pub fn compare(recorded: &Record, now: &Record, allowed: Allowed) -> Differences {
+pub(crate) fn compare(recorded: &Record, now: &Record, allowed: Allowed) -> Differences {
     let mut found = Differences::default();
     let exact = allowed == Allowed::Nothing;
     let same_message = match (&recorded.error, &now.error) {

@@ -91,7 +91,7 @@ struct Run<'a> {
 ///
 /// # Errors
 /// Where the scene cannot be read, names what is no variable, fails where it should not or does not where it should.
-pub fn record(golden: &GoldenScene) -> Result<Record> {
+pub(crate) fn record(golden: &GoldenScene) -> Result<Record> {
     let record = match &golden.command {
         Some(arguments) => run_command(arguments),
         None => drive(golden),

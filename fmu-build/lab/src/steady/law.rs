@@ -24,7 +24,7 @@ pub(crate) struct Law {
 
 impl Law {
     /// Computes it, with a progress bar.
-    pub fn new(name: &str, scene: &Scene, count: usize) -> Result<Law> {
+    pub(crate) fn new(name: &str, scene: &Scene, count: usize) -> Result<Law> {
         let cells = cells_for(scene, count)?;
         let bodies = compliances(scene, &cells)?;
         let endless = endless_cycles(scene, &cells, &bodies).with_context(|| format!("the scene {name}"))?;
@@ -43,7 +43,7 @@ impl Law {
     }
 
     /// As JSON.
-    pub fn record(&self) -> Value {
+    pub(crate) fn record(&self) -> Value {
         let point = |point: &LawPoint| {
             json!({
                 "cycle_time_over_thermal_time": point.ratio,

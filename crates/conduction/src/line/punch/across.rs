@@ -163,7 +163,7 @@ impl Wave {
 
     /// [`Self::integrate`] into a new vector.
     #[cfg(test)]
-    pub fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
+    pub(crate) fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
         let mut integrals = vec![0.0; cells.count()];
         self.integrate(cells, &mut integrals);
         integrals

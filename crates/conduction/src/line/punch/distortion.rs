@@ -78,7 +78,7 @@ impl<'a> Distortion<'a> {
     }
 
     /// Refines the points for fields that decay as fast as `steepest`, 1/m.
-    pub fn resolve(&mut self, steepest: f64) {
+    pub(crate) fn resolve(&mut self, steepest: f64) {
         if let Kind::Layer { .. } | Kind::OnBase(_) = self.kind {
             let mut edges = towards_face(1.0 / steepest, self.height, 2.0);
             edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * self.height));

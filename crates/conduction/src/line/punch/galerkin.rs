@@ -279,7 +279,7 @@ impl Basis {
     }
 
     /// The shapes, the slowest first.
-    pub fn shapes(&self, points: &Points) -> Vec<Shape> {
+    pub(crate) fn shapes(&self, points: &Points) -> Vec<Shape> {
         let quadrature = points.weight.len();
         (self.residues().enumerate())
             .map(|(k, (rate, contact))| {

@@ -44,7 +44,7 @@ const GAUSS: [(f64, f64); 2] =
 
 impl Radii {
     /// Mode number `m` in ascending order of the wave numbers.
-    pub fn mode(&self, m: usize) -> RadialMode {
+    pub(crate) fn mode(&self, m: usize) -> RadialMode {
         let width = self.outer - self.inner;
         if m == 0 && self.loss == 0.0 {
             return RadialMode { wave_number: 0.0, first: width.sqrt().recip(), second: 0.0, mean: self.mean };

@@ -245,7 +245,7 @@ impl Modes {
     }
 
     /// Adds to the cells' temperatures those of the states in the scratch, weighted by `contact` at the surface.
-    pub fn show(&self, contact: &[f64], scratch: &mut Scratch, temperature: &mut [f64]) {
+    pub(crate) fn show(&self, contact: &[f64], scratch: &mut Scratch, temperature: &mut [f64]) {
         let Scratch { surface, values, shown, .. } = scratch;
         surface.fill(0.0);
         for ((contact, value), mode) in contact.iter().zip(&*values).zip(&self.mode) {
@@ -269,7 +269,7 @@ impl Modes {
     }
 
     /// Whether the states distort the contact line.
-    pub fn distorts(&self) -> bool {
+    pub(crate) fn distorts(&self) -> bool {
         self.parts.iter().any(|part| !part.distortion.is_empty())
     }
 

@@ -136,7 +136,7 @@ impl Patterns {
     }
 
     /// Turns the mean temperatures of whole cells into those of the parts in contact; `surface`: amplitudes of the modes.
-    pub fn show(&self, surface: &[f64], temperature: &mut [f64]) {
+    pub(crate) fn show(&self, surface: &[f64], temperature: &mut [f64]) {
         for (cell, integrals) in self.all() {
             temperature[cell] += dot(integrals, surface) / self.areas[cell];
         }

@@ -88,7 +88,7 @@ impl InterpolationNodes {
         clippy::too_many_arguments,
         reason = "an interval, its velocity, and where to build what is not there yet"
     )]
-    pub fn interpolate(
+    pub(crate) fn interpolate(
         &mut self,
         operators: &StripOperators,
         interval: &Interval<'_>,

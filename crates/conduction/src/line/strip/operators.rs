@@ -265,7 +265,7 @@ impl StripOperators {
     }
 
     /// Amplitude of every mode in the fluxes: `sum c_j q_j exp(-iq x_j)`.
-    pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [Vec<f64>; 2]) {
+    pub(crate) fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [Vec<f64>; 2]) {
         self.fold(flux, parts);
         parts[1].iter_mut().for_each(|value| *value = -*value);
         let ([even, odd], [even_part, odd_part], [re, im]) = (self.shapes.transposed(), parts, heat);

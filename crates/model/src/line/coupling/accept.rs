@@ -127,7 +127,7 @@ impl Solved<'_> {
 impl ThermalCoupling {
     /// Updates the thermal state by the step whose stages are solved; `velocity` is the sliding velocity at its end, m/s. The
     /// first part of a communication step leaves its initial body states in `kept`, from which they can be restored.
-    pub fn accept(
+    pub(crate) fn accept(
         &mut self,
         operators: &LineOperators,
         friction: &FrictionLaw,

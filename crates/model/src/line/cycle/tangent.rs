@@ -120,7 +120,7 @@ impl WearJacobian {
     ///
     /// # Errors
     /// A wear Jacobian that is not finite.
-    pub fn implicit(&self, jump: f64) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
+    pub(crate) fn implicit(&self, jump: f64) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
         let total = self.total();
         factors(DMatrix::identity(total.nrows(), total.nrows()) + total * jump)
     }

@@ -46,7 +46,7 @@ pub(crate) struct Actor {
 
 impl Actor {
     /// A new instance, in a random scene or as it is.
-    pub fn new(mut random: Random) -> Result<Self, String> {
+    pub(crate) fn new(mut random: Random) -> Result<Self, String> {
         let debug = random.one_in(2);
         let importer = Importer::new(debug).ok_or("fmi2Instantiate gives no instance")?;
         let is_tame = random.one_in(2);
@@ -70,7 +70,7 @@ impl Actor {
     }
 
     /// Does one thing.
-    pub fn turn(&mut self, kinds: &mut Kinds) -> Verdict {
+    pub(crate) fn turn(&mut self, kinds: &mut Kinds) -> Verdict {
         let status = match self.random.below(40) {
             0..=17 => self.step()?,
             18..=24 => self.set_inputs(),
