@@ -67,7 +67,7 @@ impl Case {
                 [velocity, load, (to - velocity) / step, (carried - load) / step]
             })
             .collect();
-        if number % 3 == 0 {
+        if number.is_multiple_of(3) {
             let (conductivity, specific_heat) = (random.between(5.0, 60.0), random.between(300.0, 900.0));
             for (name, value) in [
                 ("strip.property_table.points", 3.0),

@@ -39,7 +39,7 @@ impl Component {
     ///
     /// # Errors
     /// A text with variable, value and limit.
-    pub(crate) fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
+    pub fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
         let Some(model) = self.model.as_ref().filter(|_| self.phase == Phase::Running) else { return Ok(()) };
         let mut values = *self.values;
         changes.for_each(|(reference, value)| values[reference as usize] = value);

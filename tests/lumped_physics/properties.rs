@@ -3,7 +3,6 @@
 use exact::property_slab::{Face, PropertySlab};
 use scene::Scene;
 use scene::variables::STARTS;
-use sliding_contact::component::Snapshot;
 use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, LUMPED, changed};
 
 const AIR: f64 = 293.15;

@@ -54,5 +54,5 @@ fn heat_on_a_worn_track_is_refused_by_name() {
     let run = |cold: bool| advance(&file, &Options { cycles: 3.0, cold, ..Options::default() }, &mut |_, _| {});
     let refused = run(false).err().unwrap().to_string();
     assert!(refused.contains("straight track that wears") && refused.contains("cold"), "{refused}");
-    assert_eq!(run(true).unwrap().stations.last().unwrap().cycles, 3.0);
+    assert_eq!(run(true).unwrap().stations.last().unwrap().jump.cycles, 3.0);
 }

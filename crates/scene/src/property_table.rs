@@ -52,7 +52,7 @@ impl PropertyTable {
     }
 
     /// Specific heat at `temperature` (K), J/(kg K).
-    pub(crate) fn specific_heat_at(&self, temperature: f64) -> f64 {
+    pub fn specific_heat_at(&self, temperature: f64) -> f64 {
         self.at(temperature)[1]
     }
 
