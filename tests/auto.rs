@@ -1,7 +1,7 @@
 //! `solver.fidelity = auto` on machine elements with drives of their own: is the tolerance met, and is the stated error true?
 //!
 //! Each run is compared with a contact line on 65 cells at a tenth of the tolerance, and judged where that agrees with 33 cells within
-//! half of the tolerance.
+//! half of the tolerance. Cells by the tolerance do not resolve what grows above the critical speed: such runs need only state it.
 
 use test_support::Application;
 
@@ -19,8 +19,8 @@ const SCENES: [&str; 11] = [
     "yaw_brake",
 ];
 
-/// Tolerance, error, stated error; `None`: the reference has not converged.
-fn judged(scene: &Application, tolerance: f64) -> Option<[f64; 2]> {
+/// Error, stated error, and whether perturbations grew; `None`: the reference has not converged.
+fn judged(scene: &Application, tolerance: f64) -> Option<(f64, f64, bool)> {
     let line = |cells: f64| {
         let fine = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", 0.1 * tolerance)];
         scene.run(&fine).unwrap()
@@ -29,10 +29,14 @@ fn judged(scene: &Application, tolerance: f64) -> Option<[f64; 2]> {
     let run = scene.run(&[("solver.fidelity", 1.0), ("solver.tolerance", tolerance)]).unwrap();
     let (error, apart) = (run.error(&fine), coarse.error(&fine));
     println!(
-        "{:14} {tolerance:.0e}  {:2} cells {:6} steps  error {error:.1e}, stated {:.1e}; 33 from 65 cells {apart:.1e}",
-        scene.name, run.cells, run.steps, run.estimated_error
+        "{:14} {tolerance:.0e}  {:2} cells {:6} steps  error {error:.1e}, stated {:.1e}; 33 from 65 cells {apart:.1e}{}",
+        scene.name,
+        run.cells,
+        run.steps,
+        run.estimated_error,
+        if run.unstable { "; unstable" } else { "" }
     );
-    (apart <= 0.5 * tolerance).then_some([error, run.estimated_error])
+    (apart <= 0.5 * tolerance).then_some((error, run.estimated_error, run.unstable))
 }
 
 #[test]
@@ -41,17 +45,19 @@ fn tolerances_are_met_and_errors_are_stated_on_machine_elements() {
     let mut stated = Vec::new();
     for tolerance in [1e-1, 1e-2, 1e-3] {
         let (mut met, mut count) = (0, 0);
-        // What has no reference at one tolerance has none at the next.
+        // What has no reference at one tolerance has none at the next, and those of what grows take minutes below 1e-2.
         scenes.retain(|scene| {
-            let Some([error, estimate]) = judged(scene, tolerance) else { return false };
-            count += 1;
-            met += usize::from(error <= tolerance);
+            let Some((error, estimate, unstable)) = judged(scene, tolerance) else { return false };
+            if !unstable {
+                count += 1;
+                met += usize::from(error <= tolerance);
+            }
             // A miss is stated.
             assert!(error <= 2.0 * tolerance || estimate > tolerance, "{}: {error:.1e} {estimate:.1e}", scene.name);
             stated.extend((estimate < 1.0).then_some(estimate / error));
-            true
+            !unstable || tolerance > 1e-2
         });
-        println!("{tolerance:e}: {met} of {count} met");
+        println!("{tolerance:e}: {met} of {count} stable ones met");
         assert!(10 * met >= 9 * count - 5, "{met} of {count} at {tolerance:e}");
     }
     let within = |factor: f64| stated.iter().filter(|ratio| (1.0 / factor..factor).contains(*ratio)).count();

@@ -207,7 +207,14 @@ fn brake(drive: &mut Drive, steps: i32) {
 fn a_scene_tuned_at_the_start_runs_as_one_that_has_the_values() {
     const COMPANION: Changes = &[("solver.error_estimate", 3.0)];
     const TABLE: Changes = &[("strip.property_table.points", 2.0), ("punch.property_table.points", 2.0)];
-    const ANNULAR: Changes = &[("contact.geometry", 2.0), ("punch.width", 0.04), ("depth", 0.1)];
+    // Without expansion: 50 times above the critical speed of this ring any difference grows.
+    const ANNULAR: Changes = &[
+        ("contact.geometry", 2.0),
+        ("punch.width", 0.04),
+        ("depth", 0.1),
+        ("punch.thermal_expansion", 0.0),
+        ("strip.thermal_expansion", 0.0),
+    ];
     for (level, changes) in
         [(LUMPED, &[][..]), (LUMPED, COMPANION), (LUMPED, TABLE), (LINE, &[]), (LINE, TABLE), (LINE, ANNULAR)]
     {

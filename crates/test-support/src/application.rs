@@ -27,6 +27,8 @@ pub struct Run {
     pub cells: usize,
     /// Internal steps, accepted and rejected.
     pub steps: u64,
+    /// It has warned that perturbations of the pressure grow.
+    pub unstable: bool,
 }
 
 /// Communication steps of a run, besides those at the rows of the inputs.
@@ -80,6 +82,7 @@ impl Application {
         }
         run.estimated_error = component.get(reference("estimated_error"));
         run.cells = component.operators().map_or(0, |operators| operators.cells());
+        run.unstable = component.messages().any(|message| message.text.starts_with("thermoelastically unstable"));
         let (accepted, rejected) = component.work();
         run.steps = accepted + rejected;
         Ok(run)
