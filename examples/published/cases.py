@@ -289,7 +289,7 @@ def hot_spot_growth(model: Model) -> Result:
             x, p = run.profile(index, "x")[:-1], run.profile(index, "pressure")[:-1]
             waves.append(np.log(abs(np.sum(p * np.exp(1j * wave * x)))))
         rates.append(np.polyfit(times, waves, 1)[0] / (diffusivity * wave**2))
-    fine = np.linspace(1.0, 6.5, 100)
+    fine = np.linspace(1.0, 5.5, 100)
     comparisons = [Comparison("critical speed", "m/s", critical, float(run["critical"][-1]), (-0.01, 0.01))]
     for ratio, rate in zip(ratios, rates, strict=True):
         comparisons.append(
@@ -468,7 +468,8 @@ def hot_bands(model: Model) -> Result:
     crown = 0.8 * 2.0 * 1e6 * compliance / np.pi * (even - even.min())
     ripple = 3e-11 * np.cos(0.5 * np.pi * stations / half) ** 2 * np.cos(wave * stations)
 
-    ratios, exact, rates = (2.0, 3.0, 4.0, 6.0), [], []
+    # At 6 times it the bands that grow from the edges open the contact within the time of the fit.
+    ratios, exact, rates = (2.0, 3.0, 4.0, 5.0), [], []
     for ratio in ratios:
         rate = published.band_growth(bodies, friction, wave, ratio * critical)
         duration = 4.0 / rate
@@ -492,7 +493,7 @@ def hot_bands(model: Model) -> Result:
     comparisons = [Comparison("critical speed, half a wave across", "m/s", longest, float(run["critical"][0]), (-0.01, 0.01))]
     for ratio, one, other in zip(ratios, exact, rates, strict=True):
         comparisons.append(Comparison(f"growth rate at {ratio:g} times it", "b/(κm²)", one, other, (-0.03, 0.03)))
-    fine = np.linspace(1.0, 6.5, 100)
+    fine = np.linspace(1.0, 5.5, 100)
     growth = np.array([published.band_growth(bodies, friction, wave, ratio * critical) for ratio in fine]) / scale
     return Result(
         "Bands across the radius of two rings",

@@ -132,6 +132,18 @@ def settings(command):
 
 PLATFORMS = ["linux64, win64, aarch64-linux, darwin64"]
 WRONG = {
+    "man": [
+        ("man docs", ["docs"]),
+        ("man -o kept.csv", ["kept.csv", "folder"]),
+        ("man -o kept.csv/man", ["kept.csv", "is no folder"]),
+        ("man --output=kept.csv", ["--output kept.csv", "folder"]),
+        ("man -o", ["--output <FOLDER>", "value"]),
+        ("man --output=", ["--output <FOLDER>", "value"]),
+        ("man --outptu here", ["--outptu"]),
+        ("man -o here -o there", ["--output <FOLDER>", "multiple times"]),
+        ("man --json", ["--json"]),
+        ("man --open", ["--open"]),
+    ],
     "package": [
         *scenes("package"),
         ("package clutch -o clutch.zip", ["clutch.zip", ".fmu is written, not .zip"]),
