@@ -8,7 +8,7 @@ use model::plan::distance::Distance;
 use model::run_error::{RunError, SavedRunError};
 use model::{INPUTS, Inputs};
 use scene::message::Number;
-use scene::variables::{COUNT, Kind, check_parameter, lookup};
+use scene::variables::{COUNT, Kind, ValueReference, check_parameter, lookup};
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -81,7 +81,11 @@ impl Component {
         if let Some(state) = &from.state {
             // The scene at the end of initialisation: tunable parameters may have changed since.
             let mut at_start = values;
-            TUNABLES.iter().zip(from.built).for_each(|(&index, value)| at_start[index] = value);
+            for (&index, value) in TUNABLES.iter().zip(from.built) {
+                check_parameter(index as ValueReference, value)
+                    .map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
+                at_start[index] = value;
+            }
             let tunables = tunables_of(&values);
             let same = self.phase == Phase::Running
                 && self.tolerance == from.tolerance
