@@ -289,7 +289,7 @@ def hot_spot_growth(model: Model) -> Result:
             x, p = run.profile(index, "x")[:-1], run.profile(index, "pressure")[:-1]
             waves.append(np.log(abs(np.sum(p * np.exp(1j * wave * x)))))
         rates.append(np.polyfit(times, waves, 1)[0] / (diffusivity * wave**2))
-    fine = np.linspace(1.0, 5.5, 100)
+    fine = np.linspace(1.0, 6.5, 100)
     comparisons = [Comparison("critical speed", "m/s", critical, float(run["critical"][-1]), (-0.01, 0.01))]
     for ratio, rate in zip(ratios, rates, strict=True):
         comparisons.append(
