@@ -51,7 +51,7 @@ pub fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOpe
     let mut operators = vec![lumped];
     let mut coarser: Option<Run> = None;
     for cells in CELLS {
-        let line = operators[0].line_beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
+        let line = operators[0].beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
         let line_run = course.run(&line, MOST_STEPS)?;
         operators.push(line);
         comparison.steps += line_run.steps;
