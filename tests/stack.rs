@@ -7,6 +7,7 @@ use std::hint::black_box;
 use std::ptr;
 use std::sync::Arc;
 use std::thread;
+use test_support::LINE;
 
 /// Stack that a thread needs according to the page in the FMU, bytes.
 const DOCUMENTED: usize = 256 << 10;
@@ -78,8 +79,6 @@ const HOSTILE: &[[f64; 4]] = &[
     [1e6, 1e9, 1e6, 1e9],
     [1e12, 1e12, 0.0, 0.0],
 ];
-
-const LINE: f64 = 3.0;
 
 #[test]
 fn stack_does_not_grow_with_the_inputs_and_stays_within_what_is_documented() {

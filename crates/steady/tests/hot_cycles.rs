@@ -4,7 +4,7 @@ use elasticity::Cells;
 use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, SolveOptions};
 use model::line::operators::LineOperators;
 use scene::Scene;
 use scene::variables::find;
@@ -178,7 +178,7 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
     assert!(matches!(wearing, SteadyError::WearingStripReciprocating { .. }), "{wearing}");
     let grooved = made(&[("strip.wear_coefficient", 1e-14)]);
-    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), Resolution::WITH_HEAT).err().unwrap();
+    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), MapResolution::WITH_HEAT).err().unwrap();
     assert!(refused.to_string().contains("cycle map: a strip that wears on a straight track"), "{refused}");
     // The body that conducts is named.
     for (insulator, text) in [
@@ -334,7 +334,7 @@ fn heat_changes_the_steady_pressures_of_long_cycles_only() {
 fn map(changes: &[(&str, f64)], heat: bool) -> CycleMap {
     let scene = made(changes);
     let operators = LineOperators::with_heat(&sliding_scene(&scene), heat, steady::run_in).unwrap();
-    let resolution = if heat { Resolution { levels: 2, parts: 2 } } else { Resolution::COLD };
+    let resolution = if heat { MapResolution { levels: 2, parts: 2 } } else { MapResolution::COLD };
     CycleMap::new(operators, nominal_half_strokes(&scene), resolution).unwrap()
 }
 
@@ -446,7 +446,7 @@ fn a_million_cycles_relax_as_theory_has_it() {
 #[test]
 fn the_steps_of_a_cycle_are_short_enough() {
     let scene = made(&[]);
-    let [coarse, fine] = [Resolution::WITH_HEAT, Resolution { levels: 6, parts: 8 }].map(|resolution| {
+    let [coarse, fine] = [MapResolution::WITH_HEAT, MapResolution { levels: 6, parts: 8 }].map(|resolution| {
         let mut map = cycle_map(&scene, nominal_half_strokes(&scene), resolution).unwrap();
         let start = map.start();
         map.steady(&start, &SolveOptions::default()).unwrap()
@@ -540,7 +540,7 @@ fn stepping_with_property_tables_ends_in_the_cycle_found_directly() {
     }
     // A map of cycles whose properties change is none.
     let operators = LineOperators::with_heat(&sliding_scene(&made(&tables)), true, steady::run_in).unwrap();
-    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&made(&tables)), Resolution::WITH_HEAT) else {
+    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&made(&tables)), MapResolution::WITH_HEAT) else {
         panic!("cycles with tables")
     };
     assert!(error.to_string().contains("punch.property_table.points = 2"), "{error}");

@@ -5,6 +5,7 @@
 
 mod application;
 pub mod counting;
+pub mod derivatives;
 mod drive;
 pub mod importer;
 mod random;
@@ -22,6 +23,8 @@ use std::path::PathBuf;
 pub(crate) const AUTO: f64 = 1.0;
 /// `solver.fidelity`: uniform pressure.
 pub const LUMPED: f64 = 2.0;
+/// `solver.fidelity`: pressure along the contact.
+pub const LINE: f64 = 3.0;
 
 /// Face of a body: held at a temperature.
 pub const HELD: f64 = 1.0;

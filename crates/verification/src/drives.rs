@@ -119,7 +119,7 @@ impl fmt::Display for Setting {
     }
 }
 
-type Course = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
+type ExactSamples = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
 
 /// Reference solution of the runs.
 pub enum Truth {
@@ -128,7 +128,7 @@ pub enum Truth {
         /// Derivation, with the source.
         how: &'static str,
         /// Samples at the given times.
-        course: Course,
+        samples: ExactSamples,
     },
     /// The first of these runs that the component accepts and that ends within the caller's budget: finer in every respect
     /// than all judged runs.

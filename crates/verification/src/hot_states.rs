@@ -8,7 +8,7 @@ use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
 use exact::reference::{ClosedPath, LayerBase};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution};
 use model::line::operators::LineOperators;
 use scene::Scene;
 use scene::variables::{STARTS, find};
@@ -235,7 +235,8 @@ fn relaxation(all: &mut Vec<Problem>) {
                     ("solver.cells", 65.0),
                 ])?;
                 let operators = LineOperators::with_heat(&sliding_scene(&scene), false, steady::run_in)?;
-                let mut map = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::COLD).map_err(text)?;
+                let mut map =
+                    CycleMap::new(operators, nominal_half_strokes(&scene), MapResolution::COLD).map_err(text)?;
                 let start = map.start();
                 let cells = map.operators().cells.clone();
                 let mut jumps = Jumps::new(&mut map, start, JumpOptions::default());

@@ -92,7 +92,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         samples: every(0.05, DURATION),
         truth: Truth::Exact {
             how: "exact: integral equation of every wave of the plate's waviness (second kind, 2,000 steps), half-space for the mean",
-            course: Box::new(move |times| Ok(course(times, ambient))),
+            samples: Box::new(move |times| Ok(exact_samples(times, ambient))),
         },
         reason: "the integral equation to 1e-6; bodies high against the wave to 1e-7",
         isothermal: false,
@@ -106,7 +106,7 @@ fn share(n: u32) -> f64 {
     (angle.sin() / angle).powi(2)
 }
 
-fn course(times: &[f64], ambient: f64) -> Vec<Sample> {
+fn exact_samples(times: &[f64], ambient: f64) -> Vec<Sample> {
     const STEPS: usize = 2000;
     let diffusivity = CONDUCTIVITY / (DENSITY * SPECIFIC_HEAT);
     let waves = [1, 31, 33, 63, 65].map(|n| {

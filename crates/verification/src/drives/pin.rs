@@ -69,14 +69,14 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         samples: vec![0.2, 0.4, 1.0, 2.0, 4.0, 6.0, 8.0, DURATION],
         truth: Truth::Exact {
             how: "exact: Galin's eigenfunctions of the wearing punch; Jaeger's moving band on a layer, by images, for the steady end",
-            course: Box::new(move |times| Ok(course(times, ambient))),
+            samples: Box::new(move |times| Ok(exact_samples(times, ambient))),
         },
         reason: "150 polynomials leave 1e-6 of the pressure; at the end 1e-4 of it is still uneven, and no more of the temperature",
         isothermal: true,
     })
 }
 
-fn course(times: &[f64], ambient: f64) -> Vec<Sample> {
+fn exact_samples(times: &[f64], ambient: f64) -> Vec<Sample> {
     let mean = LOAD / (2.0 * HALF_WIDTH * DEPTH);
     let galin = GalinRelaxation::new(150);
     let modulus = YOUNGS_MODULUS / (1.0 - POISSONS_RATIO * POISSONS_RATIO);
