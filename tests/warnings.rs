@@ -3,7 +3,7 @@
 use scene::slot::Packaged;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
-use test_support::{EXTERNAL, HELD, LINE, LUMPED, reference};
+use test_support::{EXTERNAL, HELD, LINE, LUMPED, changed, reference};
 
 type Values<'a> = &'a [(&'a str, f64)];
 
@@ -14,11 +14,7 @@ const STABLE: (&str, f64) = ("nominal.velocity", 1.0);
 const FEW: (&str, f64) = ("solver.cells", 9.0);
 
 fn component(starts: Values) -> Component {
-    let mut values = Packaged::stock().starts;
-    values[reference("solver.fidelity") as usize] = LUMPED;
-    for (name, value) in starts {
-        values[reference(name) as usize] = *value;
-    }
+    let values = changed(&changed(&Packaged::stock().starts, &[("solver.fidelity", LUMPED)]), starts);
     let mut component = Component::new(Arc::new(values)).declaring(1e-2);
     component.enter_initialization();
     component

@@ -7,12 +7,11 @@ use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, SolveOptions};
 use model::line::operators::LineOperators;
 use scene::Scene;
-use scene::variables::find;
 use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
-use test_support::{Drive, HELD, scene};
+use test_support::{Drive, HELD, changed_scene, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[
@@ -29,11 +28,7 @@ const SMALL: &[(&str, f64)] = &[
 ];
 
 fn made(changes: &[(&str, f64)]) -> Scene {
-    let mut values = scene("reciprocating_punch");
-    for (name, value) in SMALL.iter().chain(changes) {
-        values[find(name).unwrap_or_else(|| panic!("no variable {name}")) as usize] = *value;
-    }
-    Scene::new(&values, None).unwrap_or_else(|error| panic!("{error}"))
+    changed_scene(&scene("reciprocating_punch"), &[SMALL, changes].concat())
 }
 
 fn hot(scene: &Scene) -> Result<(Cells, HotState), SteadyError> {
@@ -564,11 +559,7 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
     };
     let steady = |tables: &[(String, f64)]| {
         let changes = changes(3.0, tables);
-        let mut values = scene("disc_brake");
-        for (name, value) in &changes {
-            values[find(name).unwrap() as usize] = *value;
-        }
-        hot(&Scene::new(&values, None).unwrap()).unwrap().1.heat
+        hot(&changed_scene(&scene("disc_brake"), &named(&changes))).unwrap().1.heat
     };
     let [constant, own] = [&[][..], &tables].map(steady);
     let rise = own.contact_temperature[1] - 293.15;

@@ -48,11 +48,7 @@ pub fn reference(name: &str) -> ValueReference {
 /// # Panics
 /// Where there is no variable of a name.
 pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
-    let mut starts = *starts;
-    for (name, value) in changes {
-        starts[reference(name) as usize] = *value;
-    }
-    starts
+    scene::variables::changed(starts, changes).unwrap()
 }
 
 /// The scene of `starts` with changes by name.

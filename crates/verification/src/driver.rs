@@ -1,7 +1,7 @@
 //! Component driver of the verification problems, with variables by name.
 
-use scene::variables::{STARTS, ValueReference, find};
-use sliding_contact::component::{Component, Values};
+use scene::variables::{STARTS, ValueReference, changed, find};
+use sliding_contact::component::Component;
 use std::sync::Arc;
 
 /// An initialised component with variables by name.
@@ -14,12 +14,8 @@ fn reference(name: &str) -> Result<ValueReference, String> {
 impl Driven {
     /// The stock scene with changed start values, initialised.
     pub(crate) fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
-        let mut starts: Values = STARTS;
         // Problems at another level select it; the default is the lumped one.
-        starts[reference("solver.fidelity")? as usize] = 2.0;
-        for (name, value) in changes {
-            starts[reference(name)? as usize] = *value;
-        }
+        let starts = changed(&changed(&STARTS, &[("solver.fidelity", 2.0)])?, changes)?;
         let mut component = Component::new(Arc::new(starts));
         component.enter_initialization();
         component.initialise(None)?;

@@ -9,7 +9,7 @@ use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, Thermal
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use std::f64::consts::PI;
 
 const CELLS: usize = 33;
@@ -19,8 +19,7 @@ const DURATION: f64 = 1000.0;
 
 /// Steel punch, 60 mm x 100 mm x 10 mm, convecting at its top and sides.
 fn scene() -> Result<Scene, String> {
-    let mut values = STARTS;
-    for (name, value) in [
+    let changes = [
         ("punch.width", 2.0 * HALF_WIDTH),
         ("punch.height", 0.1),
         ("depth", 0.01),
@@ -31,10 +30,8 @@ fn scene() -> Result<Scene, String> {
         ("punch.poissons_ratio", 0.3),
         ("punch.convection", 300.0),
         ("punch.top_thermal", 2.0),
-    ] {
-        values[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-    }
-    Scene::new(&values, None).map_err(|error| format!("{error:?}"))
+    ];
+    Scene::new(&changed(&STARTS, &changes)?, None).map_err(|error| format!("{error:?}"))
 }
 
 /// Reduced punch with temperatures and distortions of the last step.

@@ -11,7 +11,7 @@ use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution};
 use model::line::operators::LineOperators;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state, nominal_half_strokes};
 
@@ -74,12 +74,7 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 fn scene(changes: &[(&str, f64)]) -> Result<Scene, String> {
-    let mut values = STARTS;
-    for (name, value) in SMALL.iter().chain(changes) {
-        let reference = find(name).ok_or_else(|| format!("there is no variable {name}"))?;
-        values[reference as usize] = *value;
-    }
-    Scene::new(&values, None).map_err(text)
+    Scene::new(&changed(&STARTS, &[SMALL, changes].concat())?, None).map_err(text)
 }
 
 fn hot(changes: &[(&str, f64)]) -> Result<HotState, String> {

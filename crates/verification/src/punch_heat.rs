@@ -7,7 +7,7 @@ use conduction::line::punch;
 use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
 
@@ -109,8 +109,7 @@ impl Flux {
 }
 
 fn starts() -> Result<Values, String> {
-    let mut starts = STARTS;
-    for (name, value) in [
+    let changes = [
         ("punch.width", WIDTH),
         ("punch.height", HEIGHT),
         ("punch.conductivity", CONDUCTIVITY),
@@ -119,10 +118,8 @@ fn starts() -> Result<Values, String> {
         ("punch.convection", 0.0),
         ("punch.top_thermal", 1.0),
         ("punch.thermal_expansion", 0.0),
-    ] {
-        starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-    }
-    Ok(starts)
+    ];
+    changed(&STARTS, &changes)
 }
 
 pub(super) fn problems() -> Vec<Problem> {

@@ -15,7 +15,7 @@ use model::line::Line;
 use model::line::operators::LineOperators;
 use model::lumped::conditions::Tunables;
 use nalgebra::{Complex, DMatrix};
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed, find};
 use scene::{STATIONS, Scene};
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
@@ -116,10 +116,7 @@ impl WaveScene {
             ("nominal.load", PRESSURE * WAVELENGTH * WAVELENGTH),
             ("nominal.duration", self.duration / unit()),
         ];
-        let mut starts = STARTS;
-        for (name, value) in changes {
-            starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-        }
+        let mut starts = changed(&STARTS, &changes)?;
         let first = find("contact.initial_gap[1]").ok_or("there is no initial gap")? as usize;
         for station in 0..STATIONS {
             let x = station as f64 / (STATIONS - 1) as f64;

@@ -2,9 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 7.4.
 
-use super::{DriveProblem, Sample, Truth, every, starts};
+use super::{DriveProblem, Sample, Truth, every};
 use exact::PressureWave;
 use scene::STATIONS;
+use scene::variables::{STARTS, changed};
 use std::f64::consts::PI;
 
 const WAVELENGTH: f64 = 0.02;
@@ -79,7 +80,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         let angle = 2.0 * PI * station as f64 / (STATIONS - 1) as f64;
         changes.push((name.as_str(), WAVINESS * (1.0 + angle.cos())));
     }
-    let starts = starts(None, &changes)?;
+    let starts = changed(&STARTS, &changes)?;
     let ambient = starts[const { scene::variables::reference("ambient_temperature") } as usize];
     Ok(DriveProblem {
         name: "clutch_engagement",

@@ -1,9 +1,10 @@
 //! A pin in unidirectional sliding.
 
-use super::{DriveProblem, Sample, Truth, starts};
+use super::{DriveProblem, Sample, Truth};
 use exact::GalinRelaxation;
 use exact::reference::{LayerBase, band_mean};
 use scene::STATIONS;
+use scene::variables::{STARTS, changed};
 
 const HALF_WIDTH: f64 = 1e-3;
 const DEPTH: f64 = 2e-3;
@@ -56,7 +57,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         ("nominal.duration", DURATION),
         ("nominal.stroke", 0.0),
     ];
-    let starts = starts(None, &changes)?;
+    let starts = changed(&STARTS, &changes)?;
     let ambient = starts[const { scene::variables::reference("ambient_temperature") } as usize];
     Ok(DriveProblem {
         name: "unidirectional_pin",
