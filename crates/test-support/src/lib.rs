@@ -15,9 +15,10 @@ pub use drive::Drive;
 pub use random::Random;
 
 use scene::Scene;
-use scene::variables::{ValueReference, find};
-use sliding_contact::component::Values;
+use scene::variables::{COUNT, Causality, Kind, ValueReference, find, lookup};
+use sliding_contact::component::{Component, Values};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// `solver.fidelity`: the level is chosen by the tolerance.
 pub(crate) const AUTO: f64 = 1.0;
@@ -57,6 +58,23 @@ pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
 /// Where there is no variable of a name, or the scene is refused.
 pub fn changed_scene(starts: &Values, changes: &[(&str, f64)]) -> Scene {
     Scene::new(&changed(starts, changes), None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The component of an example scene with changes, before initialisation.
+///
+/// # Panics
+/// Where there is no such scene or variable.
+pub fn component(name: &str, changes: &[(&str, f64)]) -> Component {
+    Component::new(Arc::new(changed(&scene(name), changes)))
+}
+
+/// References of the real variables that are calculated.
+pub fn real_outputs() -> Vec<ValueReference> {
+    let calculated = |reference: &u32| {
+        let (row, _) = lookup(*reference).unwrap();
+        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
+    };
+    (0..COUNT as u32).filter(calculated).collect()
 }
 
 /// The folder of the example scenes and their data.
