@@ -1,18 +1,9 @@
 //! Every warning: a scene that must log it, and a similar scene that must not.
 
 use scene::slot::Packaged;
-use scene::variables::find;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
-
-const LUMPED: f64 = 2.0;
-const LINE: f64 = 3.0;
-const HELD: f64 = 1.0;
-const EXTERNAL: f64 = 4.0;
-
-fn reference(name: &str) -> u32 {
-    find(name).unwrap_or_else(|| panic!("no variable {name}"))
-}
+use test_support::{EXTERNAL, HELD, LINE, LUMPED, changed, reference};
 
 type Values<'a> = &'a [(&'a str, f64)];
 
@@ -23,11 +14,7 @@ const STABLE: (&str, f64) = ("nominal.velocity", 1.0);
 const FEW: (&str, f64) = ("solver.cells", 9.0);
 
 fn component(starts: Values) -> Component {
-    let mut values = Packaged::stock().starts;
-    values[reference("solver.fidelity") as usize] = LUMPED;
-    for (name, value) in starts {
-        values[reference(name) as usize] = *value;
-    }
+    let values = changed(&changed(&Packaged::stock().starts, &[("solver.fidelity", LUMPED)]), starts);
     let mut component = Component::new(Arc::new(values)).declaring(1e-2);
     component.enter_initialization();
     component

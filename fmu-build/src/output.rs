@@ -71,7 +71,7 @@ pub(crate) struct Heartbeat {
 
 impl Heartbeat {
     /// With what runs, in words.
-    pub fn start(what: &str) -> Self {
+    pub(crate) fn start(what: &str) -> Self {
         Self::with(what, INTERVAL, io::stderr().is_terminal(), |line| eprintln!("{line}"))
     }
 

@@ -10,7 +10,7 @@ use scene_file::{SceneFile, shipped};
 use crate::project;
 
 /// Folder of the shipped scenes.
-pub fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     project::root().join("examples")
 }
 

@@ -4,7 +4,7 @@ use elasticity::discretization::{cells_for, compliances};
 use scene::Scene;
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state};
-use test_support::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
+use test_support::{CONVECTING, Drive, HELD, INSULATED, changed_scene, scene};
 
 /// The clutch of the examples on the contact line.
 fn clutch(changes: &[(&str, f64)]) -> Drive {
@@ -131,11 +131,7 @@ fn pressure_and_temperature_are_of_second_order() {
 
 /// The clutch with these changes, and its hot steady state on 17 cells.
 fn found_directly(changes: &[(&str, f64)], sliding: &Sliding) -> (Scene, HotState) {
-    let mut starts = scene("clutch");
-    for (name, value) in changes {
-        starts[reference(name) as usize] = *value;
-    }
-    let made = Scene::new(&starts, None).unwrap();
+    let made = changed_scene(&scene("clutch"), changes);
     let cells = cells_for(&made, 17).unwrap();
     let bodies = compliances(&made, &cells).unwrap();
     let hot = hot_state(&made, &cells, &bodies, sliding).unwrap();

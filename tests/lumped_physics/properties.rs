@@ -3,14 +3,13 @@
 use exact::property_slab::{Face, PropertySlab};
 use scene::Scene;
 use scene::variables::STARTS;
-use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, LUMPED, changed};
+use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, LINE, LUMPED, changed};
 
 const AIR: f64 = 293.15;
 const HEIGHT: f64 = 0.011;
 const DENSITY: f64 = 7850.0;
 const AREA: f64 = 0.1;
 const PERIODIC: f64 = 3.0;
-const LINE: f64 = 3.0;
 
 /// A level, and the largest error of temperatures by a step in it: properties are constant over parts of the temperature on the line.
 const LEVELS: [(&str, &[(&str, f64)]); 2] =

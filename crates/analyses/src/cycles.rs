@@ -6,7 +6,7 @@ use ::steady::thermal::{at_steady_properties, instability, nominal_half_strokes}
 use anyhow::{Context, Result, anyhow, bail};
 use elasticity::discretization::{cells_for, compliances};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Progress, Resolution, TrackedCycles};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, Progress, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
 use model::line::operators::{LineOperators, StripWear};
 use scene::{Path, Scene};
@@ -45,12 +45,12 @@ pub struct Station {
 }
 
 /// A scene over its cycles.
-pub struct Course {
+pub struct CycleHistory {
     /// Name of the scene.
     pub name: String,
     /// Whether heat is part of it.
     pub warm: bool,
-    /// What a reader of the course should know.
+    /// What a reader of the history should know.
     pub warning: Option<String>,
     /// Pa.
     pub mean_pressure: f64,
@@ -68,7 +68,7 @@ pub struct Course {
 ///
 /// # Errors
 /// Everything wrong with the scene and the options, one without reciprocating sliding, a cycle without a solution.
-pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64, usize)) -> Result<Course> {
+pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64, usize)) -> Result<CycleHistory> {
     let name = file.packaged.name.clone();
     let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
     if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
@@ -95,7 +95,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     // The reduced bodies must be accurate over the whole duration.
     scene.nominal_duration = scene.nominal_duration.max(period * options.cycles);
     let warm = !options.cold && is_resolved(&scene);
-    let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
+    let resolution = if warm { MapResolution::WITH_HEAT } else { MapResolution::COLD };
     if warm && [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()) {
         // The cycles have the properties of the temperatures to which they lead.
         let cells = cells_for(&scene, cell_count(&scene, None))?;
@@ -140,7 +140,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
         });
     })?;
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x })
+    Ok(CycleHistory { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x })
 }
 
 /// Advances a scene whose strip keeps its worn track.
@@ -151,7 +151,7 @@ fn on_track(
     half_strokes: [(f64, f64); 2],
     options: &Options,
     progress: &mut dyn FnMut(f64, usize),
-) -> Result<Course> {
+) -> Result<CycleHistory> {
     let (x, width) = (operators.cells.centres().to_vec(), operators.weights.iter().sum::<f64>());
     let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
     let mut cycles = TrackedCycles::new(operators, half_strokes, jump_options)?;
@@ -169,10 +169,10 @@ fn on_track(
     let state = cycles.line().state();
     let (depth, strip_depth) = (state.punch.clone(), Some(state.strip.clone()));
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x })
+    Ok(CycleHistory { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x })
 }
 
-impl Course {
+impl CycleHistory {
     /// As a table: the jumps.
     pub fn table(&self) -> String {
         let mut text = format!(

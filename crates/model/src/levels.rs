@@ -151,7 +151,7 @@ impl ModelOperators {
 
     /// Part of a nominal stroke by which the slip is too long because elastic displacement along the sliding direction is neglected,
     /// `2 mu F n_f/(k s)`, and that length (m). Nothing without strokes, with elastic slip, and up to a tenth of the tolerance.
-    pub fn neglected_slip(&self) -> Option<(f64, f64)> {
+    pub(crate) fn neglected_slip(&self) -> Option<(f64, f64)> {
         let scene = self.scene();
         if scene.elastic_slip || scene.nominal_stroke == 0.0 {
             return None;

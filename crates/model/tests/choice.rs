@@ -1,7 +1,7 @@
 //! Choice of the automatic level: what it costs, and what it depends on.
 
 use model::levels::ModelOperators;
-use model::plan::{Choice, ModelLevel, Prepared};
+use model::plan::{BuiltModel, Choice, ModelLevel};
 use scene::Scene;
 use test_support::{Application, changed, changed_scene, scene};
 
@@ -50,7 +50,7 @@ fn a_comparison_is_short() {
 #[test]
 fn without_nominal_conditions_the_line_runs() {
     let starts = changed(&scene("disc_brake"), &[("solver.fidelity", 1.0), ("nominal.load", 0.0)]);
-    let prepared = Prepared::new(&Scene::new(&starts, Some(1e-2)).unwrap(), steady::run_in).unwrap();
+    let prepared = BuiltModel::new(&Scene::new(&starts, Some(1e-2)).unwrap(), steady::run_in).unwrap();
     let choice = prepared.choice.unwrap();
     assert!(choice.reason.contains("nominal.load = 0 N"), "{}", choice.reason);
     assert_eq!((prepared.operators.cells(), prepared.companion.unwrap().cells()), (17, 9));
@@ -63,7 +63,7 @@ fn cells_follow_from_the_tolerance() {
         [(1e-1, 17), (5e-3, 17), (4.9e-3, 33), (5e-4, 33), (4.9e-4, 65), (5e-5, 65), (4.9e-5, 129)]
     {
         let line = changed_scene(&scene("disc_brake"), &[("solver.fidelity", 3.0), ("solver.tolerance", tolerance)]);
-        let prepared = Prepared::new(&line, steady::run_in).unwrap();
+        let prepared = BuiltModel::new(&line, steady::run_in).unwrap();
         assert_eq!((prepared.operators.cells(), prepared.companion.is_some()), (cells, false), "{tolerance}");
     }
 }

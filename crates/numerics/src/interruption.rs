@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The flag of the work of a thread. A reference, as a thread-local value with a destructor would keep the library from being unloaded.
-pub(crate) type Flag = &'static AtomicBool;
+type Flag = &'static AtomicBool;
 
 thread_local! {
     static FLAG: Cell<Option<Flag>> = const { Cell::new(None) };

@@ -28,7 +28,7 @@ pub struct Material {
 
 impl Material {
     /// The preset as pairs of the variable's name behind the body and its value.
-    pub fn values(&self) -> [(&'static str, f64); 6] {
+    pub(crate) fn values(&self) -> [(&'static str, f64); 6] {
         [
             ("youngs_modulus", self.youngs_modulus),
             ("poissons_ratio", self.poissons_ratio),
@@ -74,7 +74,7 @@ pub static MATERIALS: &[Material] = &[
 ];
 
 /// The preset of this name.
-pub fn find(name: &str) -> Option<&'static Material> {
+pub(crate) fn find(name: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.name == name)
 }
 

@@ -99,7 +99,7 @@ pub fn find(name: &str) -> Option<&'static Tabulated> {
 
 impl Tabulated {
     /// Temperature (K), conductivity and specific heat of every point.
-    pub fn points(&self) -> Vec<[f64; 3]> {
+    pub(crate) fn points(&self) -> Vec<[f64; 3]> {
         let point = |t: &f64| {
             let [conductivity, specific_heat] = (self.law)(*t);
             [t + ZERO_CELSIUS, conductivity, specific_heat]

@@ -20,7 +20,7 @@ impl std::fmt::Display for BrokenRule {
 impl std::error::Error for BrokenRule {}
 
 /// Relative rounding tolerance for the equality of lengths.
-const ROUNDING: f64 = 1e-9;
+const SAME_LENGTH: f64 = 1e-9;
 
 /// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
@@ -44,7 +44,6 @@ fn broken<T>(text: String) -> Result<T, BrokenRule> {
 
 /// Checks that temperatures which differ from the table's start values are also chosen to act.
 fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
-    const HELD: f64 = 1.0;
     let of = |name: &str| find(name).map(|reference| (values[reference as usize], STARTS[reference as usize]));
     for (name, choice, acts, only_where_held) in [
         ("punch.initial_temperature", "punch.initial_at_ambient", false, None),
@@ -53,7 +52,9 @@ fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
         ("strip.base_temperature", "strip.base_at_ambient", false, Some("strip.base_thermal")),
         ("contact.temperature_limit", "contact.temperature_limited", true, None),
     ] {
-        let held = only_where_held.and_then(of).is_none_or(|(boundary, _)| boundary == HELD);
+        let held = only_where_held
+            .and_then(of)
+            .is_none_or(|(item, _)| super::ThermalBoundary::from_item(item) == super::ThermalBoundary::Held);
         if let (Some((temperature, start)), Some((choice_made, _))) = (of(name), of(choice))
             && held
             && temperature != start
@@ -87,7 +88,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
                 ));
             }
             let around = 2.0 * std::f64::consts::PI * radius;
-            if scene.count * scene.depth > around * (1.0 + ROUNDING) {
+            if scene.count * scene.depth > around * (1.0 + SAME_LENGTH) {
                 return broken(format!(
                     "punch.count x depth = {} m is above the circumference 2 pi contact.mean_radius = {around} m",
                     Number(scene.count * scene.depth),
@@ -102,7 +103,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             }
         }
         Geometry::Periodic => {
-            if scene.path != Path::Closed || (width - length).abs() > ROUNDING * length || scene.count != 1.0 {
+            if scene.path != Path::Closed || (width - length).abs() > SAME_LENGTH * length || scene.count != 1.0 {
                 return broken(format!(
                     "contact.geometry = periodic needs strip.path = closed, punch.count = 1 and punch.width = strip.length; \
                      punch.width = {width} m, strip.length = {length} m, punch.count = {}",
@@ -118,7 +119,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             }
         }
         Geometry::Line => {
-            if scene.path == Path::Closed && scene.count * width > length * (1.0 + ROUNDING) {
+            if scene.path == Path::Closed && scene.count * width > length * (1.0 + SAME_LENGTH) {
                 return broken(format!(
                     "punch.count x punch.width = {} m is above strip.length = {length} m",
                     Number(scene.count * width),

@@ -1,22 +1,21 @@
 //! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
 
-mod course;
-pub mod example;
+pub(crate) mod example;
 mod percentiles;
 mod pool;
 mod results;
 mod tables;
+mod timeline;
 mod unpacked;
 pub mod worker;
 
-pub use course::points;
 pub use tables::{Inputs, Table};
+pub use timeline::points;
 
 use crate::output::{self, print_line};
 use crate::progress::Progress;
 use crate::{arguments, package, parquet, project, scenes};
 use anyhow::{Context, Result, anyhow, bail};
-use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
 use percentiles::{Percentiles, percentiles};
 use results::{Identity, Results, Row};
@@ -25,6 +24,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use timeline::Timeline;
 use unpacked::Unpacked;
 
 /// Reasons of failures that are printed.
@@ -129,7 +129,7 @@ struct Job {
     /// `None`: nominal inputs.
     inputs: Option<PathBuf>,
     columns: Vec<String>,
-    /// `None`: as [`Course`] chooses it.
+    /// `None`: as [`Timeline`] chooses it.
     step: Option<Text>,
     interpolation: Reading,
     record: Vec<String>,
@@ -322,7 +322,7 @@ fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<Str
 
 /// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
-    let Course { inputs, .. } = Course::new(job, description, &[])?;
+    let Timeline { inputs, .. } = Timeline::new(job, description, &[])?;
     for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)).chain(idle(
         &inputs,
         description,

@@ -7,6 +7,7 @@ use crate::simulation::{Recording, Trajectory, run};
 use anyhow::{Result, bail};
 use model::plan::ModelLevel;
 use model::plan::distance::{Distance, Main, largest};
+use scene::slot::LARGEST_TOLERANCE;
 use scene::variables::{find, reference};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
@@ -26,9 +27,6 @@ const FINER_STEPS: f64 = 0.1;
 
 /// Difference of the two finest lines relative to the tolerance below which refinement ends.
 const ENOUGH: f64 = 0.1;
-
-/// Largest tolerance of a run.
-const MOST: f64 = 0.5;
 
 /// A level on the inputs.
 #[derive(Clone, Debug)]
@@ -136,8 +134,8 @@ pub fn settings_text(level: ModelLevel) -> String {
 pub fn tolerance(file: &SceneFile, given: Option<f64>) -> Result<f64> {
     let own = file.packaged.starts[const { reference("solver.tolerance") } as usize];
     let tolerance = given.unwrap_or(if own > 0.0 { own } else { file.packaged.experiment.tolerance });
-    if !(tolerance > 0.0 && tolerance <= MOST) {
-        bail!("the tolerance is {tolerance}, but must be above 0 and at most {MOST}");
+    if !(tolerance > 0.0 && tolerance <= LARGEST_TOLERANCE) {
+        bail!("the tolerance is {tolerance}, but must be above 0 and at most {LARGEST_TOLERANCE}");
     }
     Ok(tolerance)
 }

@@ -75,7 +75,7 @@ pub struct Recording {
 
 impl Recording {
     /// The recorded variable of this name.
-    pub fn channel(&self, name: &str) -> Option<&Channel> {
+    pub(crate) fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
@@ -83,7 +83,7 @@ impl Recording {
     ///
     /// # Panics
     /// Where there is none of that name.
-    pub fn values(&self, name: &str) -> &[f64] {
+    pub(crate) fn values(&self, name: &str) -> &[f64] {
         &self.channel(name).unwrap_or_else(|| panic!("no output {name}")).values
     }
 

@@ -30,7 +30,7 @@ pub fn write(folder: &Path) -> Result<[(&'static str, String); 2]> {
 }
 
 /// The variables with these start values, and what there is to say about those.
-pub fn variables(starts: &[f64], of: &str) -> String {
+pub(crate) fn variables(starts: &[f64], of: &str) -> String {
     let topics = topics(starts);
     let mut text = format!(
         "# Variables\n\nValues pass through the interface in the unit given. Limits are inclusive. Outputs are meant to be connected, \

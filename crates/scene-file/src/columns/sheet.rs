@@ -34,7 +34,7 @@ impl Sheet {
     ///
     /// # Errors
     /// Where the content is no table: binary, empty, or with rows longer or shorter than the header.
-    pub fn new(
+    pub(crate) fn new(
         content: &[u8],
         path: &Path,
         known: impl Fn(&str) -> (bool, bool),
