@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use scene::variables::TOLERANCES;
-pub use scene_file::assign;
+pub use scene_file::{assign, assign_all};
 use scene_file::{SceneFile, shipped};
 
 use crate::project;

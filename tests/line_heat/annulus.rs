@@ -43,7 +43,7 @@ fn the_account_closes_with_every_cooling() {
         &[("punch.top_thermal", CONVECTING), ("strip.base_thermal", INSULATED), ("strip.cooled_area", 0.05)],
         &[("punch.emissivity", 0.8), ("strip.emissivity", 0.5), ("strip.convection_forced", 30.0), ("depth", 0.3)],
         &[("punch.conductivity", 0.0)],
-        &[("strip.conductivity", 0.0), ("punch.convection", 300.0)],
+        &[("strip.property_table.points", 0.0), ("strip.conductivity", 0.0), ("punch.convection", 300.0)],
         &[("contact.conductance", 0.0), ("holder.stiffness", 1e8)],
         &[("contact.stick_stiffness", 0.0), ("depth", 0.2)],
     ] {

@@ -15,7 +15,7 @@ mod warnings;
 pub use fade::FadeTable;
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use property_table::{PROPERTY_POINTS, PropertyTable};
-pub use rules::BrokenRule;
+pub use rules::{BrokenRule, without_effect};
 
 use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 

@@ -352,6 +352,13 @@ fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
                 factors()
             );
         }
+        if let Some((body, "conductivity" | "specific_heat")) = column.split_once('.') {
+            let points = format!("{body}.property_table.points");
+            let given = description.find(&points).map_or("0", |points| points.start.as_str());
+            if given != "0" && !job.columns.contains(&points) {
+                bail!("{}: it has no effect while {points} = {given}; give a column {points} of 0 with it", place());
+            }
+        }
         let driven = match column.as_str() {
             "nominal.load" => "normal_load",
             "nominal.velocity" => "sliding_velocity",
