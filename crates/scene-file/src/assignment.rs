@@ -3,8 +3,8 @@
 use crate::{SceneFile, lines, nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
 use scene::message::{Clipped, Quoted};
-use scene::without_effect;
 use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
+use scene::without_effect;
 use toml::de::DeTable;
 
 /// Makes assignments to variables of a scene, each as of [`assign`].

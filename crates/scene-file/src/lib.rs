@@ -12,7 +12,7 @@
 //! material = "brake_lining"
 //! width = "55 mm"         # a display unit of the variable, or its SI unit
 //! conductivity = 0.9      # a plain number is in the SI unit; explicit keys override the material
-//! property_table.material = "structural_steel"  # conductivity and specific heat over temperature, of a standard
+//! property_table.material = "structural_steel"  # conductivity and specific heat over temperature, published
 //! body = "elastic"        # an enumeration by the name of the item
 //!
 //! [contact]

@@ -318,9 +318,11 @@ pub fn without_effect(values: &[f64; COUNT], base: &[f64; COUNT]) -> Option<Stri
         let of = |name: &str| find(&format!("{body}.{name}")).map(|reference| reference as usize);
         let points = values[of("property_table.points")?];
         let differs = |at: &usize| values[*at] != base[*at];
-        let constant = ["conductivity", "specific_heat"].into_iter().filter_map(of).find(differs).filter(|_| points > 0.0);
+        let constant =
+            ["conductivity", "specific_heat"].into_iter().filter_map(of).find(differs).filter(|_| points > 0.0);
         let behind = |row| of(row).and_then(|first| (first + points as usize..first + PROPERTY_POINTS).find(differs));
-        let rows = ["property_table.temperature[1]", "property_table.conductivity[1]", "property_table.specific_heat[1]"];
+        let rows =
+            ["property_table.temperature[1]", "property_table.conductivity[1]", "property_table.specific_heat[1]"];
         let at = constant.or_else(|| rows.into_iter().find_map(behind))?;
         let (row, element) = lookup(at as ValueReference)?;
         let remedy = constant.map_or(String::new(), |_| format!("; set {body}.property_table.points = 0"));
