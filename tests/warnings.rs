@@ -121,8 +121,7 @@ fn temperatures_that_look_like_degrees_celsius_are_told() {
 #[test]
 fn properties_without_effect_are_told() {
     let set = |name: &str, values: Values| {
-        let starts = scene_file::read(&test_support::examples().join(name).join("scene.toml")).unwrap().packaged.starts;
-        let mut component = Component::new(Arc::new(starts));
+        let mut component = Component::new(Arc::new(test_support::scene(name)));
         component.enter_initialization();
         values.iter().for_each(|(name, value)| component.set_parameter(reference(name), *value));
         component.initialise(None).unwrap();
