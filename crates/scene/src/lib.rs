@@ -16,6 +16,7 @@ pub use fade::FadeTable;
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use property_table::{PROPERTY_POINTS, PropertyTable};
 pub(crate) use rules::BrokenRule;
+pub use rules::without_effect;
 
 use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 

@@ -71,9 +71,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
 
 fn history(arguments: &Arguments) -> Result<CycleHistory> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let mut progress = Progress::default();

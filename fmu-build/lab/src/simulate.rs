@@ -87,9 +87,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         refuse_to_replace(option, path, arguments)?;
     }
     let mut file = scenes::load(Some(&arguments.scene))?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     let packaged = &file.packaged;
     let (inputs, record) = read(arguments)?;
     let mut trajectory = Trajectory::new(&file, inputs, arguments.step)?;

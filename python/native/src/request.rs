@@ -29,9 +29,7 @@ pub(crate) struct Selection {
 impl Selection {
     fn load(&self) -> Result<SceneFile> {
         let mut file = shipped::load(self.scene.as_deref(), &self.scenes)?;
-        for assignment in &self.set {
-            scene_file::assign(&mut file, assignment)?;
-        }
+        scene_file::assign_all(&mut file, &self.set)?;
         Ok(file)
     }
 }
