@@ -1,10 +1,10 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
 use crate::figure::{self, Drawn};
-use crate::output::{self, print_line, print_text};
-use crate::{arguments, scenes};
+use crate::output::{self, Interrupted, print_line, print_text};
+use crate::{arguments, ctrl_c, scenes};
 use analyses::cycles::{Course, Options, advance};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
 use std::path::PathBuf;
 
@@ -66,6 +66,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(warning) = &course.warning {
         eprintln!("warning: {warning}");
     }
+    if course.interrupted {
+        let passed = course.stations.last().map_or(0.0, |station| station.jump.cycles);
+        bail!(Interrupted(format!("interrupted after {passed} of {} cycles", arguments.cycles)));
+    }
     Ok(())
 }
 
@@ -77,9 +81,11 @@ fn course(arguments: &Arguments) -> Result<Course> {
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let mut progress = Progress::default();
-    advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
-        let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
-        progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+    ctrl_c::attended(|| {
+        advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
+            let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
+            progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+        })
     })
 }
 
