@@ -64,6 +64,20 @@ def test_what_flows_to_the_hub_is_stored_in_it_or_lost(descents):
     assert np.allclose(2000.0 * rise + away, lost, atol=2e-3 * lost[-1])
 
 
+def test_a_cooling_curve_gives_the_convection(descents):
+    pytest.importorskip("scipy")
+    result, time = descents["ventilated"].result, descents["ventilated"].time
+    record = {f"{name} [{unit}]": np.interp(time, result.time, result[name]) for name, unit in (("sliding_velocity", "m/s"), ("normal_load", "N"))}
+    record = {"time [s]": time, **record, "strip.external_temperature [K]": descents["ventilated"].hub}
+    disc = np.interp(time, result.time, result["strip.mean_temperature [degC]"]) + np.random.default_rng(2).normal(0.0, 2.0, time.size)
+    record["strip.mean_temperature [degC]"] = np.where(time > 900.0, disc, np.nan)
+    scene = Scene.load(FOLDER / "ventilated.toml")
+    found = scene.copy().set({"strip.convection_forced": 5.0}).fit(record, ["strip.convection_forced", "strip.convection"])
+    assert found.names == ("strip.convection_forced",) and "changes the records as strip.convection_forced" in found.undetermined["strip.convection"]
+    low, high = found.intervals[:, 0]
+    assert low < scene["strip.convection_forced"] < high < 1.05 * low
+
+
 def test_the_page_has_the_numbers_of_the_command(descents):
     page = (FOLDER / "README.md").read_text(encoding="utf-8")
     for name, own in descents.items():
