@@ -41,7 +41,7 @@ pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
     let effects = match &prepared.operators {
         ModelOperators::Line(line) => effects(&scene, &groups, line, true, rise),
         _ if scene.has_rigid_bodies() => Vec::new(),
-        lumped => match lumped.line_beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
+        lumped => match lumped.beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
             Ok(ModelOperators::Line(line)) => effects(&scene, &groups, &line, false, rise),
             _ => Vec::new(),
         },

@@ -130,7 +130,7 @@ impl LineOperators {
         Self::with_heat(scene, is_resolved(scene), run_in)
     }
 
-    /// Builds the contact line with the reduced bodies of `known`, the lumped level of the same scene.
+    /// Builds the contact line with what it shares with `known`: [`lumped::operators::LumpedOperators::beside`].
     ///
     /// # Errors
     /// As [`LineOperators::new`].
@@ -207,7 +207,7 @@ impl LineOperators {
         let pressed = normal.column_sum();
         let compliance = cells.integral(pressed.as_slice()) / (2.0 * cells.half_width());
         let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
-        let mean = lumped::operators::LumpedOperators::beneath(&mean_scene(scene, heat), compliance, moves, known);
+        let mean = lumped::operators::LumpedOperators::build(&mean_scene(scene, heat), compliance, moves, known);
         let mean = Arc::new(mean);
         let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref()).map(Arc::new)).transpose()?;
         let [punch, strip] = laws;

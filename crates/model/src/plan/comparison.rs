@@ -51,7 +51,7 @@ pub(crate) fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<M
     let mut operators = vec![lumped];
     let mut coarser: Option<Run> = None;
     for cells in COMPARED_CELLS {
-        let line = operators[0].line_beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
+        let line = operators[0].beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
         let line_run = course.run(&line, MOST_LINE_STEPS)?;
         operators.push(line);
         comparison.steps += line_run.steps;

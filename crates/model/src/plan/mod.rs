@@ -118,12 +118,18 @@ impl BuiltModel {
             }
             _ => (None, Vec::new()),
         };
-        let build = |wanted: Scene| match known.iter().find(|operators| *operators.scene() == wanted) {
-            Some(operators) => Ok(operators.clone()),
-            None => ModelOperators::new(&wanted, run_in),
+        let build = |wanted: Scene, beside: Option<&ModelOperators>| match (
+            known.iter().find(|operators| *operators.scene() == wanted),
+            beside,
+        ) {
+            (Some(operators), _) => Ok(operators.clone()),
+            (None, Some(other)) => other.beside(&wanted, run_in),
+            (None, None) => ModelOperators::new(&wanted, run_in),
         };
-        let operators = build(choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene)))?;
-        let companion = companion_of(&operators, choice.is_some()).map(build).transpose()?;
+        let wanted = choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene));
+        let operators = build(wanted, known.first())?;
+        let companion = companion_of(&operators, choice.is_some());
+        let companion = companion.map(|wanted| build(wanted, Some(&operators))).transpose()?;
         Ok(BuiltModel { requested, choice, operators, companion })
     }
 
