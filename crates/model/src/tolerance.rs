@@ -20,7 +20,7 @@ const LINE_HEAT: f64 = 0.5;
 const LUMPED_FLUX: f64 = 2.0;
 const LUMPED_WEAR: f64 = 5.0;
 
-/// Remaining errors of iterations: of a stage on the line, with its bounds, of a lumped stage, and of radiation on its fast path.
+/// Remaining errors of iterations: of a stage on the line, with its bounds, of a lumped stage, and of radiation in its common form.
 const LINE_STAGE: f64 = 1e-3;
 const LINE_STAGE_BOUNDS: [f64; 2] = [1e-9, 1e-6];
 const LUMPED_STAGE: f64 = 1e-6;
@@ -80,7 +80,7 @@ pub struct Iterations {
     pub line_stage: f64,
     /// Lumped stage, over the rise.
     pub lumped_stage: f64,
-    /// Flux by radiation on the fast path of the lumped step, over the rise.
+    /// Flux by radiation in the common form of the lumped step, over the rise.
     pub lumped_radiation: f64,
 }
 
