@@ -12,7 +12,7 @@ pub mod slot;
 pub mod variables;
 mod warnings;
 
-pub use fade::FadeTable;
+pub use fade::{FadeLine, FadeTable};
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use property_table::{PROPERTY_POINTS, PropertyTable};
 pub(crate) use rules::BrokenRule;
