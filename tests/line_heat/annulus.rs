@@ -270,7 +270,11 @@ fn bands_grow_above_the_critical_speed_only() {
         .collect();
     let mut changes: Vec<(&str, f64)> = carbon.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     changes.extend([("contact.friction_coefficient", 0.25), ("contact.static_friction_ratio", 1.0)]);
-    changes.extend([("contact.stick_stiffness", 0.0), ("nominal.velocity", 10.0), ("strip.property_table.points", 0.0)]);
+    changes.extend([
+        ("contact.stick_stiffness", 0.0),
+        ("nominal.velocity", 10.0),
+        ("strip.property_table.points", 0.0),
+    ]);
     let unevenness = |ratio: f64| {
         let mut drive = clutch(&changes);
         drive.set("normal_load", 5e3);
