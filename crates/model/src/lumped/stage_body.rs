@@ -314,13 +314,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     /// largest temperature of a face that is solved for, K. Where fluxes relax, a linear face has a bound in place of its residual: a flux
     /// that relaxes deviates from the line through both stages by at most half their difference.
     #[inline(always)]
-    pub(crate) fn cooling_error(
-        &self,
-        state: &BodyState,
-        reference: f64,
-        middle: &Around,
-        relaxes: bool,
-    ) -> [f64; 2] {
+    pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around, relaxes: bool) -> [f64; 2] {
         let (mut error, mut rise) = (0.0, 0.0);
         let Some((own, count)) = self.own else { return [0.0; 2] };
         let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
