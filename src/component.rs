@@ -11,14 +11,14 @@ mod reports;
 mod snapshot;
 
 pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
-pub use messages::Messages;
+pub(crate) use messages::Messages;
 pub use snapshot::Snapshot;
 
 use crate::panics::on_own_thread;
 use contact::WorkCounter;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use model::plan::Prepared;
+use model::plan::BuiltModel;
 use model::run_error::RunError;
 use model::{INPUTS, Inputs};
 use numerics::interruption;
@@ -84,7 +84,7 @@ pub struct Component {
     /// Tolerance of the scene's default experiment: used where neither the importer nor `solver.tolerance` gives one.
     declared_tolerance: Option<f64>,
     /// Scene prepared last: reused for the same scene.
-    prepared: Option<Arc<Prepared>>,
+    prepared: Option<Arc<BuiltModel>>,
     /// Error of the run, once there is a model.
     run_error: Option<RunError>,
     /// Inputs and tunable parameters are those of the end of the last step.
@@ -359,8 +359,8 @@ impl Component {
 }
 
 /// Prepares a scene: on a thread of its own where operators of cells may be built, see [`on_own_thread`].
-fn prepare(scene: &Scene) -> Result<Arc<Prepared>, String> {
-    let prepare = || Prepared::new(scene, steady::run_in).map(Arc::new);
+fn prepare(scene: &Scene) -> Result<Arc<BuiltModel>, String> {
+    let prepare = || BuiltModel::new(scene, steady::run_in).map(Arc::new);
     if scene.fidelity == Fidelity::Lumped {
         return prepare();
     }

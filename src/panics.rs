@@ -75,7 +75,7 @@ pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
 
 /// Runs code of the importer. Panics in it, if it is written in Rust, are not silenced. A cancellation acts after the call: a thread that
 /// is unwound out of it would leave an instance half changed.
-pub fn outside(body: impl FnOnce()) {
+pub(crate) fn outside(body: impl FnOnce()) {
     let _uncancelled = cancellation::Disabled::new();
     let before = INSIDE.replace(false);
     body();
@@ -121,7 +121,7 @@ mod cancellation {
     pub(crate) struct Disabled(c_int);
 
     impl Disabled {
-        pub fn new() -> Disabled {
+        pub(crate) fn new() -> Disabled {
             let mut before = DISABLE;
             // SAFETY: the value of the platform, and a place for the old one.
             unsafe { pthread_setcancelstate(DISABLE, &raw mut before) };
@@ -140,10 +140,10 @@ mod cancellation {
 #[cfg(not(any(target_os = "linux", target_vendor = "apple", target_os = "freebsd")))]
 mod cancellation {
     /// Threads of these platforms cannot be cancelled.
-    pub(crate) struct Disabled;
+    struct Disabled;
 
     impl Disabled {
-        pub fn new() -> Disabled {
+        pub(crate) fn new() -> Disabled {
             Disabled
         }
     }
@@ -173,7 +173,7 @@ mod system {
     }
 
     /// Runs `body`, which does not panic, on a thread of its own.
-    pub fn run<F: FnOnce() -> T + Send, T: Send>(body: F) -> T {
+    pub(crate) fn run<F: FnOnce() -> T + Send, T: Send>(body: F) -> T {
         let mut work = Work { body: Some(body), result: None };
         let mut thread = core::mem::MaybeUninit::uninit();
         // SAFETY: `work` is there until the thread has ended, and is not used by this one before. Both of its parts may move between
@@ -193,19 +193,19 @@ mod system {
 
 #[cfg(not(unix))]
 mod system {
-    pub fn run<T>(body: impl FnOnce() -> T) -> T {
+    pub(crate) fn run<T>(body: impl FnOnce() -> T) -> T {
         body()
     }
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
     /// The hook belongs to the whole process: tests that panic take turns.
-    pub fn turn() -> MutexGuard<'static, ()> {
+    pub(crate) fn turn() -> MutexGuard<'static, ()> {
         static TURN: Mutex<()> = Mutex::new(());
         install_hook();
         TURN.lock().unwrap_or_else(PoisonError::into_inner)

@@ -10,18 +10,15 @@ use std::ffi::{CString, c_char, c_void};
 use std::ptr;
 use std::sync::Arc;
 use test_support::counting::{ALLOCATIONS, Counting};
+use test_support::{LUMPED, changed};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
 /// Steps in reciprocating sliding under changing load and step size, reading every output, and counts the allocations.
 fn allocations(changes: &[(&str, f64)], speed: f64, steps: u32) -> (u64, Vec<sliding_contact::component::Message>) {
-    let mut starts = STARTS;
     // Lumped, unless the changes say otherwise.
-    starts[find("solver.fidelity").unwrap() as usize] = 2.0;
-    for (name, value) in changes {
-        starts[find(name).unwrap() as usize] = *value;
-    }
+    let starts = changed(&changed(&STARTS, &[("solver.fidelity", LUMPED)]), changes);
     let mut component = Component::new(Arc::new(starts));
     component.enter_initialization();
     component.initialise(None).unwrap();

@@ -3,12 +3,7 @@
 
 use scene::variables::find;
 use sliding_contact::component::Component;
-use std::sync::Arc;
-use test_support::{changed, scene};
-
-fn component(name: &str, changes: &[(&str, f64)]) -> Component {
-    Component::new(Arc::new(changed(&scene(name), changes)))
-}
+use test_support::component;
 
 /// Scenes at both levels: closed paths, an annulus, and a straight strip that keeps its worn track.
 fn scenes() -> Vec<(&'static str, Component)> {

@@ -1,9 +1,8 @@
 //! Every output is finite, at every level, over random legal scenes far wider than the shipped ones: after initialisation, at inputs
 //! that were just set, and after steps in which loads and speeds jump.
 
-use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE};
 use sliding_contact::component::Snapshot;
-use test_support::{Drive, Random, scene, scenes};
+use test_support::{Drive, Random, real_outputs, scene, scenes};
 
 /// One of these values.
 fn one_of<T: Copy>(random: &mut Random, values: &[T]) -> T {
@@ -55,6 +54,7 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
         changes.extend(own.into_iter().zip(values));
     }
     changes.extend([
+        ("strip.property_table.points", 0.0),
         ("contact.conductance", one_of(random, &[1e2, 1e4, 1e6, 1e9, 1e11, 1e13])),
         ("contact.friction_coefficient", random.between(0.02, 1.2)),
         ("contact.static_friction_ratio", one_of(random, &[1.0, 1.2, 1.5])),
@@ -67,17 +67,9 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
     changes
 }
 
-fn calculated() -> Vec<u32> {
-    let is_calculated = |at: &usize| {
-        let row = &TABLE[FLAT[*at].0 as usize];
-        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
-    };
-    (0..COUNT).filter(is_calculated).map(|at| at as u32).collect()
-}
-
 fn sweep(level: &[(&'static str, f64)], count: u32) {
     let mut random = Random(864);
-    let (outputs, shipped) = (calculated(), scenes());
+    let (outputs, shipped) = (real_outputs(), scenes());
     let (mut failed, mut refused, mut steps, mut failures) = (Vec::new(), Vec::new(), 0, Vec::new());
     for number in 0..count {
         let (name, load, velocity) = shipped[number as usize % shipped.len()];

@@ -40,14 +40,14 @@ impl Spring {
 }
 
 /// Loads (N) and velocities (m/s) at start and end of the communication steps, of `length` s.
-struct Course {
+struct Drops {
     length: f64,
     steps: Vec<[f64; 4]>,
 }
 
 /// Slides at the limit, and drops the load: at once or linearly, to a part of it or to nothing, with the velocity going on, halted or
 /// reversed.
-fn course(random: &mut Random) -> Course {
+fn drops(random: &mut Random) -> Drops {
     let length = 10f64.powf(random.between(-3.0, 0.0));
     let speed = 10f64.powf(random.between(-1.0, 1.3)).max(0.02 / length);
     let (high, part) = (random.between(500.0, 5e3), random.between(0.0, 0.95));
@@ -59,16 +59,16 @@ fn course(random: &mut Random) -> Course {
     } else {
         steps.extend([[high, low, speed, speed], [low, low, last, last]]);
     }
-    Course { length, steps }
+    Drops { length, steps }
 }
 
-fn drive(changes: &[(&str, f64)], course: &Course, each: &mut dyn FnMut(&mut Drive)) -> Result<(), String> {
+fn drive(changes: &[(&str, f64)], drops: &Drops, each: &mut dyn FnMut(&mut Drive)) -> Result<(), String> {
     let mut drive = Drive::stock(changes);
-    for &[load, last_load, velocity, last_velocity] in &course.steps {
+    for &[load, last_load, velocity, last_velocity] in &drops.steps {
         drive.set("normal_load", load).set("sliding_velocity", velocity);
-        drive.slope("normal_load", (last_load - load) / course.length);
-        drive.slope("sliding_velocity", (last_velocity - velocity) / course.length);
-        drive.0.step(course.length)?;
+        drive.slope("normal_load", (last_load - load) / drops.length);
+        drive.slope("sliding_velocity", (last_velocity - velocity) / drops.length);
+        drive.0.step(drops.length)?;
         each(&mut drive);
     }
     Ok(())
@@ -79,14 +79,14 @@ fn compare(level: &[(&str, f64)], count: usize, damping: f64) {
     let mut failed = Vec::new();
     let changes = [level, &[("contact.stick_stiffness", STIFFNESS), ("contact.stick_damping", damping)]].concat();
     for number in 0..count {
-        let course = course(&mut random);
+        let drops = drops(&mut random);
         let mut spring = Spring { damping, deflection: 0.0, heat: 0.0, slipped: 0.0 };
-        let mut steps = course.steps.iter();
+        let mut steps = drops.steps.iter();
         let mut worst = [0.0_f64; 5];
-        let outcome = drive(&changes, &course, &mut |drive| {
+        let outcome = drive(&changes, &drops, &mut |drive| {
             let &[load, last_load, velocity, last_velocity] = steps.next().expect("as many as driven");
             const PARTS: u32 = 20_000;
-            let dt = course.length / f64::from(PARTS);
+            let dt = drops.length / f64::from(PARTS);
             // The jump.
             spring.step(0.0, if damping < 1.0 { LIMIT_PER_LOAD * load } else { f64::INFINITY }, 1.0);
             for part in 1..=PARTS {
@@ -95,7 +95,7 @@ fn compare(level: &[(&str, f64)], count: usize, damping: f64) {
                 spring.step(between(velocity, last_velocity), LIMIT_PER_LOAD * between(load, last_load), dt);
             }
             let force = spring.force(last_velocity, LIMIT_PER_LOAD * last_load);
-            let largest = LIMIT_PER_LOAD * course.steps[0][0];
+            let largest = LIMIT_PER_LOAD * drops.steps[0][0];
             let energy = 0.5 * STIFFNESS * spring.deflection.powi(2);
             for (slot, difference) in worst.iter_mut().zip([
                 (drive.get("friction_force") - force) / largest,
@@ -108,7 +108,7 @@ fn compare(level: &[(&str, f64)], count: usize, damping: f64) {
             }
         });
         if outcome.is_err() || worst.iter().any(|worst| worst.is_nan() || *worst > 1e-3) {
-            failed.push(format!("{number}: {:?} each {} s: {worst:?} {outcome:?}", course.steps, course.length));
+            failed.push(format!("{number}: {:?} each {} s: {worst:?} {outcome:?}", drops.steps, drops.length));
         }
     }
     assert!(failed.is_empty(), "{} of {count}:\n{}", failed.len(), failed.join("\n"));

@@ -12,10 +12,9 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use scene::fnv::Fnv;
-use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE};
 use sliding_contact::fmi2::types::Status::{Error, Ok as OK};
-use test_support::Random;
 use test_support::importer::Importer;
+use test_support::{Random, real_outputs};
 
 /// Simulated hours of a run.
 const HOURS: u32 = 24;
@@ -61,14 +60,6 @@ impl Saved {
     }
 }
 
-fn outputs() -> Vec<u32> {
-    let calculated = |reference: &u32| {
-        let row = &TABLE[FLAT[*reference as usize].0 as usize];
-        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
-    };
-    (0..COUNT as u32).filter(calculated).collect()
-}
-
 /// A pad that drags, from the file where there is one: saved every hour, after which the hour is printed.
 fn run(file: &Path, level: Level) {
     let importer = Importer::with_logging(false);
@@ -83,7 +74,7 @@ fn run(file: &Path, level: Level) {
         assert_eq!(importer.setup(None, 0.0, None), OK);
         assert_eq!((importer.enter(), importer.exit()), (OK, OK));
     }
-    let references = outputs();
+    let references = real_outputs();
     let steps = (3600.0 / level.step) as u32;
     while digests.len() < HOURS as usize {
         let mut digest = Fnv::new();

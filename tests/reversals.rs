@@ -2,12 +2,7 @@
 
 use scene::variables::find;
 use sliding_contact::component::Component;
-use std::sync::Arc;
-use test_support::{changed, scene};
-
-fn component(name: &str, changes: &[(&str, f64)]) -> Component {
-    Component::new(Arc::new(changed(&scene(name), changes)))
-}
+use test_support::component;
 
 /// Rises of the mean contact temperature at the communication points of a triangular velocity of amplitude `velocity` (m/s) that
 /// takes `steps` steps of `step` s from there to 0, where it is `left` (m/s) in place of 0; linear or held over each step.

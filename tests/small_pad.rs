@@ -1,8 +1,6 @@
 //! A small pad far above its nominal speed.
 
-use sliding_contact::component::Component;
-use std::sync::Arc;
-use test_support::{changed, scene};
+use test_support::component;
 
 #[test]
 fn a_long_stop_from_twenty_metres_per_second_stays_above_absolute_zero() {
@@ -13,7 +11,7 @@ fn a_long_stop_from_twenty_metres_per_second_stays_above_absolute_zero() {
         ("solver.cells", 33.0),
         ("solver.tolerance", 0.1),
     ];
-    let mut component = Component::new(Arc::new(changed(&scene("disc_brake"), &changes)));
+    let mut component = component("disc_brake", &changes);
     for load in [4000.0, 10_000.0] {
         for step in [0.001, 0.1, 10.0] {
             component.reset();

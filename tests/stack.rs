@@ -7,6 +7,7 @@ use std::hint::black_box;
 use std::ptr;
 use std::sync::Arc;
 use std::thread;
+use test_support::{LINE, changed};
 
 /// Stack that a thread needs according to the page in the FMU, bytes.
 const DOCUMENTED: usize = 256 << 10;
@@ -47,9 +48,7 @@ fn of(changes: &'static [(&'static str, f64)], drive: &'static [[f64; 4]]) -> us
     let run = move || {
         used(|| {
             let reference = |name: &str| find(name).unwrap();
-            let mut starts = STARTS;
-            changes.iter().for_each(|(name, value)| starts[reference(name) as usize] = *value);
-            let mut component = Box::new(Component::new(Arc::new(starts)));
+            let mut component = Box::new(Component::new(Arc::new(changed(&STARTS, changes))));
             component.enter_initialization();
             component.initialise(None).unwrap();
             for [velocity, load, acceleration, rate] in drive {
@@ -78,8 +77,6 @@ const HOSTILE: &[[f64; 4]] = &[
     [1e6, 1e9, 1e6, 1e9],
     [1e12, 1e12, 0.0, 0.0],
 ];
-
-const LINE: f64 = 3.0;
 
 #[test]
 fn stack_does_not_grow_with_the_inputs_and_stays_within_what_is_documented() {

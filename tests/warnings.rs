@@ -1,18 +1,9 @@
 //! Every warning: a scene that must log it, and a similar scene that must not.
 
 use scene::slot::Packaged;
-use scene::variables::find;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
-
-const LUMPED: f64 = 2.0;
-const LINE: f64 = 3.0;
-const HELD: f64 = 1.0;
-const EXTERNAL: f64 = 4.0;
-
-fn reference(name: &str) -> u32 {
-    find(name).unwrap_or_else(|| panic!("no variable {name}"))
-}
+use test_support::{EXTERNAL, HELD, LINE, LUMPED, changed, reference};
 
 type Values<'a> = &'a [(&'a str, f64)];
 
@@ -23,11 +14,7 @@ const STABLE: (&str, f64) = ("nominal.velocity", 1.0);
 const FEW: (&str, f64) = ("solver.cells", 9.0);
 
 fn component(starts: Values) -> Component {
-    let mut values = Packaged::stock().starts;
-    values[reference("solver.fidelity") as usize] = LUMPED;
-    for (name, value) in starts {
-        values[reference(name) as usize] = *value;
-    }
+    let values = changed(&changed(&Packaged::stock().starts, &[("solver.fidelity", LUMPED)]), starts);
     let mut component = Component::new(Arc::new(values)).declaring(1e-2);
     component.enter_initialization();
     component
@@ -114,6 +101,32 @@ fn temperatures_that_look_like_degrees_celsius_are_told() {
         starts.pop();
         starts.push((&name, 293.15));
         assert_eq!(at_start(&starts), SILENT, "{name}");
+    }
+}
+
+/// A table that a scene has replaces its constants and is switched off by its number of points; what an importer sets beside that is told.
+#[test]
+fn properties_without_effect_are_told() {
+    let set = |name: &str, values: Values| {
+        let mut component = Component::new(Arc::new(test_support::scene(name)));
+        component.enter_initialization();
+        values.iter().for_each(|(name, value)| component.set_parameter(reference(name), *value));
+        component.initialise(None).unwrap();
+        let mut told = warnings(&mut component);
+        told.retain(|text| text.contains("property_table"));
+        told
+    };
+    let remedy = "has no effect while strip.property_table.points = 7; set strip.property_table.points = 0";
+    for name in ["disc_brake", "clutch"] {
+        assert_one(&set(name, &[("strip.conductivity", 40.0)]), &[&format!("strip.conductivity = 40 {remedy}")]);
+        assert_one(&set(name, &[("strip.specific_heat", 500.0)]), &[&format!("strip.specific_heat = 500 {remedy}")]);
+        assert_eq!(set(name, &[("strip.conductivity", 40.0), ("strip.property_table.points", 0.0)]), SILENT);
+        assert_eq!(set(name, &[("punch.conductivity", 40.0), ("strip.conductivity", 54.0)]), SILENT);
+    }
+    for (name, point, points) in [("disc_brake", 8, 7), ("pin_on_disk", 1, 0)] {
+        let own = format!("strip.property_table.conductivity[{point}]");
+        let told = format!("{own} = 40 has no effect while strip.property_table.points = {points}");
+        assert_one(&set(name, &[(&own, 40.0)]), &[&told]);
     }
 }
 

@@ -24,7 +24,7 @@ impl Columns {
     }
 
     /// The options again, for a script.
-    pub fn options(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn options(&self) -> impl Iterator<Item = String> {
         let columns = self.column.iter().map(|named| format!("--column={named}"));
         columns.chain(self.strict.then(|| "--strict".to_owned()))
     }

@@ -17,7 +17,7 @@ use std::process::Command;
 use std::time::Instant;
 
 /// Communication step, s.
-pub const STEP: f64 = 0.1;
+pub(crate) const STEP: f64 = 0.1;
 /// Turns of every timing.
 pub const TURNS: usize = 30;
 /// Factor by which a time may exceed its limit before a test fails, to allow for other work on the machine. The ratio to
@@ -77,7 +77,7 @@ impl fmt::Display for Cost {
 ///
 /// # Errors
 /// Where the scene cannot be read, or the FMU not be built.
-pub fn lumped(scene: Option<&str>) -> Result<PathBuf> {
+pub(crate) fn lumped(scene: Option<&str>) -> Result<PathBuf> {
     let mut scene = scenes::load(scene)?;
     scenes::assign(&mut scene, "solver.fidelity=lumped")?;
     let folder = project::target().join("bench");
@@ -119,7 +119,7 @@ pub fn report(costs: &[Cost], json: bool) -> Result<()> {
 ///
 /// # Errors
 /// Where a library cannot be built or loaded or a call fails.
-pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
+pub(crate) fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     let folder = project::target().join("bench");
     fs::create_dir_all(&folder)?;
     let (library, guid) = unpack(fmu, &folder)?;
@@ -180,7 +180,7 @@ pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
 
 /// Inputs of an instance, step by step.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub(crate) struct Drive {
     /// Sliding velocity, m/s, and load, N.
     pub inputs: Vec<[f64; 2]>,
     /// Their derivatives by time, where they do not stay as they are during a step.
@@ -191,7 +191,7 @@ pub struct Drive {
 ///
 /// # Errors
 /// Where the table of variables has them no more.
-pub fn variables() -> Result<Variables> {
+pub(crate) fn variables() -> Result<Variables> {
     let reference = |name| scene::variables::find(name).with_context(|| format!("no variable {name}"));
     Ok(Variables {
         inputs: [reference("sliding_velocity")?, reference("normal_load")?],
@@ -251,7 +251,7 @@ fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
 ///
 /// # Errors
 /// Where the cycle cannot be read.
-pub fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
+pub(crate) fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
     let path = project::root().join("examples/data/udds.csv");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let speeds: Vec<f64> = text

@@ -104,7 +104,7 @@ pub struct Axis {
 
 impl Axis {
     /// A linear axis over the range of the data.
-    pub fn new(label: impl Into<String>) -> Self {
+    pub(crate) fn new(label: impl Into<String>) -> Self {
         Self { label: label.into(), logarithmic: false, range: None }
     }
 

@@ -65,7 +65,7 @@ pub struct Arguments {
 /// Variant of the contact line.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Contact {
+pub(crate) enum Contact {
     /// Pressure and wear along the line; mean heat.
     Cold,
     /// Pressure, wear and heat along the line, with thermal distortion.
@@ -107,7 +107,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Settings of a run.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
-pub struct Case {
+pub(crate) struct Case {
     /// Variant of the contact line.
     pub contact: Contact,
     /// Its cells.
@@ -122,13 +122,13 @@ pub struct Case {
 
 impl Case {
     /// Ten minutes of the brake, back to back.
-    pub fn new(contact: Contact) -> Self {
+    pub(crate) fn new(contact: Contact) -> Self {
         Self { contact, cells: 33, seconds: 600.0, speed: 1.0, paced: false }
     }
 }
 
 /// Times of the steps of a run.
-pub struct Run {
+pub(crate) struct Run {
     case: Case,
     /// Of every step: inputs, step, outputs.
     steps: Histogram,
@@ -142,7 +142,7 @@ pub struct Run {
 ///
 /// # Errors
 /// Where the FMU cannot be built or refuses a step.
-pub fn measure(case: &Case) -> Result<Run> {
+pub(crate) fn measure(case: &Case) -> Result<Run> {
     let Case { contact, cells, seconds, speed, paced } = *case;
     ensure!(speed > 0.0 && speed <= FASTEST, "--speed {} must be above 0 and at most {FASTEST}", Number(speed));
     let count = (seconds / STEP).round();
@@ -267,12 +267,12 @@ impl Run {
     }
 
     /// Whether the probe was interrupted for less than `QUIET`.
-    pub(crate) fn is_quiet(&self) -> bool {
+    fn is_quiet(&self) -> bool {
         self.taken.longest() < QUIET
     }
 
     /// Whether the limits hold.
-    pub(crate) fn is_within(&self) -> bool {
+    fn is_within(&self) -> bool {
         self.usual() < USUAL && self.steps.longest() < LONGEST
     }
 
@@ -282,7 +282,7 @@ impl Run {
     }
 
     /// The result in one line.
-    pub fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let verdict = match (self.is_within(), self.is_quiet()) {
             (true, _) => "within the limits",
             (false, true) => "beyond the limits",

@@ -75,7 +75,7 @@ fn buildable() -> Vec<Platform> {
 ///
 /// # Errors
 /// Where a file cannot be made or written.
-pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
+pub(crate) fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     let folder = &std::path::absolute(folder)?;
     let mut name = folder.file_name().with_context(|| format!("{} names no folder", folder.display()))?.to_owned();
     name.push(format!(".{}.partial", std::process::id()));

@@ -260,7 +260,7 @@ fn steady_states(scene: &str, changes: &[String], folder: &Path) -> Result<Vec<P
 ///
 /// # Errors
 /// As [`execute`].
-pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
+pub(crate) fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
     let udds = cycle::file(CYCLE, &Reading::default(), folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);
     let output = command.arg("--one-level").arg("--cycle").arg(udds.path()).output()?;

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use scene::variables::TOLERANCES;
-pub use scene_file::assign;
 use scene_file::{SceneFile, shipped};
+pub use scene_file::{assign, assign_all};
 
 use crate::project;
 
 /// Folder of the shipped scenes.
-pub fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     project::root().join("examples")
 }
 

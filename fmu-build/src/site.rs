@@ -32,7 +32,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 ///
 /// # Errors
 /// Where the environment cannot be made, or with the warnings of the pages: links, anchors and pictures that do not exist.
-pub fn build(folder: &Path) -> Result<PathBuf> {
+pub(crate) fn build(folder: &Path) -> Result<PathBuf> {
     reference::write(None)?;
     let python = python::site_environment()?;
     // Beside the site, so that nothing but the site is in its folder.

@@ -5,14 +5,14 @@ use std::fmt::{self, Write};
 use std::slice;
 
 /// Largest number of pending messages, where they are taken after every call: a step emits each message at most once.
-const MOST: usize = 8;
+const MOST_MESSAGES: usize = 8;
 
 /// Bytes of a text without another allocation.
-const LONGEST: usize = 640;
+const LONGEST_TEXT: usize = 640;
 
 /// Messages since the last call of [`Messages::take`].
 #[derive(Debug, Default)]
-pub struct Messages {
+pub(crate) struct Messages {
     /// The first `count` are pending; the others are spare memory.
     kept: Vec<Message>,
     count: usize,
@@ -22,15 +22,15 @@ impl Messages {
     /// Allocates the memory required by steps.
     pub(crate) fn reserve(&mut self) {
         for message in &mut self.kept {
-            message.text.reserve(LONGEST.saturating_sub(message.text.len()));
+            message.text.reserve(LONGEST_TEXT.saturating_sub(message.text.len()));
         }
-        while self.kept.len() < MOST {
-            self.kept.push(Message { subject: Subject::Plan, text: String::with_capacity(LONGEST) });
+        while self.kept.len() < MOST_MESSAGES {
+            self.kept.push(Message { subject: Subject::Plan, text: String::with_capacity(LONGEST_TEXT) });
         }
     }
 
     /// Adds a message.
-    pub fn add(&mut self, subject: Subject, text: fmt::Arguments<'_>) {
+    pub(crate) fn add(&mut self, subject: Subject, text: fmt::Arguments<'_>) {
         self.compose(subject, |message| message.write_fmt(text));
     }
 
@@ -49,14 +49,14 @@ impl Messages {
     }
 
     /// Pending messages, oldest first; they are removed.
-    pub fn take(&mut self) -> slice::Iter<'_, Message> {
+    pub(crate) fn take(&mut self) -> slice::Iter<'_, Message> {
         let count = std::mem::take(&mut self.count);
         self.kept[..count].iter()
     }
 
     /// Whether no message is pending.
     #[inline]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
     }
 }
@@ -70,16 +70,16 @@ mod tests {
         let mut messages = Messages::default();
         messages.reserve();
         for round in 0..2 {
-            for number in 0..2 * MOST {
+            for number in 0..2 * MOST_MESSAGES {
                 messages.add(Subject::Warning, format_args!("{round} {number}"));
                 messages.compose(Subject::Error, |_| Ok(()));
             }
             assert!(!messages.is_empty());
             let texts: Vec<&str> = messages.take().map(|message| message.text.as_str()).collect();
-            assert_eq!(texts.len(), 2 * MOST);
+            assert_eq!(texts.len(), 2 * MOST_MESSAGES);
             assert_eq!(
-                (texts[0], texts[2 * MOST - 1]),
-                (&*format!("{round} 0"), &*format!("{round} {}", 2 * MOST - 1))
+                (texts[0], texts[2 * MOST_MESSAGES - 1]),
+                (&*format!("{round} 0"), &*format!("{round} {}", 2 * MOST_MESSAGES - 1))
             );
             assert!(messages.is_empty() && messages.take().len() == 0);
         }

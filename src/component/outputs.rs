@@ -20,9 +20,9 @@ pub(super) mod group {
     /// Outputs that depend on the states only.
     pub(crate) const ACCOUNT: u8 = 2;
     /// Profiles and the slope of the friction force.
-    pub const REST: u8 = 4;
+    pub(crate) const REST: u8 = 4;
     /// The three main outputs, available at the end of a step without another evaluation.
-    pub const MAIN: u8 = 8;
+    pub(crate) const MAIN: u8 = 8;
 }
 
 /// Group of every value reference; 0 for inputs and parameters.

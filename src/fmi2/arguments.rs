@@ -14,7 +14,7 @@ pub(crate) const MOST_VARIABLES: usize = COUNT;
 
 /// An input array in the importer's memory.
 #[derive(Clone, Copy)]
-pub struct Source<'a, T> {
+pub(crate) struct Source<'a, T> {
     start: *const T,
     count: usize,
     lifetime: PhantomData<&'a T>,
@@ -59,20 +59,20 @@ impl<T: Copy> Source<'_, T> {
     /// If `start` is not NULL and `count` is at most `most`, `count` elements can be read there for as
     /// long as the value is used.
     #[inline(always)]
-    pub unsafe fn new(what: &str, start: *const T, count: usize, most: usize) -> Result<Self, Problem> {
+    pub(crate) unsafe fn new(what: &str, start: *const T, count: usize, most: usize) -> Result<Self, Problem> {
         check(what, start.is_null(), count, most.min(isize::MAX as usize / size_of::<T>()))?;
         Ok(Source { start, count, lifetime: PhantomData })
     }
 
     /// Number of elements.
     #[inline(always)]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 
     /// Element `index`.
     #[inline(always)]
-    pub fn at(&self, index: usize) -> T {
+    pub(crate) fn at(&self, index: usize) -> T {
         assert!(index < self.count);
         // SAFETY: `new`'s caller vouched for `count` elements; `T` is a number or a pointer, which any
         // bytes are a value of.
@@ -95,14 +95,14 @@ impl<T: Copy> Sink<'_, T> {
     /// # Safety
     /// As [`Source::new`], and the elements can be written.
     #[inline(always)]
-    pub unsafe fn new(what: &str, start: *mut T, count: usize, most: usize) -> Result<Self, Problem> {
+    pub(crate) unsafe fn new(what: &str, start: *mut T, count: usize, most: usize) -> Result<Self, Problem> {
         check(what, start.is_null(), count, most.min(isize::MAX as usize / size_of::<T>()))?;
         Ok(Sink { start, count, lifetime: PhantomData })
     }
 
     /// Number of elements.
     #[inline(always)]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 

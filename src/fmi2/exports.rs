@@ -106,7 +106,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     instanceName: types::String,
-    fmuType: types::Type,
+    fmuType: types::FmuType,
     fmuGUID: types::String,
     _fmuResourceLocation: types::String,
     functions: *const CallbackFunctions,

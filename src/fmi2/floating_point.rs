@@ -21,7 +21,7 @@ mod registers {
 
     /// MXCSR, and the environment of the x87 unit where it would trap or round otherwise. C libraries set both.
     #[must_use = "restores the environment when it is dropped"]
-    pub struct Environment {
+    pub(crate) struct Environment {
         mxcsr: u32,
         x87: Option<[u32; 7]>,
     }
@@ -43,7 +43,7 @@ mod registers {
     impl Environment {
         /// Saves the environment, and sets that of a call.
         #[inline(always)]
-        pub fn enter() -> Environment {
+        pub(crate) fn enter() -> Environment {
             let (mxcsr, mut control) = (mxcsr(), 0_u16);
             if mxcsr & !RAISED != MXCSR {
                 set_mxcsr(MXCSR | mxcsr & RAISED);
@@ -93,7 +93,7 @@ mod registers {
 
     /// FPCR and FPSR. A FPCR of 0 traps nothing, rounds to nearest and keeps subnormal numbers.
     #[must_use = "restores the environment when it is dropped"]
-    pub struct Environment {
+    pub(crate) struct Environment {
         control: u64,
         status: u64,
     }
@@ -109,7 +109,7 @@ mod registers {
     impl Environment {
         /// Saves the environment, and sets that of a call.
         #[inline(always)]
-        pub fn enter() -> Environment {
+        pub(crate) fn enter() -> Environment {
             let control: u64;
             // SAFETY: a register is read, and set to its default where it differs.
             unsafe {
@@ -142,13 +142,13 @@ mod registers {
 mod registers {
     /// The library is built for the processors above.
     #[must_use]
-    pub struct Environment;
+    pub(crate) struct Environment;
 
     impl Environment {
-        pub fn enter() -> Environment {
+        pub(crate) fn enter() -> Environment {
             Environment
         }
     }
 }
 
-pub use registers::Environment;
+pub(crate) use registers::Environment;

@@ -22,7 +22,7 @@ pub(crate) static INSTANCES: Registry<Instance> = Registry::new(1);
 /// A handle that is unknown, freed, or in use by another call returns `fmi2Error` without side effects, and
 /// without a message, because the logger belongs to the instance that cannot be accessed.
 #[inline(always)]
-pub fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
+pub(crate) fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
     let _environment = Environment::enter();
     let Ok(mut guard) = INSTANCES.acquire(component) else { return Status::Error };
     let instance = &mut *guard;

@@ -17,7 +17,7 @@ use super::log::{Category, Log};
 use super::policy::{Fault, Function, Phase};
 use super::problem::{self, Outcome, Problem, argument};
 use super::state::Clock;
-use super::types::{CO_SIMULATION, CallbackFunctions, Real, Status, Type};
+use super::types::{CO_SIMULATION, CallbackFunctions, FmuType, Real, Status};
 use crate::component::{Component, Subject, Values};
 use crate::panics::catch;
 use scene::slot;
@@ -25,7 +25,7 @@ use variables::Scratch;
 
 /// The scene of this library with derived data shared by all instances, computed once. All of it is in place: memory that a static
 /// holds on the heap is lost when an importer unloads the library.
-struct Scene {
+struct LibraryScene {
     name: Text,
     guid: Text,
     starts: Values,
@@ -52,17 +52,17 @@ impl Text {
     }
 }
 
-impl Scene {
+impl LibraryScene {
     fn component(&self) -> Component {
         Component::new(Arc::new(self.starts)).declaring(self.tolerance)
     }
 }
 
-fn scene() -> Result<&'static Scene, &'static str> {
-    static SCENE: OnceLock<Result<Scene, String>> = OnceLock::new();
+fn scene() -> Result<&'static LibraryScene, &'static str> {
+    static SCENE: OnceLock<Result<LibraryScene, String>> = OnceLock::new();
     let scene = SCENE.get_or_init(|| {
         let packaged = slot::current()?;
-        Ok(Scene {
+        Ok(LibraryScene {
             name: Text::new(&packaged.name),
             guid: Text::new(&packaged.guid()),
             starts: packaged.starts,
@@ -73,23 +73,23 @@ fn scene() -> Result<&'static Scene, &'static str> {
 }
 
 /// One instance of the FMU.
-pub struct Instance {
+pub(crate) struct Instance {
     phase: Phase,
     clock: Clock,
     component: Component,
     /// Set after a panic, which may have left the component inconsistent: it is replaced before any further use.
     broken: bool,
-    scene: &'static Scene,
+    scene: &'static LibraryScene,
     log: Log,
     scratch: Scratch,
 }
 
 impl Instance {
     /// `fmi2Instantiate`: `None` after a message that says why.
-    pub fn instantiate(
+    pub(crate) fn instantiate(
         callbacks: &CallbackFunctions,
         name: Option<&CStr>,
-        kind: Type,
+        kind: FmuType,
         guid: Option<&CStr>,
         debug: bool,
     ) -> Option<Box<Instance>> {
@@ -128,7 +128,7 @@ impl Instance {
 
     /// The phase that the call sequences are checked against.
     #[inline(always)]
-    pub fn phase(&self) -> Phase {
+    pub(crate) fn phase(&self) -> Phase {
         self.phase
     }
 
@@ -146,7 +146,7 @@ impl Instance {
     /// Ends a call: passes the component's messages and the problem on to the log, moves to the error
     /// phase if the problem demands it, and gives the status.
     #[inline(always)]
-    pub fn conclude(&mut self, function: Function, outcome: Outcome) -> Status {
+    pub(crate) fn conclude(&mut self, function: Function, outcome: Outcome) -> Status {
         match outcome {
             Ok(()) => {
                 self.pass_on_messages();
@@ -191,7 +191,7 @@ impl Instance {
     }
 
     /// `fmi2SetupExperiment`
-    pub fn setup_experiment(&mut self, tolerance: Option<Real>, start: Real, stop: Option<Real>) -> Outcome {
+    pub(crate) fn setup_experiment(&mut self, tolerance: Option<Real>, start: Real, stop: Option<Real>) -> Outcome {
         if let Some(tolerance) = tolerance
             && !(tolerance > 0.0 && tolerance.is_finite())
         {
@@ -210,7 +210,7 @@ impl Instance {
     }
 
     /// `fmi2EnterInitializationMode`
-    pub fn enter_initialization_mode(&mut self) -> Outcome {
+    pub(crate) fn enter_initialization_mode(&mut self) -> Outcome {
         self.component.set_importer_tolerance(self.clock.tolerance);
         self.component.enter_initialization();
         self.phase = Phase::Initialization;
@@ -218,7 +218,7 @@ impl Instance {
     }
 
     /// `fmi2ExitInitializationMode`
-    pub fn exit_initialization_mode(&mut self) -> Outcome {
+    pub(crate) fn exit_initialization_mode(&mut self) -> Outcome {
         match self.component.initialise(self.clock.tolerance) {
             Ok(()) => {
                 self.phase = Phase::StepComplete;
@@ -229,7 +229,7 @@ impl Instance {
     }
 
     /// `fmi2Terminate`
-    pub fn terminate(&mut self) -> Outcome {
+    pub(crate) fn terminate(&mut self) -> Outcome {
         if self.phase == Phase::StepComplete {
             self.component.conclude();
         }
@@ -238,7 +238,7 @@ impl Instance {
     }
 
     /// `fmi2Reset`: the instance is as new; only the logging stays as it was set.
-    pub fn reset(&mut self) -> Outcome {
+    pub(crate) fn reset(&mut self) -> Outcome {
         if self.broken {
             self.component = self.scene.component();
             self.broken = false;
@@ -252,7 +252,7 @@ impl Instance {
 }
 
 /// Drops an instance that was taken out of the registry.
-pub fn free(instance: Box<Instance>) {
+pub(crate) fn free(instance: Box<Instance>) {
     // A component that a panic left inconsistent may panic again; there is no log left to report it to.
     let _ = catch(|| drop(instance));
 }

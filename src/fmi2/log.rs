@@ -19,7 +19,7 @@ use super::types::{CallbackFunctions, ComponentEnvironment, Logger, Status};
 use crate::panics;
 
 /// Most bytes of text in one message.
-pub const LONGEST: usize = 900;
+pub(crate) const LONGEST: usize = 900;
 
 /// A category of messages. The discriminants are the bits of [`Log::enabled`].
 #[repr(u8)]
@@ -37,7 +37,7 @@ impl Category {
     const ALL: [Category; 3] = [Category::Events, Category::Warnings, Category::Errors];
 
     /// Name as declared in the model description.
-    pub const fn name(self) -> &'static CStr {
+    pub(crate) const fn name(self) -> &'static CStr {
         match self {
             Category::Events => c"logEvents",
             Category::Warnings => c"logStatusWarning",
@@ -52,7 +52,7 @@ impl Category {
 }
 
 /// Destination and filter of an instance's messages.
-pub struct Log {
+pub(crate) struct Log {
     logger: Option<Logger>,
     environment: ComponentEnvironment,
     instance: CString,
@@ -65,7 +65,7 @@ unsafe impl Send for Log {}
 
 impl Log {
     /// Takes over the importer's logger (which may be missing), and its name for the instance.
-    pub fn new(callbacks: &CallbackFunctions, instance: CString, debug: bool) -> Log {
+    pub(crate) fn new(callbacks: &CallbackFunctions, instance: CString, debug: bool) -> Log {
         let mut log =
             Log { logger: callbacks.logger, environment: callbacks.component_environment, instance, enabled: 0 };
         log.enable(debug, &Category::ALL);
@@ -84,7 +84,7 @@ impl Log {
     }
 
     /// Every declared category.
-    pub fn categories() -> &'static [Category] {
+    pub(crate) fn categories() -> &'static [Category] {
         &Category::ALL
     }
 
@@ -95,7 +95,7 @@ impl Log {
 
     /// Sends a message, if its category is on.
     #[cold]
-    pub fn send(&self, status: Status, category: Category, text: &str) {
+    pub(crate) fn send(&self, status: Status, category: Category, text: &str) {
         let Some(logger) = self.logger.filter(|_| self.wants(category)) else { return };
         let mut room = [0; LONGEST + 1];
         let mut rest = text;

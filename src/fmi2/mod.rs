@@ -29,7 +29,7 @@ mod floating_point;
 mod gate;
 mod instance;
 mod log;
-pub mod policy;
+pub(crate) mod policy;
 mod problem;
 mod registry;
 mod state;

@@ -31,7 +31,7 @@ use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE, ValueReference, Vari
 /// Phase of an instance. The discriminants are the bits of the masks.
 #[repr(u8)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Phase {
+pub(crate) enum Phase {
     /// After `fmi2Instantiate` or `fmi2Reset`.
     Instantiated = 1,
     /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
@@ -46,7 +46,7 @@ pub enum Phase {
 
 impl Phase {
     /// Every phase with its name in messages.
-    pub const ALL: [(Phase, &'static str); 5] = [
+    pub(crate) const ALL: [(Phase, &'static str); 5] = [
         (Phase::Instantiated, "instantiated"),
         (Phase::Initialization, "initialization mode"),
         (Phase::StepComplete, "step complete"),
@@ -62,12 +62,12 @@ impl Phase {
 
 /// A set of phases.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Phases(u8);
+pub(crate) struct Phases(u8);
 
 impl Phases {
     /// Whether `phase` is in the set.
     #[inline(always)]
-    pub const fn contains(self, phase: Phase) -> bool {
+    pub(crate) const fn contains(self, phase: Phase) -> bool {
         self.0 & phase as u8 != 0
     }
 
@@ -76,7 +76,7 @@ impl Phases {
     }
 
     /// The names of the phases, for messages.
-    pub fn names(self) -> String {
+    pub(crate) fn names(self) -> String {
         let names: Vec<_> =
             Phase::ALL.iter().filter(|&&(phase, _)| self.contains(phase)).map(|&(_, name)| name).collect();
         if names.is_empty() { "no phase".into() } else { names.join(", ") }
@@ -95,7 +95,7 @@ const ANY: Phases = BEFORE.and(STEPPED);
 
 /// The functions that take an instance, except `fmi2FreeInstance`, which is allowed in every phase.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Function {
+pub(crate) enum Function {
     /// `fmi2SetDebugLogging`
     SetDebugLogging,
     /// `fmi2SetupExperiment`
@@ -179,7 +179,7 @@ pub enum Function {
 }
 
 /// One row of the table of call sequences.
-pub struct Rule {
+pub(crate) struct Rule {
     /// The function.
     pub function: Function,
     /// Its name in C.
@@ -193,7 +193,7 @@ const fn rule(function: Function, name: &'static str, allowed: Phases) -> Rule {
 }
 
 /// The call sequences, in the order of [`Function`].
-pub(crate) const RULES: [Rule; 40] = [
+const RULES: [Rule; 40] = [
     rule(Function::SetDebugLogging, "fmi2SetDebugLogging", ANY),
     rule(Function::SetupExperiment, "fmi2SetupExperiment", INSTANTIATED),
     rule(Function::EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED),
@@ -258,7 +258,7 @@ impl Function {
 /// Type of a variable at the interface; enumerations are integers.
 #[repr(u8)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Type {
+pub(crate) enum Type {
     /// `fmi2Real`
     Real = 1,
     /// `fmi2Integer`, enumerations included
@@ -269,7 +269,7 @@ pub enum Type {
 
 impl Type {
     /// Name in messages.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Type::Real => "Real",
             Type::Integer => "Integer or enumeration",
@@ -281,7 +281,7 @@ impl Type {
 /// Type, role and settable phases of a variable in one byte: bits 0..5 the phases in which it may be
 /// set, bits 5..7 the type (0: no such variable), bit 7 whether it is an input.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Access(u8);
+pub(crate) struct Access(u8);
 
 impl Access {
     const NONE: Access = Access(0);
@@ -304,15 +304,9 @@ impl Access {
         Access(settable.0 | (kind as u8) << Access::TYPE_SHIFT | input)
     }
 
-    /// Whether there is such a variable at all.
-    #[inline(always)]
-    pub const fn exists(self) -> bool {
-        self.0 != 0
-    }
-
     /// Whether the variable exists and is of type `kind`.
     #[inline(always)]
-    pub const fn is(self, kind: Type) -> bool {
+    pub(crate) const fn is(self, kind: Type) -> bool {
         (self.0 >> Access::TYPE_SHIFT) & 3 == kind as u8
     }
 
@@ -373,7 +367,7 @@ pub(crate) enum Fault {
 }
 
 /// Status returned for each fault, and whether it moves the instance to [`Phase::Error`].
-pub(crate) const CONSEQUENCES: [(Fault, Status, bool); 11] = [
+const CONSEQUENCES: [(Fault, Status, bool); 11] = [
     (Fault::Order, Status::Error, false),
     (Fault::Argument, Status::Error, false),
     (Fault::Reference, Status::Error, false),
@@ -397,7 +391,7 @@ const _: () = {
 
 impl Fault {
     /// The status that a call with this fault returns.
-    pub const fn status(self) -> Status {
+    pub(crate) const fn status(self) -> Status {
         CONSEQUENCES[self as usize].1
     }
 
@@ -441,10 +435,10 @@ mod tests {
         ];
         for (name, settable, kind, input) in cases {
             assert_eq!(of(name).settable(), settable, "{name}");
-            assert!(of(name).is(kind) && of(name).exists(), "{name}");
+            assert!(of(name).is(kind), "{name}");
             assert_eq!(of(name).is_input(), input, "{name}");
         }
-        assert!(!access(COUNT as u32).exists() && !access(u32::MAX).exists());
+        assert!([COUNT as u32, u32::MAX].map(access) == [Access::NONE; 2]);
         assert!(![Type::Real, Type::Integer, Type::Boolean].iter().any(|&kind| access(u32::MAX).is(kind)));
     }
 

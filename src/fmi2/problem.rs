@@ -9,7 +9,7 @@ use scene::variables::{self, COUNT, Causality, ValueReference, Variability};
 
 /// A refused or failed call.
 #[derive(Debug)]
-pub struct Problem {
+pub(crate) struct Problem {
     /// Kind of problem, which determines status and phase.
     pub fault: Fault,
     /// One sentence.
@@ -17,17 +17,17 @@ pub struct Problem {
 }
 
 /// Of a call.
-pub type Outcome = Result<(), Problem>;
+pub(crate) type Outcome = Result<(), Problem>;
 
 /// A bad argument.
 #[cold]
-pub fn argument<T>(text: impl Into<String>) -> Result<T, Problem> {
+pub(crate) fn argument<T>(text: impl Into<String>) -> Result<T, Problem> {
     Err(Problem { fault: Fault::Argument, text: text.into() })
 }
 
 /// A bad FMU state.
 #[cold]
-pub fn state<T>(text: impl Into<String>) -> Result<T, Problem> {
+pub(crate) fn state<T>(text: impl Into<String>) -> Result<T, Problem> {
     Err(Problem { fault: Fault::State, text: text.into() })
 }
 

@@ -83,7 +83,7 @@ unsafe impl<T: Send> Sync for Registry<T> {}
 
 /// Reason for refusing a handle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Refused {
+pub(crate) enum Refused {
     /// It is no handle of this registry, or its value is gone.
     Unknown,
     /// Another call is using the value.
@@ -129,7 +129,7 @@ const fn place(index: usize) -> (usize, usize) {
 
 impl<T> Registry<T> {
     /// An empty registry. `tag`: an odd number below 8, different for each registry.
-    pub const fn new(tag: usize) -> Registry<T> {
+    pub(crate) const fn new(tag: usize) -> Registry<T> {
         assert!(tag % 2 == 1 && tag < 1 << TAG_BITS, "the tag is an odd number below 8");
         Registry {
             tag,
@@ -140,7 +140,7 @@ impl<T> Registry<T> {
     }
 
     /// Inserts a value and returns its handle; `None` when there is no slot left.
-    pub fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
+    pub(crate) fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
         let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
         let (index, generation) = match vacancies.again {
             Some(index) => {
@@ -185,7 +185,7 @@ impl<T> Registry<T> {
     ///
     /// # Errors
     /// [`Refused`]; a value in use stays.
-    pub fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Refused> {
+    pub(crate) fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Refused> {
         let (slot, free_word) = self.take(handle)?;
         // SAFETY: as in `acquire`; no handle of this generation gets in again.
         let value = unsafe { (*slot.value.get()).take() };

@@ -28,10 +28,10 @@ const MAGIC: [u8; 4] = *b"SCfs";
 const VERSION: u16 = 10;
 /// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
 /// instance, and may be restored into any instance of this library.
-pub static STATES: Registry<Saved> = Registry::new(3);
+pub(crate) static STATES: Registry<Saved> = Registry::new(3);
 
 /// Bytes before the GUID.
-pub const HEADER: usize = 20;
+pub(crate) const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;
 /// Payload before the snapshot.
 const FRAME: usize = 2 + 3 * 8;
@@ -40,7 +40,7 @@ const HAS_TOLERANCE: u8 = 2;
 
 /// The importer's time and what it announced in `fmi2SetupExperiment`.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Clock {
+pub(crate) struct Clock {
     /// Communication point: the end of the last step, in seconds.
     pub time: f64,
     /// Stop time, in seconds.
@@ -50,7 +50,7 @@ pub struct Clock {
 }
 
 /// An FMU state.
-pub struct Saved {
+pub(crate) struct Saved {
     /// Phase of the instance.
     pub phase: Phase,
     /// Times.
@@ -61,7 +61,7 @@ pub struct Saved {
 
 impl Saved {
     /// Number of bytes that [`Saved::encode`] writes.
-    pub fn encoded_size(&self, guid: &str) -> usize {
+    pub(crate) fn encoded_size(&self, guid: &str) -> usize {
         HEADER + guid.len() + FRAME + self.component.encoded_size()
     }
 
@@ -69,7 +69,7 @@ impl Saved {
     ///
     /// # Errors
     /// A sentence, where the state is too long for the layout.
-    pub fn encode(&self, guid: &str) -> Result<Vec<u8>, String> {
+    pub(crate) fn encode(&self, guid: &str) -> Result<Vec<u8>, String> {
         let mut bytes = Vec::with_capacity(self.encoded_size(guid));
         bytes.resize(HEADER, 0);
         bytes.extend_from_slice(guid.as_bytes());
@@ -96,7 +96,7 @@ impl Saved {
     ///
     /// # Errors
     /// A sentence that says what is wrong with the bytes.
-    pub fn decode(bytes: &[u8], guid: &str) -> Result<Saved, String> {
+    pub(crate) fn decode(bytes: &[u8], guid: &str) -> Result<Saved, String> {
         let header = bytes.first_chunk().ok_or_else(|| shorter_than_header(bytes.len()))?;
         let announced = announced_size(header)?;
         if announced != bytes.len() {

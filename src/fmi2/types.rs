@@ -6,23 +6,23 @@
 use core::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi2Component`: here a handle, never dereferenced; see `registry`.
-pub type Component = *mut c_void;
+pub(crate) type Component = *mut c_void;
 /// `fmi2ComponentEnvironment`: the importer's own, passed back to its logger.
 pub type ComponentEnvironment = *mut c_void;
 /// `fmi2FMUstate`: here a handle, as [`Component`].
 pub type FmuState = *mut c_void;
 /// `fmi2ValueReference`
-pub type ValueReference = c_uint;
+pub(crate) type ValueReference = c_uint;
 /// `fmi2Real`
-pub type Real = f64;
+pub(crate) type Real = f64;
 /// `fmi2Integer`
-pub type Integer = c_int;
+pub(crate) type Integer = c_int;
 /// `fmi2Boolean`: 0 is false, 1 is true.
-pub type Boolean = c_int;
+pub(crate) type Boolean = c_int;
 /// `fmi2String`: UTF-8, ends with a zero.
 pub type String = *const c_char;
 /// `fmi2Byte`
-pub type Byte = c_char;
+pub(crate) type Byte = c_char;
 /// `fmi2EventInfo`, of model exchange: never read or written.
 #[repr(C)]
 pub struct EventInfo {
@@ -30,24 +30,24 @@ pub struct EventInfo {
 }
 
 /// `fmi2Type`: see [`CO_SIMULATION`].
-pub type Type = c_uint;
+pub type FmuType = c_uint;
 /// `fmi2StatusKind`: see [`DO_STEP_STATUS`] and those that follow it.
 pub type StatusKind = c_uint;
 
 /// `fmi2CoSimulation`
-pub const CO_SIMULATION: Type = 1;
+pub const CO_SIMULATION: FmuType = 1;
 /// `fmi2True`
-pub const TRUE: Boolean = 1;
+pub(crate) const TRUE: Boolean = 1;
 /// `fmi2False`
-pub const FALSE: Boolean = 0;
+pub(crate) const FALSE: Boolean = 0;
 /// `fmi2DoStepStatus`
-pub const DO_STEP_STATUS: StatusKind = 0;
+pub(crate) const DO_STEP_STATUS: StatusKind = 0;
 /// `fmi2PendingStatus`
-pub const PENDING_STATUS: StatusKind = 1;
+pub(crate) const PENDING_STATUS: StatusKind = 1;
 /// `fmi2LastSuccessfulTime`
 pub const LAST_SUCCESSFUL_TIME: StatusKind = 2;
 /// `fmi2Terminated`
-pub const TERMINATED: StatusKind = 3;
+pub(crate) const TERMINATED: StatusKind = 3;
 
 /// `fmi2Status`. Only handed out, never taken from an importer.
 #[repr(u32)]
@@ -66,11 +66,11 @@ pub enum Status {
 /// `fmi2CallbackLogger`: environment, instance name, status, category, format, arguments.
 pub type Logger = unsafe extern "C" fn(ComponentEnvironment, String, Status, String, String, ...);
 /// `fmi2CallbackAllocateMemory`
-pub(crate) type AllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
+type AllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
 /// `fmi2CallbackFreeMemory`
-pub(crate) type FreeMemory = unsafe extern "C" fn(*mut c_void);
+type FreeMemory = unsafe extern "C" fn(*mut c_void);
 /// `fmi2StepFinished`
-pub(crate) type StepFinished = unsafe extern "C" fn(ComponentEnvironment, Status);
+type StepFinished = unsafe extern "C" fn(ComponentEnvironment, Status);
 
 /// `fmi2CallbackFunctions`. Every function may be NULL here; memory comes from Rust's own allocator
 /// and steps are synchronous, so only the logger is ever called.

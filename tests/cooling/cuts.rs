@@ -100,12 +100,12 @@ impl Case {
 }
 
 /// Inputs over a run: values at its ends.
-type Course = [(&'static str, [f64; 2]); 5];
+type Ramps = [(&'static str, [f64; 2]); 5];
 
-/// Runs the course in so many communication steps.
-fn run(drive: &mut Drive, course: &Course, duration: f64, steps: usize) -> Result<(), String> {
+/// Runs the ramps in so many communication steps.
+fn run(drive: &mut Drive, ramps: &Ramps, duration: f64, steps: usize) -> Result<(), String> {
     for k in 0..steps {
-        for (name, [from, to]) in course {
+        for (name, [from, to]) in ramps {
             drive.set(name, from + (to - from) * k as f64 / steps as f64).slope(name, (to - from) / duration);
         }
         drive.0.step(duration / steps as f64)?;
@@ -139,7 +139,7 @@ fn one_communication_step_ten_and_a_hundred_give_the_same() {
             };
             let duration = if touches(number) { 0.02 * duration } else { duration };
             let mut air = || [random.between(0.0, 30.0), random.between(0.0, 30.0)];
-            let course = [
+            let ramps = [
                 ("normal_load", loads),
                 ("sliding_velocity", velocities),
                 ("cooling_velocity", air()),
@@ -151,7 +151,7 @@ fn one_communication_step_ten_and_a_hundred_give_the_same() {
             for steps in [1, 10, 100] {
                 let Some(mut drive) = case.drive(changes) else { continue };
                 let start = temperatures(&mut drive);
-                run(&mut drive, &course, duration, steps)
+                run(&mut drive, &ramps, duration, steps)
                     .unwrap_or_else(|error| panic!("{level} {number} {case:?}, {steps} steps: {error}"));
                 let end = temperatures(&mut drive);
                 range = start
@@ -167,7 +167,7 @@ fn one_communication_step_ten_and_a_hundred_give_the_same() {
                     let apart = (t - fine).abs() / range;
                     assert!(
                         apart < 4.0 * TOLERANCE,
-                        "{level} {number} {case:?}, {course:?} over {duration} s in 10^{cut} steps: {t} and {fine} K, {apart:e}"
+                        "{level} {number} {case:?}, {ramps:?} over {duration} s in 10^{cut} steps: {t} and {fine} K, {apart:e}"
                     );
                 }
             }

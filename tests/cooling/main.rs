@@ -6,10 +6,7 @@ mod cuts;
 mod exact;
 mod jumps;
 
-use test_support::{Drive, LUMPED};
-
-/// `solver.fidelity`: contact line.
-const LINE: f64 = 3.0;
+use test_support::{Drive, LINE, LUMPED};
 
 /// Both levels; on the line bodies expand, so that their heat is resolved.
 const LEVELS: [(&str, &[(&str, f64)]); 2] = [

@@ -4,7 +4,7 @@ use elasticity::discretization::{cells_for, compliances};
 use scene::Scene;
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state};
-use test_support::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
+use test_support::{CONVECTING, Drive, HELD, INSULATED, changed_scene, scene};
 
 /// The clutch of the examples on the contact line.
 fn clutch(changes: &[(&str, f64)]) -> Drive {
@@ -43,7 +43,7 @@ fn the_account_closes_with_every_cooling() {
         &[("punch.top_thermal", CONVECTING), ("strip.base_thermal", INSULATED), ("strip.cooled_area", 0.05)],
         &[("punch.emissivity", 0.8), ("strip.emissivity", 0.5), ("strip.convection_forced", 30.0), ("depth", 0.3)],
         &[("punch.conductivity", 0.0)],
-        &[("strip.conductivity", 0.0), ("punch.convection", 300.0)],
+        &[("strip.property_table.points", 0.0), ("strip.conductivity", 0.0), ("punch.convection", 300.0)],
         &[("contact.conductance", 0.0), ("holder.stiffness", 1e8)],
         &[("contact.stick_stiffness", 0.0), ("depth", 0.2)],
     ] {
@@ -131,11 +131,7 @@ fn pressure_and_temperature_are_of_second_order() {
 
 /// The clutch with these changes, and its hot steady state on 17 cells.
 fn found_directly(changes: &[(&str, f64)], sliding: &Sliding) -> (Scene, HotState) {
-    let mut starts = scene("clutch");
-    for (name, value) in changes {
-        starts[reference(name) as usize] = *value;
-    }
-    let made = Scene::new(&starts, None).unwrap();
+    let made = changed_scene(&scene("clutch"), changes);
     let cells = cells_for(&made, 17).unwrap();
     let bodies = compliances(&made, &cells).unwrap();
     let hot = hot_state(&made, &cells, &bodies, sliding).unwrap();
@@ -270,7 +266,11 @@ fn bands_grow_above_the_critical_speed_only() {
         .collect();
     let mut changes: Vec<(&str, f64)> = carbon.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     changes.extend([("contact.friction_coefficient", 0.25), ("contact.static_friction_ratio", 1.0)]);
-    changes.extend([("contact.stick_stiffness", 0.0), ("nominal.velocity", 10.0)]);
+    changes.extend([
+        ("contact.stick_stiffness", 0.0),
+        ("nominal.velocity", 10.0),
+        ("strip.property_table.points", 0.0),
+    ]);
     let unevenness = |ratio: f64| {
         let mut drive = clutch(&changes);
         drive.set("normal_load", 5e3);

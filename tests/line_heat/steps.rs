@@ -7,29 +7,13 @@ fn reciprocating(changes: &[(&str, f64)]) -> Drive {
     Drive::from_starts(&scene("reciprocating_punch"), &[&line[..], changes].concat())
 }
 
-fn drive_on(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
-    let mut bits = Vec::new();
-    for step in steps {
-        let phase = f64::from(step) * 0.61;
-        drive.set("sliding_velocity", 0.015 * phase.sin()).set("normal_load", 9e3 * (1.1 + (0.37 * phase).cos()));
-        if step % 4 == 1 {
-            drive.slope("sliding_velocity", -0.05 * phase.sin());
-        }
-        drive.step(0.05 + 0.02 * f64::from(step % 3));
-        for output in 7..250 {
-            bits.push(drive.0.get(output).to_bits());
-        }
-    }
-    bits
-}
-
 #[test]
 fn a_replay_gives_the_same_bits() {
     let fade = [("contact.friction_fade.temperature[2]", 300.0), ("contact.friction_fade.factor[3]", 0.5)];
     for changes in [&[][..], &[("holder.stiffness", 1e8)], &fade[1..]] {
         let mut drive = reciprocating(changes);
-        drive_on(&mut drive, 0..7);
-        drive.assert_replay(reciprocating(changes), |drive| drive_on(drive, 7..25));
+        drive.strokes(0..7, 0.015, 0.05);
+        drive.assert_replay(reciprocating(changes), |drive| drive.strokes(7..25, 0.015, 0.05));
     }
 }
 

@@ -1,29 +1,8 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
 use super::contact::line;
-use scene::variables::{COUNT, Kind, ValueReference, lookup};
-use test_support::{Drive, Random, reference};
-
-const INPUTS: [(&str, f64); 7] = [
-    ("sliding_velocity", 5.0),
-    ("normal_load", 4e3),
-    ("angular_velocity", 20.0),
-    ("ambient_temperature_offset", 20.0),
-    ("cooling_velocity", 5.0),
-    ("strip.external_temperature", 300.0),
-    ("punch.external_temperature", 300.0),
-];
-
-fn outputs() -> Vec<(ValueReference, String)> {
-    (0..COUNT as ValueReference)
-        .filter_map(|reference| {
-            let (row, element) = lookup(reference)?;
-            let real = matches!(row.kind, Kind::Real { .. });
-            let answers = row.is_result() || row.name == "profile.pressure";
-            (answers && real).then(|| (reference, row.element_name(element)))
-        })
-        .collect()
-}
+use test_support::derivatives::{assert_derivatives, run_at_random};
+use test_support::{Drive, Random};
 
 /// A random scene that has run for a random time, and the inputs it is at.
 fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
@@ -92,94 +71,18 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         }
     }
     let mut drive = line(&changes);
-    let direction = if random.next() < 0.5 { -1.0 } else { 1.0 };
-    let mut inputs = [0.0; 7];
-    for _ in 0..1 + (4.0 * random.next()) as usize {
-        inputs = [
-            direction * random.between(0.5, 8.0),
-            random.between(1e3, 8e3),
-            direction * random.between(0.0, 30.0),
-            random.between(-20.0, 20.0),
-            random.between(0.1, 10.0),
-            random.between(290.0, 330.0),
-            random.between(290.0, 330.0),
-        ];
-        for ((name, _), value) in INPUTS.iter().zip(inputs) {
-            drive.set(name, value);
-        }
-        drive.step(random.between(0.05, 0.3));
-    }
+    let inputs = run_at_random(&mut drive, random, 4.0, 0.3);
     (drive, inputs)
 }
 
 #[test]
 fn derivatives_of_every_output_are_those_of_get_after_set() {
-    let outputs = outputs();
-    let references: Vec<ValueReference> = outputs.iter().map(|output| output.0).collect();
     let mut random = Random(20_240_229);
-    let mut nonzero = vec![false; outputs.len()];
-    let (mut failed, mut kinks, mut compared) = (Vec::new(), 0, 0);
-    for case in 0..54 {
+    let cases = (0..54).map(|case| {
         let special = [case % 8, 8, 9, 10, 11][[40, 42, 46, 50].iter().filter(|&&from| case >= from).count()];
-        let (mut drive, inputs) = scene(&mut random, special);
-        // Entries scaled by a typical size of the input, so that they compare.
-        let mut entries = vec![[(0.0, 0.0); 7]; outputs.len()];
-        for (index, (name, size)) in INPUTS.iter().enumerate() {
-            let mut exact = vec![0.0; outputs.len()];
-            drive.0.directional_derivative(&references, &[reference(name)], &[1.0], &mut exact).unwrap();
-            let mut at = |offset: f64| -> Vec<f64> {
-                drive.set(name, inputs[index] + offset * size);
-                references.iter().map(|&output| drive.0.get(output)).collect()
-            };
-            let step = 4e-3;
-            let difference = |high: Vec<f64>, low: Vec<f64>, width: f64| -> Vec<f64> {
-                high.iter().zip(&low).map(|(a, b)| (a - b) / width).collect()
-            };
-            let middle = at(0.0);
-            let forward = difference(at(0.05 * step), middle.clone(), 0.05 * step);
-            let backward = difference(middle.clone(), at(-0.05 * step), 0.05 * step);
-            let wide = difference(at(step), at(-step), 2.0 * step);
-            let narrow = difference(at(0.5 * step), at(-0.5 * step), step);
-            let finest = difference(at(0.25 * step), at(-0.25 * step), 0.5 * step);
-            drive.set(name, inputs[index]);
-            for output in 0..outputs.len() {
-                // Richardson: the error falls with the sixth power of the step.
-                let first = (4.0 * narrow[output] - wide[output]) / 3.0;
-                let second = (4.0 * finest[output] - narrow[output]) / 3.0;
-                let numeric = (16.0 * second - first) / 15.0;
-                compared += 1;
-                // Where a cell lifts off, or another one carries the largest pressure, there is a derivative on each side.
-                let size_of = numeric.abs().max(exact[output].abs() * size);
-                let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of
-                    || (second - first).abs() > 1e-4 * size_of;
-                // Outputs independent of the input differ by rounding.
-                if at_kink && size_of > 1e-11 * middle[output].abs() {
-                    kinks += 1;
-                    entries[output][index] = (numeric, numeric);
-                    continue;
-                }
-                entries[output][index] = (exact[output] * size, numeric);
-                nonzero[output] |= exact[output] != 0.0;
-            }
-        }
-        for (output, row) in entries.iter().enumerate() {
-            let largest = row.iter().map(|entry| entry.1.abs()).fold(0.0, f64::max);
-            // Rounding of a difference of values.
-            let rounding = 1e-11 * drive.0.get(references[output]).abs();
-            for (entry, (name, _)) in row.iter().zip(INPUTS) {
-                // Differences over a point of the table of critical speeds mix the slopes on both sides of it.
-                let relative = if outputs[output].1 == "critical_speed" { 1e-5 } else { 1e-6 };
-                if (entry.0 - entry.1).abs() > relative * largest + rounding {
-                    failed
-                        .push(format!("case {case}: d {} / d {name}: {entry:?}, largest {largest}", outputs[output].1));
-                }
-            }
-        }
-    }
-    assert!(failed.is_empty(), "{} differ:\n{}", failed.len(), failed[..failed.len().min(300)].join("\n"));
-    assert!(kinks < compared / 20, "{kinks} of {compared} entries lie at a kink");
-    // Whatever answers the inputs has been seen to.
-    for name in [
+        scene(&mut random, special)
+    });
+    let answering = [
         "friction_force",
         "friction_slope",
         "contact_temperature",
@@ -194,7 +97,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
         "profile.pressure[20]",
         "friction_power",
         "friction_torque",
-    ] {
-        assert!(nonzero[outputs.iter().position(|output| output.1 == name).unwrap()], "{name}");
-    }
+    ];
+    let kinks = assert_derivatives("profile.pressure", cases, &answering);
+    assert!(kinks < 0.05, "{kinks} of the entries lie at a kink");
 }

@@ -2,23 +2,6 @@
 
 use super::contact::line;
 use sliding_contact::component::Snapshot;
-use test_support::Drive;
-
-fn drive_on(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
-    let mut bits = Vec::new();
-    for step in steps {
-        let phase = f64::from(step) * 0.61;
-        drive.set("sliding_velocity", 0.3 * phase.sin()).set("normal_load", 9e3 * (1.1 + (0.37 * phase).cos()));
-        if step % 4 == 1 {
-            drive.slope("sliding_velocity", -0.5 * phase.sin());
-        }
-        drive.step(0.05 + 0.02 * f64::from(step % 3));
-        for output in 7..250 {
-            bits.push(drive.0.get(output).to_bits());
-        }
-    }
-    bits
-}
 
 #[test]
 fn a_replay_gives_the_same_bits() {
@@ -32,14 +15,14 @@ fn a_replay_gives_the_same_bits() {
     for changes in scenes {
         let changes = [changes, &[("solver.cells", 17.0), ("punch.wear_coefficient", 4e-13)]].concat();
         let mut drive = line(&changes);
-        drive_on(&mut drive, 0..7);
-        let straight_on = drive.assert_replay(line(&changes), |drive| drive_on(drive, 7..30));
+        drive.strokes(0..7, 0.3, 0.5);
+        let straight_on = drive.assert_replay(line(&changes), |drive| drive.strokes(7..30, 0.3, 0.5));
         // Looking at outputs for other inputs changes nothing.
         for load in [0.0, 2e4, 100.0] {
             drive.set("normal_load", load).get("pressure_max");
             drive.set("sliding_velocity", -load).get("profile.pressure[5]");
         }
-        assert_eq!(straight_on, drive_on(&mut drive, 7..30), "{changes:?}: after looking");
+        assert_eq!(straight_on, drive.strokes(7..30, 0.3, 0.5), "{changes:?}: after looking");
     }
 }
 

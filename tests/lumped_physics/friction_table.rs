@@ -2,9 +2,8 @@
 
 use scene::Scene;
 use scene::slot::Packaged;
-use test_support::{Drive, LUMPED, changed, reference};
+use test_support::{Drive, LINE, LUMPED, changed, reference};
 
-const LINE: f64 = 3.0;
 const POINTS: [(f64, f64); 4] = [(0.0, 0.5), (0.5, 0.4), (2.0, 0.32), (8.0, 0.36)];
 const SPEED: [&str; 4] = ["[1]", "[2]", "[3]", "[4]"];
 

@@ -2,9 +2,8 @@
 
 use scene::Scene;
 use scene::slot::Packaged;
-use test_support::{CONVECTING, Drive, HELD, INSULATED, LUMPED, changed};
+use test_support::{CONVECTING, Drive, HELD, INSULATED, LINE, LUMPED, changed};
 
-const LINE: f64 = 3.0;
 const PATHS: [(&str, f64); 4] = [
     ("strip.external_conductance", 12.0),
     ("punch.external_conductance", 3.0),

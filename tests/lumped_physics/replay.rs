@@ -3,7 +3,7 @@
 use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Snapshot};
 use std::sync::Arc;
-use test_support::{Drive, LUMPED, Random, reference};
+use test_support::{Drive, LUMPED, Random, changed};
 
 const INPUTS: [&str; 3] = ["sliding_velocity", "normal_load", "ambient_temperature_offset"];
 
@@ -36,9 +36,7 @@ fn replay(drive: &mut Drive, changes: &[(&str, f64)], steps: &[f64]) {
     let first = run(&mut drive.0);
     drive.0.restore(&saved).unwrap();
     let again = run(&mut drive.0);
-    let mut starts = STARTS;
-    starts[reference("solver.fidelity") as usize] = LUMPED;
-    changes.iter().for_each(|(name, value)| starts[reference(name) as usize] = *value);
+    let starts = changed(&changed(&STARTS, &[("solver.fidelity", LUMPED)]), changes);
     let mut fresh = Component::new(Arc::new(starts));
     fresh.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
     let elsewhere = run(&mut fresh);

@@ -21,7 +21,7 @@ pub struct Slab {
 
 /// Temperatures (K) of the heated face and in the mean, and the heat that has left (J/m2).
 #[derive(Debug)]
-pub struct Course {
+pub struct SlabHistory {
     pub face: f64,
     pub mean: f64,
     pub lost: f64,
@@ -37,7 +37,7 @@ impl Slab {
     }
 
     /// Temperatures and loss from the ambient temperature on, under the fluxes (W/m2), air speeds (m/s) and durations (s) of `phases`.
-    pub fn run(&self, phases: &[(f64, f64, f64)]) -> Course {
+    pub fn run(&self, phases: &[(f64, f64, f64)]) -> SlabHistory {
         let width = self.height / CELLS as f64;
         let between = self.conductivity / width;
         let mut t = [self.ambient; CELLS];
@@ -68,6 +68,6 @@ impl Slab {
         }
         // The parabola of a steady flux through the first two cells, whose flux at the face is the one that enters.
         let face = t[0] + (t[0] - t[1]) / 8.0 + 3.0 * last / (8.0 * between);
-        Course { face, mean: t.iter().sum::<f64>() / CELLS as f64, lost }
+        SlabHistory { face, mean: t.iter().sum::<f64>() / CELLS as f64, lost }
     }
 }

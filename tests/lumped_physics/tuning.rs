@@ -5,9 +5,8 @@ use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Snapshot, Values};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use test_support::{CONVECTING, Drive, INSULATED, LUMPED, changed, reference};
+use test_support::{CONVECTING, Drive, INSULATED, LINE, LUMPED, changed, reference};
 
-const LINE: f64 = 3.0;
 const OUTSIDE: f64 = 300.0;
 const HOT: f64 = 500.0;
 const BODIES: [&str; 2] = ["punch", "strip"];

@@ -19,13 +19,13 @@ pub struct Convergence {
 }
 
 /// Half of the cells: 65, 33, 17, 9.
-pub fn half(cells: usize) -> usize {
+pub(crate) fn half(cells: usize) -> usize {
     cells / 2 + cells % 2
 }
 
 impl Convergence {
     /// Whether the difference is small against `scale`.
-    pub(crate) fn is_reached(&self, scale: f64) -> bool {
+    fn is_reached(&self, scale: f64) -> bool {
         (self.value - self.coarser).abs() <= CONVERGED * scale.abs()
     }
 
@@ -41,7 +41,7 @@ impl Convergence {
     }
 
     /// A warning that `name` (in `unit`, less `offset`) is not converged.
-    pub fn warning(&self, name: &str, unit: &str, offset: f64, scale: f64) -> Option<String> {
+    pub(crate) fn warning(&self, name: &str, unit: &str, offset: f64, scale: f64) -> Option<String> {
         let [value, coarser] = [self.value, self.coarser].map(|value| rounded(value - offset, 0.1 * CONVERGED * scale));
         (!self.is_reached(scale)).then(|| match self.coarser.is_finite() {
             true => format!(

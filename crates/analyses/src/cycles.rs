@@ -6,9 +6,10 @@ use ::steady::thermal::{at_steady_properties, instability, nominal_half_strokes}
 use anyhow::{Context, Result, anyhow, bail};
 use elasticity::discretization::{cells_for, compliances};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Progress, Resolution, TrackedCycles};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, Progress, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
 use model::line::operators::{LineOperators, StripWear};
+use numerics::interruption::part;
 use scene::{Path, Scene};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
@@ -45,12 +46,12 @@ pub struct Station {
 }
 
 /// A scene over its cycles.
-pub struct Course {
+pub struct CycleHistory {
     /// Name of the scene.
     pub name: String,
     /// Whether heat is part of it.
     pub warm: bool,
-    /// What a reader of the course should know.
+    /// What a reader of the history should know.
     pub warning: Option<String>,
     /// Pa.
     pub mean_pressure: f64,
@@ -62,13 +63,15 @@ pub struct Course {
     pub strip_depth: Option<Vec<f64>>,
     /// Positions of the cells, m.
     pub x: Vec<f64>,
+    /// Whether it was ended on request ([`numerics::interruption`]): it goes to its last jump.
+    pub interrupted: bool,
 }
 
 /// Advances a scene; `progress` is called with the cycles passed and those computed.
 ///
 /// # Errors
 /// Everything wrong with the scene and the options, one without reciprocating sliding, a cycle without a solution.
-pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64, usize)) -> Result<Course> {
+pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64, usize)) -> Result<CycleHistory> {
     let name = file.packaged.name.clone();
     let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
     if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
@@ -95,7 +98,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     // The reduced bodies must be accurate over the whole duration.
     scene.nominal_duration = scene.nominal_duration.max(period * options.cycles);
     let warm = !options.cold && is_resolved(&scene);
-    let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
+    let resolution = if warm { MapResolution::WITH_HEAT } else { MapResolution::COLD };
     if warm && [&scene.punch, &scene.strip].iter().any(|body| body.properties.is_some()) {
         // The cycles have the properties of the temperatures to which they lead.
         let cells = cells_for(&scene, cell_count(&scene, None))?;
@@ -128,19 +131,22 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     let mut stations = Vec::new();
     let mut depth = vec![0.0; x.len()];
     let mut jumps = Jumps::new(&mut map, start, jump_options);
-    jumps.carry_to(options.cycles, |jump| {
-        progress(jump.progress.cycles, jump.progress.computed);
-        let pressure = &jump.passage.strokes[0].pressure;
-        depth.copy_from_slice(&jump.memory[punch.clone()]);
-        stations.push(Station {
-            jump: jump.progress,
-            highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
-            worn: jump.totals.volume.map(|volume| volume / width),
-            temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
-        });
-    })?;
+    let carry = || {
+        jumps.carry_to(options.cycles, |jump| {
+            progress(jump.progress.cycles, jump.progress.computed);
+            let pressure = &jump.passage.strokes[0].pressure;
+            depth.copy_from_slice(&jump.memory[punch.clone()]);
+            stations.push(Station {
+                jump: jump.progress,
+                highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
+                worn: jump.totals.volume.map(|volume| volume / width),
+                temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
+            });
+        })
+    };
+    let interrupted = part(carry).transpose()?.is_none();
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x })
+    Ok(CycleHistory { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x, interrupted })
 }
 
 /// Advances a scene whose strip keeps its worn track.
@@ -151,28 +157,32 @@ fn on_track(
     half_strokes: [(f64, f64); 2],
     options: &Options,
     progress: &mut dyn FnMut(f64, usize),
-) -> Result<Course> {
+) -> Result<CycleHistory> {
     let (x, width) = (operators.cells.centres().to_vec(), operators.weights.iter().sum::<f64>());
     let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
     let mut cycles = TrackedCycles::new(operators, half_strokes, jump_options)?;
-    let mut stations = Vec::new();
-    cycles.carry_to(options.cycles, |jump, line| {
-        progress(jump.cycles, jump.computed);
-        let state = line.state();
-        stations.push(Station {
-            jump: *jump,
-            highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
-            worn: state.volume.map(|volume| volume / width),
-            temperature: scene.ambient_temperature,
-        });
-    })?;
-    let state = cycles.line().state();
-    let (depth, strip_depth) = (state.punch.clone(), Some(state.strip.clone()));
+    let (mut stations, mut depths) = (Vec::new(), [vec![0.0; x.len()], vec![0.0; x.len()]]);
+    let carry = || {
+        cycles.carry_to(options.cycles, |jump, line| {
+            progress(jump.cycles, jump.computed);
+            let state = line.state();
+            depths = [state.punch.clone(), state.strip.clone()];
+            stations.push(Station {
+                jump: *jump,
+                highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
+                worn: state.volume.map(|volume| volume / width),
+                temperature: scene.ambient_temperature,
+            });
+        })
+    };
+    let interrupted = part(carry).transpose()?.is_none();
+    let [depth, strip_depth] = depths;
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x })
+    let strip_depth = Some(strip_depth);
+    Ok(CycleHistory { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x, interrupted })
 }
 
-impl Course {
+impl CycleHistory {
     /// As a table: the jumps.
     pub fn table(&self) -> String {
         let mut text = format!(
@@ -235,6 +245,7 @@ impl Course {
             "x": self.x,
             "wear_profile_punch": self.depth,
             "warning": self.warning,
+            "interrupted": self.interrupted,
             "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
         });
         if let Some(depth) = &self.strip_depth {

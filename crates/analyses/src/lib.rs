@@ -5,7 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod convergence;
-pub mod curve;
+pub(crate) mod curve;
 pub mod cycles;
 pub mod plan;
 pub mod simulation;
@@ -22,7 +22,7 @@ mod tests {
     use std::path::Path;
 
     /// A shipped scene.
-    pub fn shipped(name: &str) -> SceneFile {
+    pub(crate) fn shipped(name: &str) -> SceneFile {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
         scene_file::shipped::load(Some(name), &folder).unwrap()
     }

@@ -35,12 +35,13 @@ fn jumps_end_where_time_integration_of_every_cycle_ends() {
         let file = fretting(changes);
         let expected = stepped(&file);
         let options = Options { cycles: f64::from(CYCLES), tolerance: 0.1, ..Options::default() };
-        let course = advance(&file, &options, &mut |_, _| {}).unwrap();
-        let last = course.stations.last().unwrap();
+        let history = advance(&file, &options, &mut |_, _| {}).unwrap();
+        let last = history.stations.last().unwrap();
         assert_eq!(last.jump.cycles, f64::from(CYCLES));
         assert!(last.jump.computed < 130, "{} cycles computed", last.jump.computed);
         let deepest = |depth: &[f64]| depth.iter().copied().fold(0.0, f64::max);
-        let found = [deepest(&course.depth), deepest(course.strip_depth.as_ref().unwrap()), last.worn[0], last.worn[1]];
+        let found =
+            [deepest(&history.depth), deepest(history.strip_depth.as_ref().unwrap()), last.worn[0], last.worn[1]];
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((found - expected).abs() <= 0.005 * expected, "{changes:?}: {found:e} {expected:e}");
         }

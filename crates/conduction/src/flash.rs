@@ -34,7 +34,7 @@ pub struct Decays {
 
 impl Decays {
     /// Value at the real frequency `s`.
-    pub fn at(&self, s: f64) -> f64 {
+    pub(crate) fn at(&self, s: f64) -> f64 {
         self.rate.iter().zip(&self.residue).map(|(rate, residue)| residue / (rate + s)).sum()
     }
 

@@ -86,7 +86,7 @@ impl Lateral {
     }
 
     /// Weighted mean of `answer` over the frequencies into which spreading turns `s`, 1/s.
-    pub fn spread<T>(&self, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
+    pub(crate) fn spread<T>(&self, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
     where
         T: Add<Output = T> + Mul<f64, Output = T>,
     {
@@ -96,13 +96,13 @@ impl Lateral {
     }
 
     /// Weights c_j, and the frequencies s + kd x_j^2/b^2, 1/s.
-    pub fn frequencies(&self, s: Complex<f64>) -> [(f64, Complex<f64>); 11] {
+    pub(crate) fn frequencies(&self, s: Complex<f64>) -> [(f64, Complex<f64>); 11] {
         DECAYS.map(|[share, square]| (share, s + square * self.rate))
     }
 }
 
 /// [`Lateral::spread`], or the plane response itself without lateral conduction.
-pub fn spread<T>(lateral: Option<&Lateral>, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
+pub(crate) fn spread<T>(lateral: Option<&Lateral>, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
 where
     T: Add<Output = T> + Mul<f64, Output = T>,
 {

@@ -66,7 +66,7 @@ fn sinc_squared(x: f64) -> f64 {
 }
 
 /// Five-point Gauss-Legendre rule on [-1, 1].
-const GAUSS: [(f64, f64); 5] = [
+const GAUSS_5: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.0, 0.568_888_888_888_888_9),
@@ -122,7 +122,7 @@ impl MovingSource {
         let (mut from, first) = (1e-8 / a, 0.5 * PI / a);
         // Below: Z grows like q^(-1/2) down to the wave number at which the layer's height matters, so the contribution of
         // the lowest part of the integral is proportional to the square root of its length. q = from y^2 makes it smooth.
-        for (node, weight) in GAUSS {
+        for (node, weight) in GAUSS_5 {
             let y = 0.5 * (1.0 + node);
             self.push(from * y * y, density * from * y * weight, 0.0);
         }
@@ -138,7 +138,7 @@ impl MovingSource {
 
     fn panel(&mut self, from: f64, to: f64, density: f64, stroke: f64) {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        for (node, weight) in GAUSS {
+        for (node, weight) in GAUSS_5 {
             let q = middle + half * node;
             self.push(q, density * half * weight * sinc_squared(q * self.half_length), stroke);
         }
@@ -161,7 +161,7 @@ impl MovingSource {
     /// Integral from `from` to infinity with sinc^2 replaced by its mean 1/(2 q^2 a^2): q = from/y^2.
     fn tail(&mut self, from: f64, density: f64, stroke: f64) {
         for half in [0.0, 0.5] {
-            for (node, weight) in GAUSS {
+            for (node, weight) in GAUSS_5 {
                 let y: f64 = half + 0.25 * (1.0 + node);
                 let q = from / (y * y);
                 let jacobian = 2.0 * from / y.powi(3);
@@ -226,12 +226,12 @@ impl MovingSource {
     }
 
     /// Half-length a of the source, m.
-    pub fn half_length(&self) -> f64 {
+    pub(crate) fn half_length(&self) -> f64 {
         self.half_length
     }
 
     /// The layer under the source.
-    pub fn slab(&self) -> &Slab {
+    pub(crate) fn slab(&self) -> &Slab {
         &self.slab
     }
 

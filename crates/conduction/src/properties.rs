@@ -133,7 +133,7 @@ impl Properties {
 #[cfg(test)]
 impl Properties {
     /// Properties that are `conductivity` and `specific_heat` at every temperature, of a reduced model with these constants.
-    pub fn uniform(conductivity: f64, specific_heat: f64, constants: [f64; 2]) -> Properties {
+    pub(crate) fn uniform(conductivity: f64, specific_heat: f64, constants: [f64; 2]) -> Properties {
         let mut temperature = [0.0; PROPERTY_POINTS];
         temperature.iter_mut().enumerate().for_each(|(i, t)| *t = 100.0 * (i + 1) as f64);
         let table = PropertyTable {

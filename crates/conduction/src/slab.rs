@@ -26,7 +26,7 @@ mod projection;
 
 use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
 use nalgebra::Complex;
-use numerics::grading::LEAST;
+use numerics::grading::LEAST_PANEL;
 use numerics::maximum::maximum;
 use projection::{Basis, Eigen, Grid};
 use scene::FarBoundary;
@@ -82,7 +82,7 @@ const HELD_BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
-    pub fn diffusivity(&self) -> f64 {
+    pub(crate) fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
     }
 
@@ -147,11 +147,12 @@ impl Slab {
         let effusivity = (self.conductivity * self.capacity).sqrt();
         let own = self.diffusivity() / self.height.powi(2);
         // Above the last of these a heated layer is thinner than the grid resolves.
-        let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
+        let fastest =
+            (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
         // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
         let fastest =
             if self.base == FarBoundary::Held { fastest.max(4.0 * self.steepest_base_responses()[0]) } else { fastest };
-        let scan = ErrorSweep::new(self, 1.0 / duration, fastest);
+        let scan = SlabSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
         // Indices of the next ratio, of the first one not yet reached, and of the first one with too many functions.
@@ -211,22 +212,22 @@ impl Slab {
 
 /// Reduction error sweep: frequencies at which a reduced response is compared with the exact one, on the imaginary axis,
 /// where the largest error bounds that of the response to any bounded flux.
-struct ErrorSweep {
+struct SlabSweep {
     /// Frequencies and the exact response.
     exact: Vec<(Complex<f64>, Complex<f64>)>,
     /// Exact response at the slowest frequency, the scale of the errors.
     scale: f64,
 }
 
-impl ErrorSweep {
-    fn new(slab: &Slab, slowest: f64, fastest: f64) -> ErrorSweep {
+impl SlabSweep {
+    fn new(slab: &Slab, slowest: f64, fastest: f64) -> SlabSweep {
         let points = 40;
         let exact = (0..=points)
             // The spectrum of a constant flux lies below its own frequency, so the sweep begins there.
             .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
             .map(|frequency| Complex::new(0.0, frequency))
             .map(|s| (s, slab.impedance(s, 0.0)));
-        ErrorSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+        SlabSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
     }
 
     fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
@@ -236,7 +237,7 @@ impl ErrorSweep {
 
 impl ReducedBody {
     /// Contact impedance of the reduced body at the complex frequency `s` (1/s), K m2/W.
-    pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
         let contact = Port::Contact as usize;
         let states: Complex<f64> = (0..self.count)
             .map(|k| self.contact_temperature.states[k] * self.input[contact][k] / (self.rate[k] + s))

@@ -162,24 +162,24 @@ impl ContactSolver {
     }
 
     /// Sets or removes the added compliance E (N x N, m/Pa). Factors are cached for the last ones; no allocation.
-    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+    pub(crate) fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.factors.set_added_compliance(added_compliance)
     }
 
     /// Sets or removes a low-rank update that is subtracted from the added compliance; [`Self::set_added_compliance`]
     /// removes it. Factors are cached for every set of acting cells; no allocation.
-    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+    pub(crate) fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
         self.factors.set_low_rank_update(low_rank_update);
     }
 
     /// Sets the operator T (N x N) of the wear `T diag(d) p`, or the identity. Invalidates the cached factors; only the
     /// first operator allocates.
-    pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
+    pub(crate) fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
         self.factors.set_operator(operator);
     }
 
     /// Work counters.
-    pub fn counter(&self) -> WorkCounter {
+    pub(crate) fn counter(&self) -> WorkCounter {
         WorkCounter { factorisations: self.factors.factorisations, ..self.counter }
     }
 
@@ -191,17 +191,17 @@ impl ContactSolver {
     }
 
     /// `C + s mu S + E`, N x N by columns, m/Pa.
-    pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
+    pub(crate) fn compliance(&mut self, signed_friction: f64) -> &[f64] {
         self.factors.compliance(signed_friction)
     }
 
     /// `target += (C + s mu S + E) pressure`, N values each.
-    pub fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
+    pub(crate) fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
         dense::multiply_add(self.factors.compliance(signed_friction), pressure, target);
     }
 
     /// `target += S traction`, N values each: displacement by a friction traction without its pressure.
-    pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
+    pub(crate) fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
         dense::multiply_add(self.factors.shear(), traction, target);
     }
 

@@ -145,7 +145,7 @@ pub fn check_operators(count: usize, normal: &DMatrix<f64>, shear: &DMatrix<f64>
 }
 
 impl Factors {
-    pub fn new(
+    pub(crate) fn new(
         cells: &Cells,
         weights: &[f64],
         normal: DMatrix<f64>,
@@ -208,12 +208,12 @@ impl Factors {
     }
 
     /// beta/W, m/Pa per m: approach per load that the shift of the matrix adds.
-    pub fn shift(&self) -> f64 {
+    pub(crate) fn shift(&self) -> f64 {
         self.shift / self.total_weight
     }
 
     /// Sets or removes the added compliance. Factors are cached for each of the last ones.
-    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+    pub(crate) fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
             let known = self.added_compliances.find(|_, known| same_bits(known, matrix.as_slice()));
@@ -236,7 +236,7 @@ impl Factors {
     }
 
     /// Sets or removes the low-rank update. Compliances and factors are cached for every set of acting cells.
-    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+    pub(crate) fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
         let kept = &mut self.low_rank_update;
         let Some(LowRankUpdate { acting, left, right }) = low_rank_update else {
             if !kept.current || kept.rank > 0 {
@@ -254,7 +254,7 @@ impl Factors {
         (kept.rank, kept.current) = (left.len() / self.count, true);
     }
 
-    pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
+    pub(crate) fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
         self.entries.clear();
         let Some(matrix) = operator else {
             self.operator = None;
@@ -268,22 +268,22 @@ impl Factors {
     }
 
     /// `S`, by columns.
-    pub fn shear(&self) -> &[f64] {
+    pub(crate) fn shear(&self) -> &[f64] {
         &self.shear
     }
 
     /// Wear operator T, by columns.
-    pub fn operator(&self) -> Option<&[f64]> {
+    pub(crate) fn operator(&self) -> Option<&[f64]> {
         self.operator.as_deref()
     }
 
     /// Elastic displacement of a cell by its own pressure, C_ii > 0, m/Pa.
-    pub fn own(&self, cell: usize) -> f64 {
+    pub(crate) fn own(&self, cell: usize) -> f64 {
         self.normal[cell * (self.count + 1)]
     }
 
     /// Compliance `C + s mu S + E` less the low-rank update, by columns.
-    pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
+    pub(crate) fn compliance(&mut self, signed_friction: f64) -> &[f64] {
         let position = self.compose(signed_friction);
         &self.compositions[position].matrix
     }
@@ -323,7 +323,7 @@ impl Factors {
     }
 
     /// Cache position of the entry for `key`, factorised on a miss; `None` where the matrix is singular.
-    pub fn find(&mut self, key: Key<'_>) -> Option<usize> {
+    pub(crate) fn find(&mut self, key: Key<'_>) -> Option<usize> {
         let scalars = (self.sum(key.signed_friction), key.shifted);
         let fits = |known: &(Sum, bool), entry: &Entry| {
             *known == scalars
@@ -405,7 +405,7 @@ impl Factors {
     }
 
     /// The entry at a position.
-    pub fn entry(&self, position: usize) -> &Entry {
+    pub(crate) fn entry(&self, position: usize) -> &Entry {
         &self.entries[position]
     }
 
@@ -437,7 +437,7 @@ impl Factors {
 
 impl Entry {
     /// Solves for one right-hand side over the cells in contact, in place.
-    pub fn substitute(&self, right: &mut [f64]) {
+    pub(crate) fn substitute(&self, right: &mut [f64]) {
         let m = self.index.len();
         dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
     }
@@ -449,7 +449,7 @@ impl Entry {
     }
 
     /// Resultant `sum w p` and moment `sum w (x - centre)/length p` of the pressures of the cells in contact, per depth.
-    pub fn resultant(&self, pressure: &[f64]) -> [f64; 2] {
+    pub(crate) fn resultant(&self, pressure: &[f64]) -> [f64; 2] {
         let m = pressure.len();
         [dense::dot(&self.weights[..m], pressure), dense::dot(&self.arms[..m], pressure)]
     }

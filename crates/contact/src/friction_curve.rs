@@ -22,7 +22,7 @@ pub struct FrictionCurve {
 
 impl FrictionCurve {
     /// The curve through the points of `table` over the coefficient `reference`.
-    pub fn new(table: &FrictionTable, reference: f64) -> FrictionCurve {
+    pub(crate) fn new(table: &FrictionTable, reference: f64) -> FrictionCurve {
         let (points, speed) = (table.points, table.speed);
         let value = table.coefficient.map(|coefficient| coefficient / reference);
         let slope = slopes(&speed[..points], &value[..points]);
@@ -43,7 +43,7 @@ impl FrictionCurve {
 
     /// Value at the speed `speed` >= 0 (m/s).
     #[inline]
-    pub fn at<S: Scalar>(&self, speed: S) -> S {
+    pub(crate) fn at<S: Scalar>(&self, speed: S) -> S {
         let after = self.speed[..self.points].iter().position(|point| speed.value() < *point).unwrap_or(self.points);
         let k = after.saturating_sub(1);
         let [constant, linear, quadratic, cubic] = self.piece[k];

@@ -23,12 +23,8 @@ pub struct LemkeSolution {
     pub pivots: usize,
 }
 
-/// Solves for `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`; see [`Pivoting::solve`].
-pub fn solve(matrix: &DMatrix<f64>, q: &DVector<f64>) -> Result<LemkeSolution, LemkeError> {
-    solve_mixed(matrix, q, &[])
-}
-
-/// [`solve`] with free unknowns; see [`Pivoting::solve`].
+/// Solves for `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`, with free unknowns `first`; see
+/// [`Pivoting::solve`].
 pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> Result<LemkeSolution, LemkeError> {
     let order = q.len() - first.len();
     let mut basic = vec![false; order];
@@ -37,7 +33,7 @@ pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> 
 }
 
 /// Largest number of free unknowns beside the complementary ones.
-pub(crate) const FREE_UNKNOWNS: usize = 2;
+const FREE_UNKNOWNS: usize = 2;
 const BLOCK: usize = 2 * FREE_UNKNOWNS;
 
 /// Workspace of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.
@@ -56,7 +52,7 @@ pub(crate) struct Pivoting {
 
 impl Pivoting {
     /// Memory for `order` complementary unknowns.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         Self {
             // Untouched zeros cost no physical memory while no contact needs pivoting.
             columns: DMatrix::from_vec(order, 2 * order + 2, vec![0.0; order * (2 * order + 2)]),
@@ -82,7 +78,7 @@ impl Pivoting {
     ///
     /// Source: R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, algorithm 4.4.5 and theorem
     /// 4.4.13.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         matrix: &[f64],
         q: &[f64],
@@ -230,7 +226,7 @@ mod tests {
     use super::*;
 
     fn check(matrix: &DMatrix<f64>, q: &DVector<f64>) -> LemkeSolution {
-        let solution = solve(matrix, q).unwrap();
+        let solution = solve_mixed(matrix, q, &[]).unwrap();
         let active: Vec<usize> = (0..q.len()).filter(|&i| solution.basic[i]).collect();
         let block = matrix.select_rows(&active).select_columns(&active);
         let values =
@@ -273,7 +269,7 @@ mod tests {
     #[test]
     fn infeasible_problem_ends_on_a_ray() {
         let matrix = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -1.0, 0.0]);
-        assert_eq!(solve(&matrix, &DVector::from_vec(vec![1.0, -1.0])).unwrap_err(), LemkeError::Ray);
+        assert_eq!(solve_mixed(&matrix, &DVector::from_vec(vec![1.0, -1.0]), &[]).unwrap_err(), LemkeError::Ray);
     }
 
     #[test]

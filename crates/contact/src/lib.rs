@@ -5,12 +5,12 @@
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod complementarity;
+mod complementarity;
 mod factors;
 pub mod friction;
 pub(crate) mod friction_curve;
 pub mod lemke;
-pub mod problem;
+pub(crate) mod problem;
 pub mod wear;
 
 pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};

@@ -57,13 +57,13 @@ impl CyclicHalfPlane {
 
     /// Width of each clipped edge, in units of a.
     #[cfg(test)]
-    pub(crate) fn clipped_width(&self) -> f64 {
+    fn clipped_width(&self) -> f64 {
         1.0 - self.inner_half_width()
     }
 
     /// `p+/pm` at x in units of a; `p-` is 2 less that.
     #[cfg(test)]
-    pub(crate) fn forward_pressure(&self, x: f64) -> f64 {
+    fn forward_pressure(&self, x: f64) -> f64 {
         let root = (1.0 - self.m * self.m - x * x).max(0.0).sqrt();
         if self.m == 0.0 { 1.0 } else { 1.0 + self.sign * 2.0 / PI * (self.m * x).atan2(root) }
     }

@@ -26,12 +26,6 @@ pub struct FlatPunch {
 }
 
 impl FlatPunch {
-    /// Pressure at |x| < a, in Pa.
-    pub fn pressure(&self, x: f64) -> f64 {
-        let (a, e) = (self.half_width, self.signed_exponent);
-        self.load * (PI * e).cos() / (PI * (a * a - x * x).sqrt()) * ((a + x) / (a - x)).powf(-e)
-    }
-
     /// Load per depth carried by the part of the contact left of x.
     pub fn carried(&self, x: f64) -> f64 {
         self.load * incomplete_beta_half(self.signed_exponent, 0.5 * (1.0 + x / self.half_width))
@@ -46,6 +40,14 @@ impl FlatPunch {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl FlatPunch {
+        /// Pressure at |x| < a, in Pa.
+        fn pressure(&self, x: f64) -> f64 {
+            let (a, e) = (self.half_width, self.signed_exponent);
+            self.load * (PI * e).cos() / (PI * (a * a - x * x).sqrt()) * ((a + x) / (a - x)).powf(-e)
+        }
+    }
 
     #[test]
     fn published_exponent() {

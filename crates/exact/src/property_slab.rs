@@ -112,7 +112,7 @@ impl PropertySlab {
 
     /// Heat per area above the first temperature of the points, J/m2.
     #[cfg(test)]
-    pub(crate) fn enthalpy(&self) -> f64 {
+    fn enthalpy(&self) -> f64 {
         self.enthalpies(&self.temperature).iter().sum()
     }
 

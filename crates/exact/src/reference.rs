@@ -91,7 +91,7 @@ fn with_images(layer: Option<(f64, LayerBase)>, d: f64, kernel: impl Fn(f64) -> 
 
 /// Quasi-steady temperature T k/(q l) at `x` (over l, inside the band) under a uniform band source that moves at `peclet`
 /// towards +x on a half-plane or a layer: the kernel of [`band_mean`] on both sides of x.
-pub(crate) fn band_temperature(peclet: f64, x: f64, layer: Option<(f64, LayerBase)>) -> f64 {
+fn band_temperature(peclet: f64, x: f64, layer: Option<(f64, LayerBase)>) -> f64 {
     // exp(-+ Pe d) K0(Pe r): the same decay over the distance r >= d on both sides, except for a factor behind the source.
     let ahead = |d: f64| {
         with_images(layer, d, |distance| (peclet * (d - distance)).exp() * scaled_bessel_k0(peclet * distance))

@@ -35,7 +35,7 @@ pub fn pack(files: &Files) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// Where it is none or damaged.
-pub fn unpack(bytes: &[u8]) -> Result<Files> {
+pub(crate) fn unpack(bytes: &[u8]) -> Result<Files> {
     let mut zip = ZipArchive::new(Cursor::new(bytes)).context("reading the zip file")?;
     let mut files = Files::new();
     for index in 0..zip.len() {

@@ -17,13 +17,13 @@ pub const MODEL_IDENTIFIER: &str = "SlidingContact";
 pub(crate) const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
 
 /// Authors, as the licences name them.
-pub(crate) const AUTHOR: &str = "The sliding-contact authors";
+const AUTHOR: &str = "The sliding-contact authors";
 
 /// Line of the licences.
-pub const COPYRIGHT: &str = "Copyright (c) 2026 The sliding-contact authors";
+pub(crate) const COPYRIGHT: &str = "Copyright (c) 2026 The sliding-contact authors";
 
 /// Categories under which the library logs; it uses no others.
-pub(crate) const LOG_CATEGORIES: [(&str, &str); 3] = [
+const LOG_CATEGORIES: [(&str, &str); 3] = [
     ("logStatusWarning", "Conditions that do not end the simulation"),
     ("logStatusError", "Reasons of refused or failed calls"),
     ("logEvents", "Choices made at initialisation, limits reached, changes of the contact"),
@@ -131,7 +131,7 @@ pub(crate) fn enumerations() -> Vec<&'static EnumerationType> {
 }
 
 /// The types of the Real variables in use, in the order of their table.
-pub(crate) fn real_types() -> impl Iterator<Item = &'static RealType> {
+fn real_types() -> impl Iterator<Item = &'static RealType> {
     let used = |kind: &RealType| TABLE.iter().filter_map(Row::real_type).any(|other| other.name == kind.name);
     TYPES.iter().filter(move |kind| used(kind))
 }
@@ -222,7 +222,7 @@ fn type_attributes(row: &Row) -> (&'static str, Vec<Attribute<'static>>) {
 }
 
 /// Causality as the standard spells it.
-pub fn causality(row: &Row) -> &'static str {
+pub(crate) fn causality(row: &Row) -> &'static str {
     match row.causality {
         Causality::Parameter => "parameter",
         Causality::Input => "input",

@@ -31,7 +31,7 @@ pub const PICTURES: [(&str, &[u8]); 7] = [
 ];
 
 /// Writes the page for a scene.
-pub fn write(scene: &SceneFile) -> String {
+pub(crate) fn write(scene: &SceneFile) -> String {
     let packaged = &scene.packaged;
     let start = |name: u32| number(packaged.starts[name as usize]);
     let description = match (scene.description.as_str(), packaged.name.as_str()) {

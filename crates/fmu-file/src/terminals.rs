@@ -54,7 +54,7 @@ const TERMINALS: [Terminal; 6] = [
 ];
 
 /// Writes the terminals.
-pub fn write() -> String {
+pub(crate) fn write() -> String {
     let mut xml = Xml::new();
     xml.open("fmiTerminalsAndIcons", &[text("fmiVersion", "3.0")]);
     xml.open("GraphicalRepresentation", &[]);

@@ -16,7 +16,7 @@ pub(crate) struct Xml {
 
 impl Xml {
     /// A file with its declaration.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut xml = Xml { writer: Writer::new_with_indent(Vec::new(), b' ', 2), open: Vec::new() };
         xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
         xml
@@ -35,7 +35,7 @@ impl Xml {
     }
 
     /// An element with content; close it with [`Xml::close`].
-    pub fn open(&mut self, name: &str, attributes: &[Attribute]) {
+    pub(crate) fn open(&mut self, name: &str, attributes: &[Attribute]) {
         self.event(Event::Start(Self::start(name, attributes)));
         self.open.push(name.to_owned());
     }
@@ -46,13 +46,13 @@ impl Xml {
     }
 
     /// Ends the element opened last.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         let name = self.open.pop().expect("an element is open");
         self.event(Event::End(BytesEnd::new(name)));
     }
 
     /// The whole file.
-    pub fn finish(mut self) -> String {
+    pub(crate) fn finish(mut self) -> String {
         assert!(self.open.is_empty(), "{:?} are still open", self.open);
         self.writer.get_mut().push(b'\n');
         String::from_utf8(self.writer.into_inner()).expect("only text was written")
@@ -60,7 +60,7 @@ impl Xml {
 }
 
 /// A number in the shortest form that reads back as the same f64.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || (1e-4..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn numeric(name: &str, value: f64) -> Attribute<'_> {
 }
 
 /// `(name, text)` as an attribute.
-pub fn text<'a>(name: &'a str, value: &'a str) -> Attribute<'a> {
+pub(crate) fn text<'a>(name: &'a str, value: &'a str) -> Attribute<'a> {
     (name, value.into())
 }
 

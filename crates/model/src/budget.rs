@@ -5,7 +5,7 @@
 use super::StepFailure;
 
 /// Largest number of internal steps tried in a communication step.
-pub const MOST_STEPS: u32 = 200_000;
+pub(crate) const MOST_STEPS: u32 = 200_000;
 
 /// Largest number of contact solutions with heat in a communication step, for few cells.
 const MOST_SOLUTIONS: u64 = 1 << 20;
@@ -19,7 +19,7 @@ const LEAST_SOLUTIONS: u64 = 1 << 14;
 
 /// Work counters of a communication step, and their limit.
 #[derive(Clone, Copy, Debug)]
-pub struct Budget {
+pub(crate) struct Budget {
     /// Internal steps tried.
     pub steps: u32,
     /// Contact solutions with heat.
@@ -29,13 +29,13 @@ pub struct Budget {
 
 impl Budget {
     /// Budget for a contact on `count` cells between bodies of `states` thermal states.
-    pub fn new(count: usize, states: usize) -> Budget {
+    pub(crate) fn new(count: usize, states: usize) -> Budget {
         let cost = (count as u64).saturating_mul(count as u64).max(4 * states as u64).max(1);
         Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / cost).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
     }
 
     /// Resets the counters at the start of a communication step.
-    pub fn start(&mut self) {
+    pub(crate) fn start(&mut self) {
         (self.steps, self.solutions) = (0, 0);
     }
 

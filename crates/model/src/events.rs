@@ -6,11 +6,11 @@ use super::Inputs;
 
 /// Part of the step within which an event is assigned to the end of the step next to it. The inputs there differ from 0 by this
 /// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
-const ROUNDING: f64 = 1e-9;
+const AT_END: f64 = 1e-9;
 
 /// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
 /// number of pieces.
-pub fn edges(inputs: &Inputs, slopes: Option<&Inputs>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
+pub(crate) fn edges(inputs: &Inputs, slopes: Option<&Inputs>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
     let mut edges = [0.0, step, step, step];
     let Some(slopes) = slopes else { return (edges, 1) };
     let mut count = 1;
@@ -18,13 +18,13 @@ pub fn edges(inputs: &Inputs, slopes: Option<&Inputs>, step: f64, mean_radius: f
     let crossings = [velocity, (inputs.normal_load, slopes.normal_load)];
     for (value, slope) in crossings {
         let time = -value / slope;
-        if slope != 0.0 && time > ROUNDING * step && time < (1.0 - ROUNDING) * step {
+        if slope != 0.0 && time > AT_END * step && time < (1.0 - AT_END) * step {
             edges[count] = time;
             count += 1;
         }
     }
     edges[1..count].sort_by(f64::total_cmp);
-    if count == 3 && edges[2] - edges[1] <= ROUNDING * step {
+    if count == 3 && edges[2] - edges[1] <= AT_END * step {
         // Both events coincide.
         count = 2;
     }
@@ -46,12 +46,12 @@ mod tests {
 
     #[test]
     fn an_event_next_to_the_end_of_a_step_is_at_it() {
-        let edge = ROUNDING * 0.5;
+        let edge = AT_END * 0.5;
         for value in [edge.next_down(), edge, edge.next_up(), 0.0, -0.0, 1e-300, -1e-16, 1e-16] {
             let pieces = at([-value, 1.0], [1.0, 0.0], 0.5).len() - 1;
             assert_eq!(pieces, if value > edge { 2 } else { 1 }, "{value:e}");
         }
-        let edge = (1.0 - ROUNDING) * 0.5;
+        let edge = (1.0 - AT_END) * 0.5;
         for value in [edge.next_down(), edge, edge.next_up(), 0.5, 0.5_f64.next_up()] {
             let pieces = at([-value, 1.0], [1.0, 0.0], 0.5).len() - 1;
             assert_eq!(pieces, if value < edge { 2 } else { 1 }, "{value}");

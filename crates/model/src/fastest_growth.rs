@@ -135,12 +135,12 @@ pub(crate) struct FastestGrowth {
 
 impl FastestGrowth {
     /// Growth bound for cells of which the smallest is `smallest` m wide.
-    pub fn new(scene: &Scene, smallest: f64) -> FastestGrowth {
+    pub(crate) fn new(scene: &Scene, smallest: f64) -> FastestGrowth {
         Self::of_mode(scene, FarFaces::of(scene).own, smallest)
     }
 
     /// The same for the mode of the strip with this far face.
-    pub fn of_mode(scene: &Scene, far: FarFace, smallest: f64) -> FastestGrowth {
+    pub(crate) fn of_mode(scene: &Scene, far: FarFace, smallest: f64) -> FastestGrowth {
         let width = match scene.geometry {
             Geometry::Periodic => 0.5 * scene.width,
             Geometry::Line => scene.width,
@@ -163,7 +163,7 @@ impl FastestGrowth {
     }
 
     /// Fastest growth rate (1/s) of all waves at this friction coefficient and sliding speed (m/s).
-    pub fn fastest(&self, friction: f64, speed: f64) -> f64 {
+    pub(crate) fn fastest(&self, friction: f64, speed: f64) -> f64 {
         maximum(self.of_body(0, friction, speed), self.of_body(1, friction, speed))
     }
 

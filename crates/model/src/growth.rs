@@ -19,7 +19,7 @@ use scene::Scene;
 
 /// Speeds of the table of rates, over the critical one: this many, in a geometric series up to this ratio. Beyond, rates grow with the
 /// square of the speed.
-const SPEEDS: usize = 32;
+const SPEED_RATIOS: usize = 32;
 const FASTEST: f64 = 30.0;
 
 /// Growth of the perturbations of a scene.
@@ -55,7 +55,7 @@ impl PerturbationGrowth {
             let contained = if modelled > 0.0 && speed > modelled { 0 } else { 1 };
             bounds.iter().skip(contained).map(|bound| bound.fastest(friction, speed)).fold(0.0, maximum)
         };
-        let ratios = (0..=SPEEDS).map(|i| FASTEST.powf(i as f64 / SPEEDS as f64));
+        let ratios = (0..=SPEED_RATIOS).map(|i| FASTEST.powf(i as f64 / SPEED_RATIOS as f64));
         let rates = ratios.map(|ratio| rate(slowest * ratio) / (ratio * ratio)).collect();
         PerturbationGrowth { critical, friction, slowest, rates }
     }
@@ -67,9 +67,9 @@ impl PerturbationGrowth {
             return 0.0;
         }
         let ratio = speed * friction / (self.slowest * self.friction);
-        let at = (ratio.max(1.0).ln() / FASTEST.ln() * SPEEDS as f64).min(SPEEDS as f64);
+        let at = (ratio.max(1.0).ln() / FASTEST.ln() * SPEED_RATIOS as f64).min(SPEED_RATIOS as f64);
         // The parabola through three nodes.
-        let node = (at.round() as usize).clamp(1, SPEEDS - 1);
+        let node = (at.round() as usize).clamp(1, SPEED_RATIOS - 1);
         let [before, here, after] = [node - 1, node, node + 1].map(|node| self.rates[node]);
         let part = at - node as f64;
         let change = 0.5 * (after - before) + 0.5 * part * (after - 2.0 * here + before);
@@ -78,7 +78,7 @@ impl PerturbationGrowth {
 
     /// Exponent by which perturbations grow while the velocity changes linearly between these (m/s) within `step` s: Simpson's rule
     /// over the time above the critical speed, in either direction.
-    pub fn over(&self, friction: f64, [start, end]: [f64; 2], step: f64) -> f64 {
+    pub(crate) fn over(&self, friction: f64, [start, end]: [f64; 2], step: f64) -> f64 {
         if self.rates.is_empty() || friction <= 0.0 {
             return 0.0;
         }

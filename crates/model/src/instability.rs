@@ -37,19 +37,17 @@
 //!
 //! Theory: docs/theory.md, section 7.4.
 
-pub mod layer;
+pub(crate) mod layer;
 mod waves;
 
 use numerics::scalar::Scalar;
 use scene::message::Number;
 use scene::{Body, Scene};
 use std::fmt;
-pub use waves::FarFaces;
+pub(crate) use waves::FarFaces;
 use waves::{Families, Least};
 
-/// First speeds of the table, m/s: the lowest, and number per decade; with the number of speeds they end at 1e4 m/s.
-const SLOWEST: f64 = 1e-5;
-const PER_DECADE: f64 = 4.0;
+/// First speeds of the table: number, four per decade from 1e-5 to 1e4 m/s.
 const SPEEDS: usize = 37;
 /// Decades of speeds above, one speed each, up to 1e12 m/s: no input is larger, and what grows only above it does not grow.
 const FAST_DECADES: usize = 8;
@@ -91,32 +89,33 @@ impl CriticalSpeed {
                 least_product: f64::INFINITY,
             };
         }
-        let mut points: Vec<Point> = Vec::with_capacity(SPEEDS);
+        let mut points: Vec<SpeedPoint> = Vec::with_capacity(SPEEDS);
         for k in 0..SPEEDS {
             let near = if k % COMPARED == 0 { None } else { points.last().map(|point| &point.least) };
-            points.push(Point::new(&families, (SLOWEST * 10f64.powf(k as f64 / PER_DECADE)).ln(), near));
+            points.push(SpeedPoint::new(&families, (1e-5 * 10f64.powf(k as f64 / 4.0)).ln(), near));
         }
         for decade in 1..=FAST_DECADES {
             let speed = points[SPEEDS - 1].speed + decade as f64 * 10f64.ln();
-            points.push(Point::new(&families, speed, None));
+            points.push(SpeedPoint::new(&families, speed, None));
         }
         let range = REFINED.map(|part| (part * scene.friction_coefficient).ln());
-        let interval = |left: &Point, right: &Point| Interval::new(&families, range, left.clone(), right.clone());
-        let mut intervals: Vec<Interval> = points.windows(2).map(|pair| interval(&pair[0], &pair[1])).collect();
+        let interval =
+            |left: &SpeedPoint, right: &SpeedPoint| SpeedInterval::new(&families, range, left.clone(), right.clone());
+        let mut intervals: Vec<SpeedInterval> = points.windows(2).map(|pair| interval(&pair[0], &pair[1])).collect();
         for _ in 0..MOST_HALVINGS {
-            let error = |interval: &Interval| interval.error;
+            let error = |interval: &SpeedInterval| interval.error;
             let largest = numerics::maximum::largest(intervals.iter().map(error));
             let worst = intervals.iter().position(|interval| interval.error == largest && largest > ERROR);
             let Some(worst) = worst else { break };
-            let Interval { left, middle, right, .. } = intervals[worst].clone();
+            let SpeedInterval { left, middle, right, .. } = intervals[worst].clone();
             intervals[worst] = interval(&left, &middle);
             intervals.insert(worst + 1, interval(&middle, &right));
         }
         let refined = || points.iter().take(1).chain(intervals.iter().flat_map(|own| [&own.middle, &own.right]));
-        let table = |value: fn(&Point) -> f64| Table::new(refined().map(|point| [point.speed, value(point)]));
-        let all = table(Point::all);
+        let table = |value: fn(&SpeedPoint) -> f64| Table::new(refined().map(|point| [point.speed, value(point)]));
+        let all = table(SpeedPoint::all);
         let least_product = 0.5 * all.0.iter().map(|[speed, value]| speed + value).fold(f64::INFINITY, f64::min).exp();
-        CriticalSpeed { all, modelled: table(Point::modelled), alone: families.alone(), least_product }
+        CriticalSpeed { all, modelled: table(SpeedPoint::modelled), alone: families.alone(), least_product }
     }
 
     /// Critical speed at this friction coefficient, m/s; 0: nothing grows below 1e12 m/s. Relative error of the table: 5e-3 within a
@@ -186,15 +185,15 @@ impl CriticalSpeed {
 
 /// Least impedances at a speed.
 #[derive(Clone, Debug)]
-struct Point {
+struct SpeedPoint {
     /// Logarithm of the speed (m/s).
     speed: f64,
     least: Least,
 }
 
-impl Point {
-    fn new(families: &Families, speed: f64, near: Option<&Least>) -> Point {
-        Point { speed, least: families.least(speed.exp(), near) }
+impl SpeedPoint {
+    fn new(families: &Families, speed: f64, near: Option<&Least>) -> SpeedPoint {
+        SpeedPoint { speed, least: families.least(speed.exp(), near) }
     }
 
     /// Logarithm of Z/V over all waves.
@@ -208,34 +207,34 @@ impl Point {
     }
 }
 
-/// Interval of the table.
+/// SpeedInterval of the table.
 #[derive(Clone, Debug)]
-struct Interval {
-    left: Point,
-    middle: Point,
-    right: Point,
+struct SpeedInterval {
+    left: SpeedPoint,
+    middle: SpeedPoint,
+    right: SpeedPoint,
     /// Estimated relative error of the critical speed by linear interpolation between its ends; at most its length. 0 outside the
     /// refined range.
     error: f64,
 }
 
-impl Interval {
-    /// Interval between two points, refined for values of ln(Z/V) in `range`.
-    fn new(families: &Families, range: [f64; 2], left: Point, right: Point) -> Interval {
+impl SpeedInterval {
+    /// SpeedInterval between two points, refined for values of ln(Z/V) in `range`.
+    fn new(families: &Families, range: [f64; 2], left: SpeedPoint, right: SpeedPoint) -> SpeedInterval {
         let length = right.speed - left.speed;
-        let matters = |value: fn(&Point) -> f64| value(&left) > range[0] && value(&right) < range[1];
-        if !matters(Point::all) && !matters(Point::modelled) {
-            return Interval { middle: right.clone(), left, right, error: 0.0 };
+        let matters = |value: fn(&SpeedPoint) -> f64| value(&left) > range[0] && value(&right) < range[1];
+        if !matters(SpeedPoint::all) && !matters(SpeedPoint::modelled) {
+            return SpeedInterval { middle: right.clone(), left, right, error: 0.0 };
         }
-        let middle = Point::new(families, left.speed + 0.5 * length, Some(&left.least));
-        let error = |value: fn(&Point) -> f64| {
+        let middle = SpeedPoint::new(families, left.speed + 0.5 * length, Some(&left.least));
+        let error = |value: fn(&SpeedPoint) -> f64| {
             let [from, between, to] = [&left, &middle, &right].map(value);
             // Where growth begins within the interval only its length counts.
             let error = (0.5 * (from + to) - between).abs() / ((from - to) / length).abs();
             if error < length { error } else { length }
         };
-        let error = if length > LONG { length } else { error(Point::all).max(error(Point::modelled)) };
-        Interval { left, middle, right, error }
+        let error = if length > LONG { length } else { error(SpeedPoint::all).max(error(SpeedPoint::modelled)) };
+        SpeedInterval { left, middle, right, error }
     }
 }
 

@@ -66,12 +66,19 @@ impl ModelOperators {
         })
     }
 
-    /// Builds the contact line of `scene`, whose lumped level these operators are, and shares its reduced bodies.
+    /// Builds the operators of the level of `scene`, which has the same bodies, contact and nominal conditions as theirs, and shares what
+    /// [`lumped::operators::LumpedOperators::beside`] does.
     ///
     /// # Errors
     /// As [`ModelOperators::new`].
-    pub fn line_beside(&self, scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
-        Ok(ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, self.mean(), run_in)?)))
+    pub fn beside(&self, scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
+        let known = self.mean();
+        Ok(match scene.fidelity {
+            Fidelity::Line => {
+                ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, known, run_in)?))
+            }
+            _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::beside(scene, known))),
+        })
     }
 
     /// Operators with the tunable parameters that they contain; `None` where they have them.
@@ -144,7 +151,7 @@ impl ModelOperators {
 
     /// Part of a nominal stroke by which the slip is too long because elastic displacement along the sliding direction is neglected,
     /// `2 mu F n_f/(k s)`, and that length (m). Nothing without strokes, with elastic slip, and up to a tenth of the tolerance.
-    pub fn neglected_slip(&self) -> Option<(f64, f64)> {
+    pub(crate) fn neglected_slip(&self) -> Option<(f64, f64)> {
         let scene = self.scene();
         if scene.elastic_slip || scene.nominal_stroke == 0.0 {
             return None;

@@ -5,8 +5,8 @@
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod budget;
-pub mod events;
+pub(crate) mod budget;
+pub(crate) mod events;
 pub(crate) mod fastest_growth;
 pub mod growth;
 pub mod instability;
@@ -16,7 +16,7 @@ pub mod lumped;
 pub mod plan;
 pub mod run_error;
 pub(crate) mod step_control;
-pub mod tolerance;
+pub(crate) mod tolerance;
 
 /// Inputs of the component in the order of the variable table.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -53,13 +53,13 @@ impl Inputs {
     }
 
     /// Sliding velocity at the mean radius `radius` (m), m/s.
-    pub fn velocity(&self, radius: f64) -> f64 {
+    pub(crate) fn velocity(&self, radius: f64) -> f64 {
         self.sliding_velocity + radius * self.angular_velocity
     }
 
     /// These inputs after `time` (s) at the rates `slopes`.
     #[must_use]
-    pub fn after(&self, slopes: Option<&Inputs>, time: f64) -> Inputs {
+    pub(crate) fn after(&self, slopes: Option<&Inputs>, time: f64) -> Inputs {
         match slopes {
             Some(slopes) => self.zip(slopes, |input, slope| input + slope * time),
             None => *self,
@@ -88,7 +88,7 @@ impl<S: Copy> Inputs<S> {
 
     /// A function of every input and its partner.
     #[must_use]
-    pub fn zip<T: Copy, U: Copy>(&self, other: &Inputs<T>, of: impl Fn(S, T) -> U) -> Inputs<U> {
+    pub(crate) fn zip<T: Copy, U: Copy>(&self, other: &Inputs<T>, of: impl Fn(S, T) -> U) -> Inputs<U> {
         let (own, other) = (self.to_array(), other.to_array());
         Inputs::from_array(std::array::from_fn(|i| of(own[i], other[i])))
     }

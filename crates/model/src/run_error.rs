@@ -20,7 +20,7 @@
 use crate::levels::{Model, ModelOperators, ModelState};
 use crate::lumped::conditions::Tunables;
 use crate::plan::distance::{Distance, largest, main_outputs};
-use crate::plan::{ModelLevel, Prepared, UNKNOWN};
+use crate::plan::{BuiltModel, ModelLevel, UNKNOWN};
 use crate::{Inputs, StepFailure};
 use scene::message::Number;
 use scene::variables::COUNT;
@@ -64,7 +64,7 @@ pub enum Notice<'a> {
     /// The run exceeds the conditions of the comparison.
     Beyond {
         /// The scene with the nominal conditions and their comparison.
-        prepared: &'a Prepared,
+        prepared: &'a BuiltModel,
         /// Speed, m/s.
         speed: f64,
         /// Load, N.
@@ -83,7 +83,7 @@ pub enum Notice<'a> {
 
 impl RunError {
     /// Before the first step at these inputs.
-    pub fn new(prepared: &Prepared, tunables: Tunables, inputs: &Inputs) -> RunError {
+    pub fn new(prepared: &BuiltModel, tunables: Tunables, inputs: &Inputs) -> RunError {
         let companion = prepared.companion.as_ref().map(|operators| {
             Box::new(Companion {
                 model: Model::new(operators, tunables, inputs),
@@ -106,7 +106,7 @@ impl RunError {
     /// Follows a step (s) that `model` has made from `inputs` with the rates `slopes`.
     pub fn follow<'a>(
         &mut self,
-        prepared: &'a Prepared,
+        prepared: &'a BuiltModel,
         model: &Model,
         inputs: &Inputs,
         slopes: Option<&Inputs>,
@@ -140,13 +140,13 @@ impl RunError {
 
     /// Relative error of wear depth, temperature rise and friction force so far, where it is known; `step_error` is that of
     /// reduction and time steps.
-    fn known(&self, prepared: &Prepared, step_error: f64) -> Option<f64> {
+    fn known(&self, prepared: &BuiltModel, step_error: f64) -> Option<f64> {
         let neglected = prepared.operators.neglected_slip().map_or(0.0, |(share, _)| share);
         self.resolved(prepared, step_error).map(|error| error.hypot(neglected))
     }
 
     /// The same without elastic slip.
-    fn resolved(&self, prepared: &Prepared, step_error: f64) -> Option<f64> {
+    fn resolved(&self, prepared: &BuiltModel, step_error: f64) -> Option<f64> {
         if prepared.is_exact() {
             return Some(step_error);
         }
@@ -159,7 +159,7 @@ impl RunError {
     }
 
     /// The same, at most [`UNKNOWN`], which also stands for an error that is not known.
-    pub fn of(&self, prepared: &Prepared, step_error: f64) -> f64 {
+    pub fn of(&self, prepared: &BuiltModel, step_error: f64) -> f64 {
         self.known(prepared, step_error).map_or(UNKNOWN, |error| error.min(UNKNOWN))
     }
 
@@ -167,7 +167,7 @@ impl RunError {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_advice(&self, prepared: &Prepared, step_error: f64, text: &mut String) -> fmt::Result {
+    pub fn write_advice(&self, prepared: &BuiltModel, step_error: f64, text: &mut String) -> fmt::Result {
         use fmt::Write as _;
         let tolerance = prepared.requested.tolerance;
         let Some(error) = self.known(prepared, step_error).filter(|error| *error > tolerance) else { return Ok(()) };
@@ -199,7 +199,7 @@ impl RunError {
     }
 
     /// Whether a saved state belongs to a run of `prepared`.
-    pub fn fits(saved: &SavedRunError, prepared: &Prepared) -> bool {
+    pub fn fits(saved: &SavedRunError, prepared: &BuiltModel) -> bool {
         match (&saved.companion, &prepared.companion) {
             (None, None) => saved.distance.is_none(),
             (Some(state), Some(operators)) => state.fits(operators),

@@ -22,7 +22,7 @@ pub(crate) struct StepController {
 impl StepController {
     /// For a piece of `length` (s) in 2^`level` parts; steps with an error below `doubling` let the step be doubled: 2^-p of the
     /// tolerance for an error of order p, with a margin.
-    pub fn new(length: f64, level: u8, doubling: f64) -> StepController {
+    pub(crate) fn new(length: f64, level: u8, doubling: f64) -> StepController {
         StepController { length, level, part: 0, doubling }
     }
 
@@ -32,22 +32,22 @@ impl StepController {
     }
 
     /// Number of parts that the piece is cut into, and of those that are done.
-    pub fn parts(&self) -> (u64, u64) {
+    pub(crate) fn parts(&self) -> (u64, u64) {
         (1_u64 << self.level, self.part)
     }
 
     /// log2 of the number of parts.
-    pub fn level(&self) -> u8 {
+    pub(crate) fn level(&self) -> u8 {
         self.level
     }
 
     /// Size of the step, s.
-    pub fn step(&self) -> f64 {
+    pub(crate) fn step(&self) -> f64 {
         self.length / (1_u64 << self.level) as f64
     }
 
     /// Start of the step, s from the start of the piece.
-    pub fn start(&self) -> f64 {
+    pub(crate) fn start(&self) -> f64 {
         self.part as f64 * self.step()
     }
 
@@ -73,7 +73,7 @@ impl StepController {
 }
 
 /// Halvings that bring an error (> 1) of the given order below 1; 2 where it is not finite.
-pub fn halvings(error: f64, order: u8) -> u8 {
+pub(crate) fn halvings(error: f64, order: u8) -> u8 {
     // Most halvings after one rejected step.
     if error.is_finite() { (error.log2() / f64::from(order)).ceil().clamp(1.0, 10.0) as u8 } else { 2 }
 }

@@ -5,26 +5,7 @@
 use scene::Scene;
 
 /// Finest tolerance of a reduction: a few states are not more accurate, and no step requires it.
-const FINEST: f64 = 2e-5;
-
-/// Part for the punch's mean temperature at fluxes of every frequency. The strip has an error measure of its own, for all Fourier
-/// modes together.
-const PUNCH_MEAN: f64 = 0.25;
-
-/// Part that the step errors of temperature and distortion on the line may reach. Where edges of the contact move, the error of
-/// the steps falls more slowly than these: it is 0.3 of a tolerance of 1e-2 and 1 of one of 1e-3 where they may reach all of it.
-const LINE_HEAT: f64 = 0.5;
-
-/// Multiples for the lumped residuals of the flux and the third difference of the wear rate, which overestimate the errors of the
-/// quadrature.
-const LUMPED_FLUX: f64 = 2.0;
-const LUMPED_WEAR: f64 = 5.0;
-
-/// Remaining errors of iterations: of a stage on the line, with its bounds, of a lumped stage, and of radiation in its common form.
-const LINE_STAGE: f64 = 1e-3;
-const LINE_STAGE_BOUNDS: [f64; 2] = [1e-9, 1e-6];
-const LUMPED_STAGE: f64 = 1e-6;
-const LUMPED_RADIATION: f64 = 1e-3;
+const FINEST_REDUCTION: f64 = 2e-5;
 
 /// Budget of the tolerance of a scene.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -45,18 +26,19 @@ pub struct Reductions {
 
 impl Reductions {
     /// Bodies of the lumped level, and the punch on the line.
-    pub fn whole(&self) -> f64 {
-        self.tolerance.max(FINEST)
+    pub(crate) fn whole(&self) -> f64 {
+        self.tolerance.max(FINEST_REDUCTION)
     }
 
-    /// Mean temperature of the punch on the line, where its error counts with `weight`.
-    pub fn punch_mean(&self, weight: f64) -> f64 {
-        (PUNCH_MEAN * weight * self.tolerance).max(FINEST)
+    /// Mean temperature of the punch on the line, where its error counts with `weight`: a quarter, at fluxes of every frequency. The
+    /// strip has an error measure of its own, for all Fourier modes together.
+    pub(crate) fn punch_mean(&self, weight: f64) -> f64 {
+        (0.25 * weight * self.tolerance).max(FINEST_REDUCTION)
     }
 
     /// Strip on the line, where its error counts with `weight`.
-    pub fn strip(&self, weight: f64) -> f64 {
-        (weight * self.tolerance).max(FINEST)
+    pub(crate) fn strip(&self, weight: f64) -> f64 {
+        (weight * self.tolerance).max(FINEST_REDUCTION)
     }
 }
 
@@ -65,9 +47,10 @@ impl Reductions {
 pub struct Steps {
     /// Wear on the line over its displacement scale; cooled faces and flash temperature of the lumped level over the rise.
     pub whole: f64,
-    /// Temperature on the line over the rise.
+    /// Temperature on the line over the rise. Where edges of the contact move, the error of the steps falls more slowly than it: with
+    /// all of the tolerance it is 0.3 of one of 1e-2 and 1 of one of 1e-3.
     pub line_heat: f64,
-    /// Residual of the flux at the lumped level over the flux scale.
+    /// Residual of the flux at the lumped level over the flux scale. It and the next overestimate the error of the quadrature.
     pub lumped_flux: f64,
     /// Third difference of the wear rate at the lumped level over its scale.
     pub lumped_wear: f64,
@@ -86,25 +69,24 @@ pub struct Iterations {
 
 impl ToleranceBudget {
     /// Budget of `scene`.
-    pub fn of(scene: &Scene) -> ToleranceBudget {
+    pub(crate) fn of(scene: &Scene) -> ToleranceBudget {
         ToleranceBudget::new(scene.tolerance)
     }
 
     /// Budget of a tolerance.
-    pub fn new(tolerance: f64) -> ToleranceBudget {
-        let [least, most] = LINE_STAGE_BOUNDS;
+    pub(crate) fn new(tolerance: f64) -> ToleranceBudget {
         ToleranceBudget {
             reduction: Reductions { tolerance },
             steps: Steps {
                 whole: tolerance,
-                line_heat: LINE_HEAT * tolerance,
-                lumped_flux: LUMPED_FLUX * tolerance,
-                lumped_wear: LUMPED_WEAR * tolerance,
+                line_heat: 0.5 * tolerance,
+                lumped_flux: 2.0 * tolerance,
+                lumped_wear: 5.0 * tolerance,
             },
             iteration: Iterations {
-                line_stage: (LINE_STAGE * tolerance).clamp(least, most),
-                lumped_stage: LUMPED_STAGE * tolerance,
-                lumped_radiation: LUMPED_RADIATION * tolerance,
+                line_stage: (1e-3 * tolerance).clamp(1e-9, 1e-6),
+                lumped_stage: 1e-6 * tolerance,
+                lumped_radiation: 1e-3 * tolerance,
             },
         }
     }

@@ -1,6 +1,7 @@
 //! Choice of the automatic level: what it costs, and what it depends on.
 
-use model::plan::{Choice, ModelLevel, Prepared};
+use model::levels::ModelOperators;
+use model::plan::{BuiltModel, Choice, ModelLevel};
 use scene::Scene;
 use test_support::{Application, changed, changed_scene, scene};
 
@@ -49,7 +50,7 @@ fn a_comparison_is_short() {
 #[test]
 fn without_nominal_conditions_the_line_runs() {
     let starts = changed(&scene("disc_brake"), &[("solver.fidelity", 1.0), ("nominal.load", 0.0)]);
-    let prepared = Prepared::new(&Scene::new(&starts, Some(1e-2)).unwrap(), steady::run_in).unwrap();
+    let prepared = BuiltModel::new(&Scene::new(&starts, Some(1e-2)).unwrap(), steady::run_in).unwrap();
     let choice = prepared.choice.unwrap();
     assert!(choice.reason.contains("nominal.load = 0 N"), "{}", choice.reason);
     assert_eq!((prepared.operators.cells(), prepared.companion.unwrap().cells()), (17, 9));
@@ -62,7 +63,30 @@ fn cells_follow_from_the_tolerance() {
         [(1e-1, 17), (5e-3, 17), (4.9e-3, 33), (5e-4, 33), (4.9e-4, 65), (5e-5, 65), (4.9e-5, 129)]
     {
         let line = changed_scene(&scene("disc_brake"), &[("solver.fidelity", 3.0), ("solver.tolerance", tolerance)]);
-        let prepared = Prepared::new(&line, steady::run_in).unwrap();
+        let prepared = BuiltModel::new(&line, steady::run_in).unwrap();
         assert_eq!((prepared.operators.cells(), prepared.companion.is_some()), (cells, false), "{tolerance}");
+    }
+}
+
+/// What operators share with those that were built before does not depend on these.
+#[test]
+fn operators_built_beside_others_are_those_built_alone() {
+    for name in ["clutch", "disc_brake", "reciprocating_punch"] {
+        let level = |fidelity: f64, tolerance: f64| {
+            changed_scene(&scene(name), &[("solver.fidelity", fidelity), ("solver.tolerance", tolerance)])
+        };
+        let known = ModelOperators::new(&level(2.0, 1e-2), steady::run_in).unwrap();
+        for scene in [level(2.0, 1e-2), level(2.0, 1e-3), level(3.0, 1e-2), level(3.0, 1e-3)] {
+            let alone = ModelOperators::new(&scene, steady::run_in).unwrap();
+            let beside = known.beside(&scene, steady::run_in).unwrap();
+            let same = match [&alone, &beside] {
+                [ModelOperators::Lumped(alone), ModelOperators::Lumped(beside)] => alone == beside,
+                [ModelOperators::Line(alone), ModelOperators::Line(beside)] => {
+                    alone.mean.growth == beside.mean.growth && alone.mean.punch.heat == beside.mean.punch.heat
+                }
+                _ => false,
+            };
+            assert!(same, "{name}, {:?}, {}", scene.fidelity, scene.tolerance);
+        }
     }
 }

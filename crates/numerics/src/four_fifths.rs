@@ -53,7 +53,7 @@ const SERIES: [f64; 9] = {
 
 /// x^(4/5) for x >= 0, to less than one unit in the last place; NaN for x < 0.
 #[inline]
-pub fn four_fifths(x: f64) -> f64 {
+pub(crate) fn four_fifths(x: f64) -> f64 {
     let bits = x.to_bits();
     let exponent = bits >> FRACTION_BITS;
     // Zero, subnormal, infinite, negative or NaN.

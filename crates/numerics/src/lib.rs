@@ -7,7 +7,7 @@ pub mod acceleration;
 pub mod cache;
 pub mod dense;
 pub mod factorization;
-pub mod four_fifths;
+pub(crate) mod four_fifths;
 pub mod grading;
 pub mod interruption;
 pub mod krylov;

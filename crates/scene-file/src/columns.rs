@@ -68,7 +68,7 @@ impl Column {
 
     /// An optional column for a variable of the table, which must say its unit where it has one; `None` where the variable
     /// is an item of an enumeration. A Boolean is 0 or 1.
-    pub fn of(row: &Row) -> Option<Self> {
+    pub(crate) fn of(row: &Row) -> Option<Self> {
         let unit = match row.kind {
             Kind::Real { unit, .. } => unit,
             Kind::Integer { .. } | Kind::Boolean => &ONE,

@@ -24,7 +24,7 @@ const FIRST: f64 = 1.0 / 16.0;
 const MOST_STEPS: f64 = 5e4;
 
 /// Relative excess of an interval over the longest step that is rounding of its times.
-const SAME: f64 = 1e-6;
+const SAME_TIME: f64 = 1e-6;
 
 /// The longest step over the whole time, a round number, s.
 pub fn longest(times: &[f64]) -> f64 {
@@ -59,7 +59,7 @@ pub fn count(times: &[f64], step: f64) -> f64 {
 }
 
 fn parts(length: f64, step: f64) -> f64 {
-    (length / step * (1.0 - SAME)).ceil().max(1.0)
+    (length / step * (1.0 - SAME_TIME)).ceil().max(1.0)
 }
 
 /// Longest step of every interval between two times; `count` says how many steps they make.
@@ -107,7 +107,7 @@ fn divided(times: &[f64], steps: &[f64], growth: f64, first: f64) -> Vec<f64> {
             before = equal;
         } else {
             let (mut ends, mut end) = (Vec::new(), 0.0);
-            while end < length * (1.0 - SAME) {
+            while end < length * (1.0 - SAME_TIME) {
                 before = equal.min(growth * before);
                 end += before;
                 ends.push(end);
@@ -141,7 +141,7 @@ mod tests {
         assert!(TIMES.iter().all(|time| points.contains(time)));
         assert_eq!([within(17_000.0, 17_008.0), within(17_008.0, 17_009.0)], [20, 20]);
         let steps = lengths(&points);
-        assert!(steps.iter().all(|step| *step > 0.0 && *step <= 20.0 * (1.0 + SAME)), "{steps:?}");
+        assert!(steps.iter().all(|step| *step > 0.0 && *step <= 20.0 * (1.0 + SAME_TIME)), "{steps:?}");
         assert!(steps.windows(2).all(|pair| pair[1] <= 1.1 * GROWTH * pair[0]), "{steps:?}");
         assert!(points.len() < 2000, "{}", points.len());
     }

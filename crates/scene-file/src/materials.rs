@@ -28,7 +28,7 @@ pub struct Material {
 
 impl Material {
     /// The preset as pairs of the variable's name behind the body and its value.
-    pub fn values(&self) -> [(&'static str, f64); 6] {
+    pub(crate) fn values(&self) -> [(&'static str, f64); 6] {
         [
             ("youngs_modulus", self.youngs_modulus),
             ("poissons_ratio", self.poissons_ratio),
@@ -63,7 +63,9 @@ pub static MATERIALS: &[Material] = &[
     material("brake_lining", "Organic brake lining without asbestos", [1e9, 0.25, 2600.0, 1000.0, 1.2, 15e-6]),
     material("bronze", "Tin bronze CuSn8", [1.15e11, 0.33, 8800.0, 377.0, 67.0, 18e-6]),
     material("carbon_steel", "Carbon steel C45", [2.06e11, 0.29, 7850.0, 486.0, 49.8, 11.5e-6]),
+    material("copper", "Electrolytic copper Cu-ETP", [1.2e11, 0.34, 8920.0, 386.0, 394.0, 16.8e-6]),
     material("friction_paper", "Paper-based wet clutch lining", [3e7, 0.25, 1100.0, 1600.0, 0.24, 20e-6]),
+    material("graphite", "Isotropic graphite", [1.1e10, 0.2, 1850.0, 710.0, 143.0, 4.5e-6]),
     material("grey_cast_iron", "Grey cast iron EN-GJL-250", [1.1e11, 0.26, 7200.0, 460.0, 54.0, 11e-6]),
     material("polycarbonate", "Polycarbonate", [2.4e9, 0.37, 1200.0, 1200.0, 0.2, 65e-6]),
     material("ptfe", "Polytetrafluoroethylene", [5e8, 0.46, 2170.0, 1000.0, 0.25, 130e-6]),
@@ -74,7 +76,7 @@ pub static MATERIALS: &[Material] = &[
 ];
 
 /// The preset of this name.
-pub fn find(name: &str) -> Option<&'static Material> {
+pub(crate) fn find(name: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.name == name)
 }
 

@@ -76,7 +76,7 @@ impl Conditions {
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `step`, so that the communication points are round numbers.
-pub fn round(step: f64) -> f64 {
+pub(crate) fn round(step: f64) -> f64 {
     let power = 10.0_f64.powf(step.log10().floor());
     [5.0, 2.0].into_iter().map(|digit| digit * power).find(|rounded| *rounded <= step).unwrap_or(power)
 }

@@ -2,7 +2,7 @@
 
 use toml::de::DeValue;
 
-pub use crate::unit_names::units;
+pub(crate) use crate::unit_names::units;
 use crate::unit_names::{canonical, hint};
 use scene::message::{Clipped, Quoted};
 use scene::variables::units::{DisplayUnit, ONE, Unit};
@@ -25,7 +25,7 @@ pub(crate) fn type_of(value: &DeValue) -> String {
 ///
 /// # Errors
 /// The fault, with the value and the accepted alternatives; ranges in the unit that was written.
-pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
+pub(crate) fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
     match row.kind {
         Kind::Real { unit, .. } => Written::of(value, unit, !row.is_difference())?.checked(row, unit),
         Kind::Integer { min, max } => {

@@ -47,7 +47,7 @@ impl Records {
     ///
     /// # Errors
     /// As [`Records::read`].
-    pub fn parse(content: impl Read, path: &Path, reading: &Reading) -> Result<Self> {
+    pub(crate) fn parse(content: impl Read, path: &Path, reading: &Reading) -> Result<Self> {
         let conditions = CONDITIONS.map(|(name, unit)| Column {
             required: true,
             unit_required: true,

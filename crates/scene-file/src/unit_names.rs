@@ -58,7 +58,7 @@ pub(crate) fn canonical(symbol: &str) -> Cow<'_, str> {
 }
 
 /// What to do with a unit of another quantity that data sheets give; `None` for others.
-pub fn hint(symbol: &str) -> Option<&'static str> {
+pub(crate) fn hint(symbol: &str) -> Option<&'static str> {
     let of_work = matches!(&*canonical(symbol), "mm3/J" | "m3/J" | "mm3/(W.s)");
     of_work
         .then_some("; a volume by friction work times the friction coefficient is one by load and distance, mm3/(N.m)")

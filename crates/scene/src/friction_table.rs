@@ -16,7 +16,7 @@ pub struct FrictionTable {
 
 impl FrictionTable {
     /// Highest coefficient of the table.
-    pub fn highest(&self) -> f64 {
+    pub(crate) fn highest(&self) -> f64 {
         self.coefficient[..self.points].iter().copied().fold(0.0, f64::max)
     }
 

@@ -15,7 +15,8 @@ mod warnings;
 pub use fade::{FadeLine, FadeTable};
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use property_table::{PROPERTY_POINTS, PropertyTable};
-pub use rules::BrokenRule;
+pub(crate) use rules::BrokenRule;
+pub use rules::without_effect;
 
 use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 

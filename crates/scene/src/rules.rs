@@ -2,7 +2,7 @@
 //! parameters in any order.
 
 use super::message::{self, Number, Quantity};
-use super::variables::{STARTS, find};
+use super::variables::{COUNT, STARTS, ValueReference, find, lookup};
 use super::{
     Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, PROPERTY_POINTS, Path, Scene,
 };
@@ -20,7 +20,7 @@ impl std::fmt::Display for BrokenRule {
 impl std::error::Error for BrokenRule {}
 
 /// Relative rounding tolerance for the equality of lengths.
-const ROUNDING: f64 = 1e-9;
+const SAME_LENGTH: f64 = 1e-9;
 
 /// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
@@ -28,7 +28,7 @@ const FEWEST_CELLS: usize = 3;
 pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     check_chosen(values)?;
     friction_table(scene, values)?;
-    property_tables(scene, values)?;
+    property_tables(scene)?;
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
@@ -44,7 +44,6 @@ fn broken<T>(text: String) -> Result<T, BrokenRule> {
 
 /// Checks that temperatures which differ from the table's start values are also chosen to act.
 fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
-    const HELD: f64 = 1.0;
     let of = |name: &str| find(name).map(|reference| (values[reference as usize], STARTS[reference as usize]));
     for (name, choice, acts, only_where_held) in [
         ("punch.initial_temperature", "punch.initial_at_ambient", false, None),
@@ -53,7 +52,9 @@ fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
         ("strip.base_temperature", "strip.base_at_ambient", false, Some("strip.base_thermal")),
         ("contact.temperature_limit", "contact.temperature_limited", true, None),
     ] {
-        let held = only_where_held.and_then(of).is_none_or(|(boundary, _)| boundary == HELD);
+        let held = only_where_held
+            .and_then(of)
+            .is_none_or(|(item, _)| super::ThermalBoundary::from_item(item) == super::ThermalBoundary::Held);
         if let (Some((temperature, start)), Some((choice_made, _))) = (of(name), of(choice))
             && held
             && temperature != start
@@ -87,7 +88,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
                 ));
             }
             let around = 2.0 * std::f64::consts::PI * radius;
-            if scene.count * scene.depth > around * (1.0 + ROUNDING) {
+            if scene.count * scene.depth > around * (1.0 + SAME_LENGTH) {
                 return broken(format!(
                     "punch.count x depth = {} m is above the circumference 2 pi contact.mean_radius = {around} m",
                     Number(scene.count * scene.depth),
@@ -102,7 +103,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             }
         }
         Geometry::Periodic => {
-            if scene.path != Path::Closed || (width - length).abs() > ROUNDING * length || scene.count != 1.0 {
+            if scene.path != Path::Closed || (width - length).abs() > SAME_LENGTH * length || scene.count != 1.0 {
                 return broken(format!(
                     "contact.geometry = periodic needs strip.path = closed, punch.count = 1 and punch.width = strip.length; \
                      punch.width = {width} m, strip.length = {length} m, punch.count = {}",
@@ -118,7 +119,7 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             }
         }
         Geometry::Line => {
-            if scene.path == Path::Closed && scene.count * width > length * (1.0 + ROUNDING) {
+            if scene.path == Path::Closed && scene.count * width > length * (1.0 + SAME_LENGTH) {
                 return broken(format!(
                     "punch.count x punch.width = {} m is above strip.length = {length} m",
                     Number(scene.count * width),
@@ -291,21 +292,8 @@ fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
 }
 
 /// Rules of the tables of conductivity and specific heat over temperature.
-fn property_tables(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+fn property_tables(scene: &Scene) -> Result<(), BrokenRule> {
     for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
-        let points = body.properties.map_or(0, |table| table.points);
-        for row in ["temperature", "conductivity", "specific_heat"] {
-            let first = find(&format!("{name}.property_table.{row}[1]")).map(|reference| reference as usize);
-            let Some(first) = first else { continue };
-            if let Some(point) = (points..PROPERTY_POINTS).find(|point| values[first + point] != STARTS[first + point])
-            {
-                return broken(format!(
-                    "{name}.property_table.{row}[{}] = {} has no effect while {name}.property_table.points = {points}",
-                    point + 1,
-                    Number(values[first + point])
-                ));
-            }
-        }
         let Some(table) = &body.properties else { continue };
         if table.points < 2 {
             return broken(format!(
@@ -322,6 +310,26 @@ fn property_tables(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
         }
     }
     Ok(())
+}
+
+/// The first value that differs from `base` without effect, and what to set instead: a constant of a body with a property table, a
+/// value behind the last point of one. `base` is what the scene gives by itself, whose table `points` = 0 switches off.
+pub fn without_effect(values: &[f64; COUNT], base: &[f64; COUNT]) -> Option<String> {
+    ["punch", "strip"].into_iter().find_map(|body| {
+        let of = |name: &str| find(&format!("{body}.{name}")).map(|reference| reference as usize);
+        let points = values[of("property_table.points")?];
+        let differs = |at: &usize| values[*at] != base[*at];
+        let constant =
+            ["conductivity", "specific_heat"].into_iter().filter_map(of).find(differs).filter(|_| points > 0.0);
+        let behind = |row| of(row).and_then(|first| (first + points as usize..first + PROPERTY_POINTS).find(differs));
+        let rows =
+            ["property_table.temperature[1]", "property_table.conductivity[1]", "property_table.specific_heat[1]"];
+        let at = constant.or_else(|| rows.into_iter().find_map(behind))?;
+        let (row, element) = lookup(at as ValueReference)?;
+        let remedy = constant.map_or(String::new(), |_| format!("; set {body}.property_table.points = 0"));
+        let (name, value) = (row.element_name(element), Number(values[at]));
+        Some(format!("{name} = {value} has no effect while {body}.property_table.points = {points}{remedy}"))
+    })
 }
 
 fn level(scene: &Scene) -> Result<(), BrokenRule> {

@@ -31,7 +31,7 @@ pub const STOCK_NAME: &str = "stock";
 pub const NAME_CAPACITY: usize = 64;
 
 /// Largest admissible relative tolerance of a run.
-pub(crate) const LARGEST_TOLERANCE: f64 = 0.5;
+pub const LARGEST_TOLERANCE: f64 = 0.5;
 
 const LAYOUT_VERSION: u32 = 1;
 const CHECKSUM_AT: usize = 24;
@@ -307,7 +307,7 @@ impl Fingerprint {
 ///
 /// The XML and the library both call this function, so their GUIDs agree if and only if interface and
 /// scene are the same.
-pub fn guid(name: &str, starts: &[f64; COUNT]) -> String {
+pub(crate) fn guid(name: &str, starts: &[f64; COUNT]) -> String {
     let mut hash = Fingerprint(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
     hash.text(env!("CARGO_PKG_VERSION"));
     hash.text(name);

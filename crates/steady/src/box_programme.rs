@@ -63,7 +63,8 @@ enum BoundStatus {
 }
 
 const ITERATION_LIMIT: usize = 40;
-const SIGN_TOLERANCE: f64 = 1e-12;
+/// Part of the largest pressure or gap that is rounding.
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 impl BoxProgramme {
     /// Primal-dual active set method from all unknowns free; if an active set recurs, Lemke's algorithm, which is finite.
@@ -122,9 +123,9 @@ impl BoxProgramme {
 
     fn next(&self, statuses: &[BoundStatus], values: &DVector<f64>, multipliers: &DVector<f64>) -> Vec<BoundStatus> {
         let gradient = &self.quadratic * values + &self.linear - &self.constraints * multipliers;
-        let tolerance = SIGN_TOLERANCE * (&self.quadratic * values).amax().max(self.linear.amax());
+        let tolerance = ROUNDING * (&self.quadratic * values).amax().max(self.linear.amax());
         let place = |i: usize| {
-            let slack = SIGN_TOLERANCE * (self.upper[i] - self.lower[i]);
+            let slack = ROUNDING * (self.upper[i] - self.lower[i]);
             match statuses[i] {
                 BoundStatus::Free if values[i] < self.lower[i] - slack => BoundStatus::Lower,
                 BoundStatus::Free if values[i] > self.upper[i] + slack => BoundStatus::Upper,

@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 9.3.
 
+use super::box_programme::ROUNDING;
 use super::{SteadyError, not_negative, positive};
 use contact::wear::line::CellRate;
 use elasticity::{Cells, Compliance};
@@ -54,7 +55,7 @@ pub struct Cycle {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum BoundStatus {
+enum Touching {
     /// In contact backward only.
     BackwardOnly,
     Both,
@@ -75,7 +76,6 @@ struct CellState {
 }
 
 const ITERATION_LIMIT: usize = 200;
-const TOLERANCE: f64 = 1e-12;
 
 impl CycleProblem<'_> {
     /// Solves
@@ -107,7 +107,7 @@ impl CycleProblem<'_> {
         let levers = self.friction.map(|friction| self.pivot_height.map_or(0.0, |h| friction * h) / half_width);
 
         let mut difference = DVector::zeros(count);
-        let mut places = vec![BoundStatus::Both; count];
+        let mut places = vec![Touching::Both; count];
         let mut depth = [self.durations.iter().sum::<f64>() * self.rate.rate(0, mean), 0.0];
         let mut jump = [0.0, 0.0];
         for iterations in 1..=ITERATION_LIMIT {
@@ -123,7 +123,7 @@ impl CycleProblem<'_> {
             for i in 0..count {
                 residual[i] -= jump_at(i);
             }
-            let both: Vec<usize> = (0..count).filter(|&i| places[i] == BoundStatus::Both).collect();
+            let both: Vec<usize> = (0..count).filter(|&i| places[i] == Touching::Both).collect();
             let n = both.len();
             let mut system = DMatrix::zeros(n + 2 * free, n + 2 * free);
             let mut right = DVector::zeros(n + 2 * free);
@@ -175,14 +175,14 @@ impl CycleProblem<'_> {
             // Cells with violated inequality re-enter the active set; cells beyond an end of the curve leave it, in `cell`.
             let mut changed = false;
             for i in 0..count {
-                let tolerance = TOLERANCE * mean;
+                let tolerance = ROUNDING * mean;
                 let joins = match places[i] {
-                    BoundStatus::Both => false,
-                    BoundStatus::ForwardOnly => residual[i] > tolerance,
-                    BoundStatus::BackwardOnly => residual[i] < -tolerance,
+                    Touching::Both => false,
+                    Touching::ForwardOnly => residual[i] > tolerance,
+                    Touching::BackwardOnly => residual[i] < -tolerance,
                 };
                 if joins {
-                    places[i] = BoundStatus::Both;
+                    places[i] = Touching::Both;
                     changed = true;
                 }
             }
@@ -195,12 +195,11 @@ impl CycleProblem<'_> {
                 let depth = depth[0] + depth[1] * shift(1, i);
                 let [low, high] = self.ends(i, depth);
                 if difference[i] >= high || difference[i] <= low {
-                    places[i] =
-                        if difference[i] >= high { BoundStatus::ForwardOnly } else { BoundStatus::BackwardOnly };
+                    places[i] = if difference[i] >= high { Touching::ForwardOnly } else { Touching::BackwardOnly };
                     changed = true;
                 }
             }
-            if !changed && share == 1.0 && step < TOLERANCE && size < TOLERANCE {
+            if !changed && share == 1.0 && step < ROUNDING && size < ROUNDING {
                 return Ok(self.cycle(&states, depth, jump, elastic, &normal, &shear, iterations));
             }
         }
@@ -234,11 +233,11 @@ impl CycleProblem<'_> {
     }
 
     /// Pressures of a cell on the curve `t+ f(p+) + t- f(p-) = depth`, at the difference or at an end.
-    fn cell(&self, cell: usize, place: BoundStatus, difference: f64, depth: f64) -> CellState {
+    fn cell(&self, cell: usize, place: Touching, difference: f64, depth: f64) -> CellState {
         let [t_forward, t_backward] = self.durations;
         let [low, high] = self.ends(cell, depth);
         match place {
-            BoundStatus::ForwardOnly => {
+            Touching::ForwardOnly => {
                 let slope = 1.0 / (t_forward * self.rate.slope(cell, high));
                 let (by, sum) = (slope, slope);
                 CellState {
@@ -249,7 +248,7 @@ impl CycleProblem<'_> {
                     sum_by_depth: sum,
                 }
             }
-            BoundStatus::BackwardOnly => {
+            Touching::BackwardOnly => {
                 let slope = 1.0 / (t_backward * self.rate.slope(cell, -low));
                 CellState {
                     forward: 0.0,
@@ -259,7 +258,7 @@ impl CycleProblem<'_> {
                     sum_by_depth: slope,
                 }
             }
-            BoundStatus::Both => {
+            Touching::Both => {
                 let r = difference.clamp(low, high);
                 let base = self.smaller(cell, r, depth);
                 let (forward, backward) = (base + r.max(0.0), base + (-r).max(0.0));

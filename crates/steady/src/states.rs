@@ -163,7 +163,7 @@ pub fn run_in_shape(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2])
 }
 
 /// Gap of the unworn bodies of a scene: N cell means, in m; 0 for a scene that starts run in.
-pub fn initial_gap(scene: &Scene, cells: &Cells) -> Vec<f64> {
+pub(crate) fn initial_gap(scene: &Scene, cells: &Cells) -> Vec<f64> {
     match &scene.initial_shape {
         InitialShape::Flat | InitialShape::RunIn => vec![0.0; cells.count()],
         InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x.powi(3) / (6.0 * radius)),
@@ -205,7 +205,7 @@ pub(crate) struct Contact<'a> {
 }
 
 impl<'a> Contact<'a> {
-    pub fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
+    pub(crate) fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
         let law = FrictionLaw::new(scene);
         let kinetic_coefficient: f64 = law.kinetic_coefficient(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);

@@ -4,15 +4,14 @@ use elasticity::Cells;
 use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, SolveOptions};
 use model::line::operators::LineOperators;
 use scene::Scene;
-use scene::variables::find;
 use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_run_in_shape, hot_state, nominal_half_strokes};
-use test_support::{Drive, HELD, scene};
+use test_support::{Drive, HELD, changed_scene, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[
@@ -29,11 +28,7 @@ const SMALL: &[(&str, f64)] = &[
 ];
 
 fn made(changes: &[(&str, f64)]) -> Scene {
-    let mut values = scene("reciprocating_punch");
-    for (name, value) in SMALL.iter().chain(changes) {
-        values[find(name).unwrap_or_else(|| panic!("no variable {name}")) as usize] = *value;
-    }
-    Scene::new(&values, None).unwrap_or_else(|error| panic!("{error}"))
+    changed_scene(&scene("reciprocating_punch"), &[SMALL, changes].concat())
 }
 
 fn hot(scene: &Scene) -> Result<(Cells, HotState), SteadyError> {
@@ -178,7 +173,7 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
     assert!(matches!(wearing, SteadyError::WearingStripReciprocating { .. }), "{wearing}");
     let grooved = made(&[("strip.wear_coefficient", 1e-14)]);
-    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), Resolution::WITH_HEAT).err().unwrap();
+    let refused = cycle_map(&grooved, nominal_half_strokes(&grooved), MapResolution::WITH_HEAT).err().unwrap();
     assert!(refused.to_string().contains("cycle map: a strip that wears on a straight track"), "{refused}");
     // The body that conducts is named.
     for (insulator, text) in [
@@ -334,7 +329,7 @@ fn heat_changes_the_steady_pressures_of_long_cycles_only() {
 fn map(changes: &[(&str, f64)], heat: bool) -> CycleMap {
     let scene = made(changes);
     let operators = LineOperators::with_heat(&sliding_scene(&scene), heat, steady::run_in).unwrap();
-    let resolution = if heat { Resolution { levels: 2, parts: 2 } } else { Resolution::COLD };
+    let resolution = if heat { MapResolution { levels: 2, parts: 2 } } else { MapResolution::COLD };
     CycleMap::new(operators, nominal_half_strokes(&scene), resolution).unwrap()
 }
 
@@ -446,7 +441,7 @@ fn a_million_cycles_relax_as_theory_has_it() {
 #[test]
 fn the_steps_of_a_cycle_are_short_enough() {
     let scene = made(&[]);
-    let [coarse, fine] = [Resolution::WITH_HEAT, Resolution { levels: 6, parts: 8 }].map(|resolution| {
+    let [coarse, fine] = [MapResolution::WITH_HEAT, MapResolution { levels: 6, parts: 8 }].map(|resolution| {
         let mut map = cycle_map(&scene, nominal_half_strokes(&scene), resolution).unwrap();
         let start = map.start();
         map.steady(&start, &SolveOptions::default()).unwrap()
@@ -540,7 +535,7 @@ fn stepping_with_property_tables_ends_in_the_cycle_found_directly() {
     }
     // A map of cycles whose properties change is none.
     let operators = LineOperators::with_heat(&sliding_scene(&made(&tables)), true, steady::run_in).unwrap();
-    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&made(&tables)), Resolution::WITH_HEAT) else {
+    let Err(error) = CycleMap::new(operators, nominal_half_strokes(&made(&tables)), MapResolution::WITH_HEAT) else {
         panic!("cycles with tables")
     };
     assert!(error.to_string().contains("punch.property_table.points = 2"), "{error}");
@@ -555,6 +550,7 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
             ("solver.fidelity", level),
             ("solver.cells", 9.0),
             ("strip.base_thermal", HELD),
+            ("strip.property_table.points", 0.0),
             ("strip.conductivity", 50.0),
             ("nominal.load", 1e4),
             ("nominal.velocity", 3.8),
@@ -564,11 +560,7 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
     };
     let steady = |tables: &[(String, f64)]| {
         let changes = changes(3.0, tables);
-        let mut values = scene("disc_brake");
-        for (name, value) in &changes {
-            values[find(name).unwrap() as usize] = *value;
-        }
-        hot(&Scene::new(&values, None).unwrap()).unwrap().1.heat
+        hot(&changed_scene(&scene("disc_brake"), &named(&changes))).unwrap().1.heat
     };
     let [constant, own] = [&[][..], &tables].map(steady);
     let rise = own.contact_temperature[1] - 293.15;

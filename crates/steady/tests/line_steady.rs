@@ -26,6 +26,34 @@ fn power_rate(exponent: f64) -> CellRate {
     CellRate::uniform(1.0, 1.0, exponent)
 }
 
+/// Reciprocating sliding with a vanishing wear per stroke.
+fn reciprocating<'a>(
+    cells: &'a Cells,
+    [punch, strip]: [&'a Compliance; 2],
+    friction: f64,
+    pivot_height: Option<f64>,
+) -> ReciprocatingProblem<'a> {
+    ReciprocatingProblem { cells, punch, strip, friction, load: LOAD, pivot_height, wear_per_stroke: 0.0 }
+}
+
+/// The shape of a cycle alone, put into the contact, gives its pressures forward and backward. A punch that cannot rotate keeps the tilt
+/// of the shape's gauge, here none.
+fn assert_pressures(problem: &ReciprocatingProblem, shape: &[f64], pressures: [&Vec<f64>; 2], case: &str) {
+    let ReciprocatingProblem { cells, punch, strip, friction, pivot_height, .. } = *problem;
+    let (normal, shear) = pair_operators(punch, strip);
+    let mut contact = WearingContact::new(cells, cells.widths(), normal, shear, vec![0.0; cells.count()]).unwrap();
+    for (direction, expected) in [Direction::Forward, Direction::Backward].into_iter().zip(pressures) {
+        let signed_friction = direction.signed_friction(friction);
+        let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(signed_friction * h));
+        let rate = CellRate::archard(0.0, 0.0);
+        let conditions = Conditions { signed_friction, normal: Normal::Load(LOAD), tilt, rate };
+        let state = contact.pressure(shape, &conditions).unwrap();
+        for (computed, expected) in state.pressure.iter().zip(expected) {
+            assert!((computed - expected).abs() < 1e-9, "{case} {direction:?}: {computed} {expected}");
+        }
+    }
+}
+
 /// One step, returning the state at its end.
 fn step_once(
     integrator: &mut Integrator,
@@ -52,15 +80,7 @@ fn reciprocating_on_the_half_plane() {
         for count in [33, 65, 129, 257] {
             let cells = Cells::graded(1.0, count).unwrap();
             let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
-            let problem = ReciprocatingProblem {
-                cells: &cells,
-                punch: &punch,
-                strip: &strip,
-                friction: 0.25,
-                load: LOAD,
-                pivot_height,
-                wear_per_stroke: 0.0,
-            };
+            let problem = reciprocating(&cells, [&punch, &strip], 0.25, pivot_height);
             let cycle = problem.solve().unwrap();
             let means = cells.means_from_primitive(|x| exact.forward_primitive(x));
             let error = (0..count)
@@ -93,13 +113,8 @@ fn direct_cycle_equals_time_stepping() {
     for strip in [half_plane(&cells), layer(&cells)] {
         for pivot_height in [None, Some(1.1)] {
             let problem = ReciprocatingProblem {
-                cells: &cells,
-                punch: &punch,
-                strip: &strip,
-                friction,
-                load: LOAD,
-                pivot_height,
                 wear_per_stroke,
+                ..reciprocating(&cells, [&punch, &strip], friction, pivot_height)
             };
             let direct = problem.solve().unwrap();
             let (normal, shear) = pair_operators(&punch, &strip);
@@ -142,34 +157,9 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
     let cells = Cells::graded(1.0, 65).unwrap();
     let (punch, strip, friction) = (Rigid.compliance(&cells), layer(&cells), 0.4);
     for pivot_height in [None, Some(0.9)] {
-        let problem = ReciprocatingProblem {
-            cells: &cells,
-            punch: &punch,
-            strip: &strip,
-            friction,
-            load: LOAD,
-            pivot_height,
-            wear_per_stroke: 0.0,
-        };
+        let problem = reciprocating(&cells, [&punch, &strip], friction, pivot_height);
         let cycle = problem.solve().unwrap();
-        let (normal, shear) = pair_operators(&punch, &strip);
-        let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 65]).unwrap();
-        for (direction, sign, expected) in
-            [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
-        {
-            // A punch that cannot rotate keeps the tilt of the shape's gauge, here none.
-            let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
-            let conditions = Conditions {
-                signed_friction: sign * friction,
-                normal: Normal::Load(LOAD),
-                tilt,
-                rate: CellRate::archard(0.0, 0.0),
-            };
-            let state = contact.pressure(&cycle.shape, &conditions).unwrap();
-            for (computed, expected) in state.pressure.iter().zip(expected) {
-                assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
-            }
-        }
+        assert_pressures(&problem, &cycle.shape, [&cycle.forward, &cycle.backward], "");
     }
 }
 
@@ -177,15 +167,7 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
 fn the_cycle_minimises_the_strain_energy() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
-    let problem = ReciprocatingProblem {
-        cells: &cells,
-        punch: &punch,
-        strip: &strip,
-        friction: 0.3,
-        load: LOAD,
-        pivot_height: Some(1.0),
-        wear_per_stroke: 0.0,
-    };
+    let problem = reciprocating(&cells, [&punch, &strip], 0.3, Some(1.0));
     let cycle = problem.solve().unwrap();
     let programme = problem.programme().unwrap();
     let d = DVector::from_fn(33, |i, _| cycle.forward[i] - 1.0);
@@ -340,15 +322,7 @@ fn groove_on_a_winkler_foundation() {
 fn states_that_do_not_exist_are_refused() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
-    let problem = |friction, pivot_height| ReciprocatingProblem {
-        cells: &cells,
-        punch: &punch,
-        strip: &strip,
-        friction,
-        load: LOAD,
-        pivot_height,
-        wear_per_stroke: 0.0,
-    };
+    let problem = |friction, pivot_height| reciprocating(&cells, [&punch, &strip], friction, pivot_height);
     for height in [1.0, 1.5] {
         let refused = problem(0.5, Some(height)).solve().unwrap_err();
         assert_eq!(refused, SteadyError::RocksItselfRound { lever: 0.5 * height, limit: 0.5, exponent: 1.0 });
@@ -396,15 +370,7 @@ fn general_cycle_is_the_programme_for_the_archard_law() {
     let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(1.0));
     for pivot_height in [None, Some(0.5), Some(1.4)] {
         let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, [1.0; 2]).solve().unwrap();
-        let problem = ReciprocatingProblem {
-            cells: &cells,
-            punch: &punch,
-            strip: &strip,
-            friction: 0.3,
-            load: LOAD,
-            pivot_height,
-            wear_per_stroke: 0.0,
-        };
+        let problem = reciprocating(&cells, [&punch, &strip], 0.3, pivot_height);
         let programme = problem.solve().unwrap();
         for i in 0..65 {
             assert!((cycle.forward[i] - programme.forward[i]).abs() < 1e-10, "{pivot_height:?} cell {i}");
@@ -439,24 +405,9 @@ fn general_cycles_wear_evenly_and_give_their_pressures() {
                 let rigid = cycle.sinking + cycle.tilting * x;
                 assert!((depth / rigid - 1.0).abs() < 1e-9, "{case} cell {i}: {depth} {rigid}");
             }
-            // The shape alone, put into the contact, must give both pressures, clipped edges included.
-            let (normal, shear) = pair_operators(&punch, &strip);
-            let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 33]).unwrap();
-            for (direction, sign, expected) in
-                [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
-            {
-                let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * 0.3 * h));
-                let conditions = Conditions {
-                    signed_friction: direction.signed_friction(0.3),
-                    normal: Normal::Load(LOAD),
-                    tilt,
-                    rate: rate.clone(),
-                };
-                let state = contact.pressure(&cycle.shape, &conditions).unwrap();
-                for (computed, expected) in state.pressure.iter().zip(expected) {
-                    assert!((computed - expected).abs() < 1e-8, "{case} {direction:?}: {computed} {expected}");
-                }
-            }
+            // Clipped edges included.
+            let problem = reciprocating(&cells, [&punch, &strip], 0.3, pivot_height);
+            assert_pressures(&problem, &cycle.shape, [&cycle.forward, &cycle.backward], &case);
         }
     }
 }

@@ -6,11 +6,9 @@ use contact::{ContactState, Normal, Tilt, pair_operators};
 use elasticity::discretization::{cells_for, compliances};
 use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
 use nalgebra::{DMatrix, DVector};
-use scene::Scene;
-use scene::variables::{STARTS, find};
 use steady::states::{Sliding, steady_state};
 use steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
-use test_support::Random;
+use test_support::{Random, changed_scene};
 use verification::integrator::{Integrator, Scheme};
 
 const COUNT: usize = 33;
@@ -125,33 +123,8 @@ fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
 
 #[test]
 fn time_stepping_takes_more_than_a_hundred_cycles_to_the_direct_steady_state() {
-    let mut values = STARTS;
-    for (name, value) in [
-        ("contact.geometry", 1.0),
-        ("contact.friction_coefficient", 0.25),
-        ("contact.faces", 1.0),
-        ("strip.path", 1.0),
-        ("strip.length", 0.0),
-        ("punch.count", 1.0),
-        ("punch.width", 0.06),
-        ("depth", 0.01),
-        ("punch.height", 0.1),
-        ("punch.body", 4.0),
-        ("punch.youngs_modulus", 200e9),
-        ("punch.poissons_ratio", 0.3),
-        ("punch.wear_coefficient", 1.5e-13),
-        ("strip.body", 1.0),
-        ("strip.height", 0.1),
-        ("strip.youngs_modulus", 200e9),
-        ("strip.poissons_ratio", 0.3),
-        ("strip.wear_coefficient", 0.0),
-        ("nominal.load", 10e3),
-        ("nominal.velocity", 9.549e-3),
-        ("nominal.stroke", 3e-3),
-    ] {
-        values[find(name).unwrap() as usize] = value;
-    }
-    let scene = Scene::new(&values, None).unwrap();
+    let changes = [("punch.wear_coefficient", 1.5e-13), ("strip.body", 1.0)];
+    let scene = changed_scene(&test_support::scene("reciprocating_punch"), &changes);
     let cells = cells_for(&scene, COUNT).unwrap();
     let bodies = compliances(&scene, &cells).unwrap();
     let direct = steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap();

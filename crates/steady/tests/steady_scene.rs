@@ -7,43 +7,14 @@ use elasticity::{Cells, Compliance};
 use exact::annular_pressure;
 use nalgebra::DVector;
 use scene::Scene;
-use scene::variables::{STARTS, find};
 use steady::SteadyError;
 use steady::relative_velocity::{ElasticVelocity, assess};
 use steady::states::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
+use test_support::changed_scene;
 
-/// A steel punch of 60 mm on a steel strip, 10 kN, reciprocating over 3 mm.
-const PUNCH: &[(&str, f64)] = &[
-    ("contact.geometry", 1.0),
-    ("contact.friction_coefficient", 0.25),
-    ("contact.mean_radius", 0.0),
-    ("contact.faces", 1.0),
-    ("strip.path", 1.0),
-    ("strip.length", 0.0),
-    ("punch.count", 1.0),
-    ("punch.width", 0.06),
-    ("depth", 0.01),
-    ("punch.height", 0.1),
-    ("punch.body", 4.0),
-    ("punch.youngs_modulus", 200e9),
-    ("punch.poissons_ratio", 0.3),
-    ("punch.wear_coefficient", 3.9e-14),
-    ("strip.body", 4.0),
-    ("strip.height", 0.1),
-    ("strip.youngs_modulus", 200e9),
-    ("strip.poissons_ratio", 0.3),
-    ("strip.wear_coefficient", 0.0),
-    ("nominal.load", 10e3),
-    ("nominal.velocity", 9.549e-3),
-    ("nominal.stroke", 3e-3),
-];
-
+/// The reciprocating punch, of 60 mm under 10 kN over 3 mm, with changes.
 fn scene(changes: &[(&str, f64)]) -> Scene {
-    let mut values = STARTS;
-    for (name, value) in PUNCH.iter().chain(changes) {
-        values[find(name).unwrap_or_else(|| panic!("no variable {name}")) as usize] = *value;
-    }
-    Scene::new(&values, None).unwrap_or_else(|error| panic!("{error}"))
+    changed_scene(&test_support::scene("reciprocating_punch"), changes)
 }
 
 struct Solved {

@@ -68,6 +68,22 @@ impl Drive {
         self
     }
 
+    /// Sliding to and fro at up to `speed` (m/s), in some steps linear with up to `slope` (m/s2), under a varying load; the bits of all
+    /// outputs.
+    pub fn strokes(&mut self, steps: std::ops::Range<u32>, speed: f64, slope: f64) -> Vec<u64> {
+        let mut bits = Vec::new();
+        for step in steps {
+            let phase = f64::from(step) * 0.61;
+            self.set("sliding_velocity", speed * phase.sin()).set("normal_load", 9e3 * (1.1 + (0.37 * phase).cos()));
+            if step % 4 == 1 {
+                self.slope("sliding_velocity", -slope * phase.sin());
+            }
+            self.step(0.05 + 0.02 * f64::from(step % 3));
+            bits.extend((7..250).map(|output| self.0.get(output).to_bits()));
+        }
+        bits
+    }
+
     /// Contact area of one punch and one face, m2.
     pub fn area(&mut self) -> f64 {
         self.get("punch.width") * self.get("depth")

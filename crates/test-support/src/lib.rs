@@ -5,6 +5,7 @@
 
 mod application;
 pub mod counting;
+pub mod derivatives;
 mod drive;
 pub mod importer;
 mod random;
@@ -14,14 +15,17 @@ pub use drive::Drive;
 pub use random::Random;
 
 use scene::Scene;
-use scene::variables::{ValueReference, find};
-use sliding_contact::component::Values;
+use scene::variables::{COUNT, Causality, Kind, ValueReference, find, lookup};
+use sliding_contact::component::{Component, Values};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// `solver.fidelity`: the level is chosen by the tolerance.
 pub(crate) const AUTO: f64 = 1.0;
 /// `solver.fidelity`: uniform pressure.
 pub const LUMPED: f64 = 2.0;
+/// `solver.fidelity`: pressure along the contact.
+pub const LINE: f64 = 3.0;
 
 /// Face of a body: held at a temperature.
 pub const HELD: f64 = 1.0;
@@ -45,11 +49,7 @@ pub fn reference(name: &str) -> ValueReference {
 /// # Panics
 /// Where there is no variable of a name.
 pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
-    let mut starts = *starts;
-    for (name, value) in changes {
-        starts[reference(name) as usize] = *value;
-    }
-    starts
+    scene::variables::changed(starts, changes).unwrap()
 }
 
 /// The scene of `starts` with changes by name.
@@ -58,6 +58,23 @@ pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
 /// Where there is no variable of a name, or the scene is refused.
 pub fn changed_scene(starts: &Values, changes: &[(&str, f64)]) -> Scene {
     Scene::new(&changed(starts, changes), None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The component of an example scene with changes, before initialisation.
+///
+/// # Panics
+/// Where there is no such scene or variable.
+pub fn component(name: &str, changes: &[(&str, f64)]) -> Component {
+    Component::new(Arc::new(changed(&scene(name), changes)))
+}
+
+/// References of the real variables that are calculated.
+pub fn real_outputs() -> Vec<ValueReference> {
+    let calculated = |reference: &u32| {
+        let (row, _) = lookup(*reference).unwrap();
+        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
+    };
+    (0..COUNT as u32).filter(calculated).collect()
 }
 
 /// The folder of the example scenes and their data.

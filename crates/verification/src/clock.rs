@@ -12,7 +12,7 @@ pub fn process_seconds() -> f64 {
 
 /// Processor time of all threads, s.
 #[cfg(not(unix))]
-pub fn process_seconds() -> f64 {
+pub(crate) fn process_seconds() -> f64 {
     static BEGIN: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
     BEGIN.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
 }

@@ -1,7 +1,7 @@
 //! Component driver of the verification problems, with variables by name.
 
-use scene::variables::{STARTS, ValueReference, find};
-use sliding_contact::component::{Component, Values};
+use scene::variables::{STARTS, ValueReference, changed, find};
+use sliding_contact::component::Component;
 use std::sync::Arc;
 
 /// An initialised component with variables by name.
@@ -13,20 +13,16 @@ fn reference(name: &str) -> Result<ValueReference, String> {
 
 impl Driven {
     /// The stock scene with changed start values, initialised.
-    pub fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
-        let mut starts: Values = STARTS;
+    pub(crate) fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
         // Problems at another level select it; the default is the lumped one.
-        starts[reference("solver.fidelity")? as usize] = 2.0;
-        for (name, value) in changes {
-            starts[reference(name)? as usize] = *value;
-        }
+        let starts = changed(&changed(&STARTS, &[("solver.fidelity", 2.0)])?, changes)?;
         let mut component = Component::new(Arc::new(starts));
         component.enter_initialization();
         component.initialise(None)?;
         Ok(Driven(component))
     }
 
-    pub fn set(&mut self, name: &str, value: f64) -> Result<(), String> {
+    pub(crate) fn set(&mut self, name: &str, value: f64) -> Result<(), String> {
         self.0.set_input(reference(name)?, value);
         Ok(())
     }
@@ -36,17 +32,17 @@ impl Driven {
         Ok(())
     }
 
-    pub fn get(&mut self, name: &str) -> Result<f64, String> {
+    pub(crate) fn get(&mut self, name: &str) -> Result<f64, String> {
         Ok(self.0.get(reference(name)?))
     }
 
     /// Internal steps accepted and rejected so far.
-    pub fn work(&self) -> (u64, u64) {
+    pub(crate) fn work(&self) -> (u64, u64) {
         self.0.work()
     }
 
     /// `count` steps of `step` seconds.
-    pub fn steps(&mut self, step: f64, count: u32) -> Result<(), String> {
+    pub(crate) fn steps(&mut self, step: f64, count: u32) -> Result<(), String> {
         (0..count).try_for_each(|_| self.0.step(step))
     }
 }

@@ -16,7 +16,6 @@ pub use families::{FORMER, Family};
 pub use run::{Ending, Record, Schedule};
 
 use scene::Fidelity;
-use scene::variables::{STARTS, find};
 use sliding_contact::component::Values;
 use std::fmt;
 
@@ -119,7 +118,7 @@ impl fmt::Display for Setting {
     }
 }
 
-type Course = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
+type ExactSamples = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
 
 /// Reference solution of the runs.
 pub enum Truth {
@@ -128,7 +127,7 @@ pub enum Truth {
         /// Derivation, with the source.
         how: &'static str,
         /// Samples at the given times.
-        course: Course,
+        samples: ExactSamples,
     },
     /// The first of these runs that the component accepts and that ends within the caller's budget: finer in every respect
     /// than all judged runs.
@@ -167,15 +166,6 @@ pub struct DriveProblem {
 /// A missing scene file.
 pub fn problems() -> Result<Vec<DriveProblem>, String> {
     Ok(vec![pin::problem()?, punch::cold()?, punch::hot()?, brake::stop()?, brake::cycle()?, clutch::problem()?])
-}
-
-/// Start values of the variable table with these changes.
-fn starts(scene: Option<&Values>, changes: &[(&str, f64)]) -> Result<Values, String> {
-    let mut starts = *scene.unwrap_or(&STARTS);
-    for (name, value) in changes {
-        starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = *value;
-    }
-    Ok(starts)
 }
 
 /// Multiples of `spacing` up to `last`.

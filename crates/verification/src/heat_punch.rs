@@ -9,7 +9,7 @@ use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, Thermal
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use std::f64::consts::PI;
 
 const CELLS: usize = 33;
@@ -19,8 +19,7 @@ const DURATION: f64 = 1000.0;
 
 /// Steel punch, 60 mm x 100 mm x 10 mm, convecting at its top and sides.
 fn scene() -> Result<Scene, String> {
-    let mut values = STARTS;
-    for (name, value) in [
+    let changes = [
         ("punch.width", 2.0 * HALF_WIDTH),
         ("punch.height", 0.1),
         ("depth", 0.01),
@@ -31,10 +30,8 @@ fn scene() -> Result<Scene, String> {
         ("punch.poissons_ratio", 0.3),
         ("punch.convection", 300.0),
         ("punch.top_thermal", 2.0),
-    ] {
-        values[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-    }
-    Scene::new(&values, None).map_err(|error| format!("{error:?}"))
+    ];
+    Scene::new(&changed(&STARTS, &changes)?, None).map_err(|error| format!("{error:?}"))
 }
 
 /// Reduced punch with temperatures and distortions of the last step.
@@ -72,16 +69,13 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// Flux as a function of time.
-type Course = fn(f64) -> f64;
-
-/// Largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the
+/// For a flux over the contact times `factor` of the time: largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the
 /// ends of runs of 40 steps each.
-fn differences(course: Course, steps: &[f64]) -> Result<[f64; 2], String> {
+fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Result<[f64; 2], String> {
     let cells = Cells::graded(HALF_WIDTH, CELLS).map_err(|error| error.to_string())?;
     let scene = scene()?;
     let flux = |time: f64| -> Vec<f64> {
-        cells.centres().iter().map(|x| (0.7 + 0.3 * x / HALF_WIDTH) * course(time)).collect()
+        cells.centres().iter().map(|x| (0.7 + 0.3 * x / HALF_WIDTH) * factor(time)).collect()
     };
     let (mut reduced, mut unreduced) = (Reduced::new(&scene, &cells)?, Unreduced::new(&scene, &cells)?);
     let mut scale = Reduced::new(&scene, &cells)?;
@@ -106,18 +100,19 @@ fn differences(course: Course, steps: &[f64]) -> Result<[f64; 2], String> {
 
 pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
-    let courses: [(&str, Course, &'static [f64]); 3] = [
+    type Factor = fn(f64) -> f64;
+    let fluxes: [(&str, Factor, &'static [f64]); 3] = [
         ("a step", |_| 1.0, &[1e-3, 1e-2, 0.1, 0.5]),
         ("a ramp", |time| time / 24.0, &[1e-3, 1e-2, 0.1, 0.5]),
         ("a flux of 10 Hz", |time| (20.0 * PI * time).sin(), &[1e-3; 4]),
     ];
-    for (name, course, steps) in courses {
+    for (name, factor, steps) in fluxes {
         all.push(Problem {
             name: format!("reduced punch against finite elements, {name}"),
             quantity: "largest difference of temperature and distortion, relative",
             exact: known(0.0),
             scale: Some(1.0),
-            compute: Box::new(move || differences(course, steps).map(|[warm, moved]| warm.max(moved))),
+            compute: Box::new(move || differences(factor, steps).map(|[warm, moved]| warm.max(moved))),
             bound: TOLERANCE,
             reason: "tolerance of the reduction",
         });

@@ -8,10 +8,10 @@ use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
 use exact::reference::{ClosedPath, LayerBase};
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution};
 use model::line::operators::LineOperators;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state, nominal_half_strokes};
 
@@ -74,12 +74,7 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 fn scene(changes: &[(&str, f64)]) -> Result<Scene, String> {
-    let mut values = STARTS;
-    for (name, value) in SMALL.iter().chain(changes) {
-        let reference = find(name).ok_or_else(|| format!("there is no variable {name}"))?;
-        values[reference as usize] = *value;
-    }
-    Scene::new(&values, None).map_err(text)
+    Scene::new(&changed(&STARTS, &[SMALL, changes].concat())?, None).map_err(text)
 }
 
 fn hot(changes: &[(&str, f64)]) -> Result<HotState, String> {
@@ -235,7 +230,8 @@ fn relaxation(all: &mut Vec<Problem>) {
                     ("solver.cells", 65.0),
                 ])?;
                 let operators = LineOperators::with_heat(&sliding_scene(&scene), false, steady::run_in)?;
-                let mut map = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::COLD).map_err(text)?;
+                let mut map =
+                    CycleMap::new(operators, nominal_half_strokes(&scene), MapResolution::COLD).map_err(text)?;
                 let start = map.start();
                 let cells = map.operators().cells.clone();
                 let mut jumps = Jumps::new(&mut map, start, JumpOptions::default());

@@ -55,7 +55,7 @@ impl fmt::Display for StepError {
 impl std::error::Error for StepError {}
 
 /// Callback that overwrites the conditions with those of a time.
-pub(crate) type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
+type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
 
 /// Integrator of the worn depths `dw/dt = f(p(w, t))`, N cells.
 ///

@@ -28,7 +28,7 @@ mod punch_heat;
 pub mod stability;
 mod steady_states;
 pub mod timed_steps;
-pub mod wave;
+pub(crate) mod wave;
 mod wear_line;
 
 use std::time::Instant;

@@ -28,7 +28,7 @@ pub(crate) struct PathModes {
 impl PathModes {
     /// Modes of `path`, whose base is held: `waves` Fourier modes and `depths` modes through the depth; those beyond are
     /// quasi-static.
-    pub fn new(path: &ClosedPath, velocity: f64, waves: u32, depths: u32) -> PathModes {
+    pub(crate) fn new(path: &ClosedPath, velocity: f64, waves: u32, depths: u32) -> PathModes {
         assert_eq!(path.base, LayerBase::Held, "the modes are those of a held base");
         let capacity = path.conductivity / path.diffusivity;
         let mut modes = PathModes { rate: Vec::new(), weight: Vec::new(), steady: 0.0 };
@@ -48,7 +48,7 @@ impl PathModes {
     }
 
     /// Steady mean temperature over the contact per flux, K m2/W.
-    pub fn steady(&self) -> f64 {
+    pub(crate) fn steady(&self) -> f64 {
         self.steady
     }
 
@@ -59,7 +59,7 @@ impl PathModes {
 
     /// Mean over the contact after `count` steps of `step` (s) with the flux `flux`, from rest or (`reversed`) from the
     /// steady state for a flux of 1 at the opposite velocity. A mode is multiplied by `factor(lambda h)` per step.
-    pub fn after(
+    pub(crate) fn after(
         &self,
         reversed: bool,
         flux: f64,
@@ -76,7 +76,7 @@ impl PathModes {
 }
 
 /// exp(-z): exact propagation.
-pub fn exact(z: Complex<f64>) -> Complex<f64> {
+pub(crate) fn exact(z: Complex<f64>) -> Complex<f64> {
     (-z).exp()
 }
 

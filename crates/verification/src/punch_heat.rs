@@ -7,7 +7,7 @@ use conduction::line::punch;
 use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::Scene;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed};
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
 
@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 1e-4;
 
 /// Flux of 1 W/m2 times a function of time, into the half x > 0 of the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Course {
+enum Flux {
     Step,
     /// Ramp from 0 by 1 per second.
     Ramp,
@@ -31,8 +31,8 @@ enum Course {
     Sine(f64),
 }
 
-impl Course {
-    fn flux(self, time: f64) -> f64 {
+impl Flux {
+    fn at(self, time: f64) -> f64 {
         match self {
             Self::Step => 1.0,
             Self::Ramp => time,
@@ -70,7 +70,7 @@ impl Course {
                 .map(|n| diffusivity * (((f64::from(n) + 0.5) * PI / HEIGHT).powi(2) + q * q))
                 .map(|rate| part * self.remainder(rate, time))
                 .sum();
-            shape * (self.flux(time) * steady + left)
+            shape * (self.at(time) * steady + left)
         };
         (0..400).filter(|m| *m == 0 || m % 2 == 1).map(mode).sum()
     }
@@ -93,7 +93,7 @@ impl Course {
         let mut distortion = vec![0.0; CELLS];
         for index in 0..count {
             let start = f64::from(index) * step;
-            let [first, end] = [GAMMA * step, step].map(|part| into(self.flux(start + part)));
+            let [first, end] = [GAMMA * step, step].map(|part| into(self.at(start + part)));
             if index + 1 == count {
                 body.free_response(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
                 let influence = &body.influence(Stage::End).temperature;
@@ -109,8 +109,7 @@ impl Course {
 }
 
 fn starts() -> Result<Values, String> {
-    let mut starts = STARTS;
-    for (name, value) in [
+    let changes = [
         ("punch.width", WIDTH),
         ("punch.height", HEIGHT),
         ("punch.conductivity", CONDUCTIVITY),
@@ -119,26 +118,24 @@ fn starts() -> Result<Values, String> {
         ("punch.convection", 0.0),
         ("punch.top_thermal", 1.0),
         ("punch.thermal_expansion", 0.0),
-    ] {
-        starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-    }
-    Ok(starts)
+    ];
+    changed(&STARTS, &changes)
 }
 
 pub(super) fn problems() -> Vec<Problem> {
     let cases = [
-        ("a step, after 10 s", Course::Step, 10.0, 20, 1.0),
-        ("a step, after 0.1 s", Course::Step, 0.1, 20, 1.0),
-        ("a ramp, after 10 s", Course::Ramp, 10.0, 20, 10.0),
-        ("10 Hz, after 1.22 periods", Course::Sine(20.0 * PI), 0.122, 600, 1.0),
+        ("a step, after 10 s", Flux::Step, 10.0, 20, 1.0),
+        ("a step, after 0.1 s", Flux::Step, 0.1, 20, 1.0),
+        ("a ramp, after 10 s", Flux::Ramp, 10.0, 20, 10.0),
+        ("10 Hz, after 1.22 periods", Flux::Sine(20.0 * PI), 0.122, 600, 1.0),
     ];
-    let problem = |(name, course, time, count, flux): (&str, Course, f64, u32, f64)| Problem {
+    let problem = |(name, function, time, count, flux): (&str, Flux, f64, u32, f64)| Problem {
         name: format!("reduced punch of 60 x 100 mm, flux into half of its contact: {name}"),
         quantity: "mean temperature of that half, K.m2/W",
-        exact: Box::new(move || Ok(course.temperature(time))),
+        exact: Box::new(move || Ok(function.temperature(time))),
         // The rise by a uniform flux over the duration.
         scale: Some(flux * 2.0 * (DURATION / (PI * CONDUCTIVITY * CAPACITY)).sqrt()),
-        compute: Box::new(move || course.reduced(time, count)),
+        compute: Box::new(move || function.reduced(time, count)),
         bound: TOLERANCE,
         reason: "the reduction's tolerance; what it states is at most 1.2 of it, by any flux and at any frequency",
     };

@@ -6,7 +6,7 @@
 //! Theory: docs/theory.md, section 7.
 
 pub mod conductance;
-pub mod conductivity;
+pub(crate) mod conductivity;
 pub mod growth_step;
 mod half_spaces;
 pub mod peclet;
@@ -29,7 +29,7 @@ pub enum Grid {
 
 impl Grid {
     /// Number of points on this grid for the published number `normal`.
-    pub fn count(self, normal: usize) -> usize {
+    pub(crate) fn count(self, normal: usize) -> usize {
         match self {
             Self::Coarse => normal.div_ceil(3).max(3),
             Self::Normal => normal,
@@ -38,7 +38,7 @@ impl Grid {
     }
 
     /// Geometrically spaced values from `first` to `last`, [`Self::count`] of them.
-    pub fn spread(self, first: f64, last: f64, normal: usize) -> Vec<f64> {
+    pub(crate) fn spread(self, first: f64, last: f64, normal: usize) -> Vec<f64> {
         let count = self.count(normal);
         (0..count).map(|k| first * (last / first).powf(k as f64 / (count - 1) as f64)).collect()
     }
@@ -178,7 +178,7 @@ pub struct Definition {
 }
 
 /// Function that computes a map.
-pub type Compute = fn(Grid, &dyn Fn(f64)) -> Result<Map, String>;
+pub(crate) type Compute = fn(Grid, &dyn Fn(f64)) -> Result<Map, String>;
 
 /// All maps.
 pub fn maps() -> Vec<Definition> {

@@ -15,7 +15,7 @@ use model::line::Line;
 use model::line::operators::LineOperators;
 use model::lumped::conditions::Tunables;
 use nalgebra::{Complex, DMatrix};
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed, find};
 use scene::{STATIONS, Scene};
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
@@ -33,7 +33,7 @@ const PRESSURE: f64 = 1e6;
 
 /// Parameters of the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct WaveScene {
+pub(crate) struct WaveScene {
     /// Number of cells, over one wavelength.
     pub cells: usize,
     /// Wear number `k K/(mu alpha (1+nu) kd)` of the punch.
@@ -50,7 +50,7 @@ pub struct WaveScene {
 
 impl WaveScene {
     /// A contact without wear and shear coupling.
-    pub fn new(cells: usize) -> WaveScene {
+    pub(crate) fn new(cells: usize) -> WaveScene {
         WaveScene { cells, wear: 0.0, coupled: false, tolerance: 1e-5, gap: 1e-14, duration: 1.0 }
     }
 
@@ -60,7 +60,7 @@ impl WaveScene {
     }
 
     /// Exact growth rate over `kd m^2` at `ratio` times the critical speed.
-    pub fn exact(&self, ratio: f64) -> Complex<f64> {
+    pub(crate) fn exact(&self, ratio: f64) -> Complex<f64> {
         instability::growth_rate(ratio, self.wear, self.coupling())
     }
 
@@ -116,10 +116,7 @@ impl WaveScene {
             ("nominal.load", PRESSURE * WAVELENGTH * WAVELENGTH),
             ("nominal.duration", self.duration / unit()),
         ];
-        let mut starts = STARTS;
-        for (name, value) in changes {
-            starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = value;
-        }
+        let mut starts = changed(&STARTS, &changes)?;
         let first = find("contact.initial_gap[1]").ok_or("there is no initial gap")? as usize;
         for station in 0..STATIONS {
             let x = station as f64 / (STATIONS - 1) as f64;
@@ -132,7 +129,7 @@ impl WaveScene {
     ///
     /// # Errors
     /// The scene or the line level is refused.
-    pub fn build(&self) -> Result<WaveContact, String> {
+    pub(crate) fn build(&self) -> Result<WaveContact, String> {
         let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
         let operators = Arc::new(LineOperators::new(&scene, steady::run_in)?);
         let angles: Vec<f64> = operators.cells.centres().iter().map(|x| 2.0 * PI * x / WAVELENGTH).collect();
@@ -141,7 +138,7 @@ impl WaveScene {
 }
 
 /// `kd m^2`, 1/s: the unit of growth rates.
-pub fn unit() -> f64 {
+pub(crate) fn unit() -> f64 {
     CONDUCTIVITY / CAPACITY * (2.0 * PI / WAVELENGTH).powi(2)
 }
 
@@ -159,7 +156,7 @@ pub struct WaveContact {
 
 impl WaveContact {
     /// Its parameters.
-    pub fn scene(&self) -> &WaveScene {
+    pub(crate) fn scene(&self) -> &WaveScene {
         &self.scene
     }
 
@@ -224,7 +221,7 @@ impl WaveContact {
     ///
     /// # Errors
     /// A failing step, or a contact that opens within a few steps.
-    pub fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Result<Complex<f64>, String> {
+    pub(crate) fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Result<Complex<f64>, String> {
         let amplitudes = self.follow(ratio, step, count)?;
         let oscillates = self.scene.exact(ratio).im != 0.0 && !self.scene.coupled;
         Ok(amplification(&amplitudes, counted, oscillates).ln() / step)
@@ -233,7 +230,7 @@ impl WaveContact {
 
 /// State of a stepped wave.
 #[derive(Debug)]
-pub struct Wave<'a> {
+pub(crate) struct Wave<'a> {
     contact: &'a WaveContact,
     line: Line,
     inputs: Inputs,
@@ -244,7 +241,7 @@ impl Wave<'_> {
     ///
     /// # Errors
     /// A failing step.
-    pub fn step(&mut self, step: f64) -> Result<(), String> {
+    pub(crate) fn step(&mut self, step: f64) -> Result<(), String> {
         self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
     }
 
@@ -281,7 +278,7 @@ pub(crate) struct LinearWave {
 impl LinearWave {
     /// One implicit step of `step`, over `1/(kd m^2)`: `g + C p + u_T(p) = 0` at both stages, the flux constant in the first
     /// and linear through both in the second.
-    pub fn step(&mut self, step: f64) {
+    pub(crate) fn step(&mut self, step: f64) {
         let count = self.cosine.len();
         let air = Surroundings::default();
         let (mut temperature, mut moved) = (vec![0.0; count], vec![0.0; count]);
@@ -321,7 +318,7 @@ pub(crate) struct SplitWave {
 
 impl SplitWave {
     /// A wave from rest.
-    pub fn new(mut wave: LinearWave) -> SplitWave {
+    pub(crate) fn new(mut wave: LinearWave) -> SplitWave {
         let rates = wave.body.decay_rates(0.0);
         // Resolves the fastest state: no input is lost to rounding.
         let step = 1.0 / rates.iter().copied().fold(0.0, f64::max);
@@ -335,7 +332,7 @@ impl SplitWave {
     }
 
     /// One step of `step`, over `1/(kd m^2)`.
-    pub fn step(&mut self, step: f64) {
+    pub(crate) fn step(&mut self, step: f64) {
         let SplitWave { wave, rates, inputs, moved } = self;
         wave.amplitude = -(wave.gap + *moved) / wave.compliance;
         let (flux, step) = (wave.heat * wave.amplitude, step / unit());

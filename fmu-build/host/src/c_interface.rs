@@ -24,7 +24,7 @@ use std::sync::atomic::AtomicBool;
 use std::{ptr, slice};
 
 /// Changes with the layout of [`Request`] and the meaning of any argument.
-pub const INTERFACE_VERSION: u32 = 2;
+pub(crate) const INTERFACE_VERSION: u32 = 2;
 
 /// A scene in C layout. Arrays of length 0 may be NULL.
 #[repr(C)]

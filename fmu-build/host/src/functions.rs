@@ -8,7 +8,7 @@ use std::path::Path;
 /// `fmi2Component`
 pub(crate) type Handle = *mut c_void;
 /// `fmi2Status`, as the plain number that it is in C.
-pub type Status = c_uint;
+pub(crate) type Status = c_uint;
 
 /// `fmi2Warning`: still a success.
 pub(crate) const WARNING: Status = 1;
@@ -54,7 +54,7 @@ unsafe extern "C" {
     /// Of the C library.
     pub(crate) fn calloc(count: usize, size: usize) -> *mut c_void;
     /// Of the C library.
-    pub fn free(memory: *mut c_void);
+    pub(crate) fn free(memory: *mut c_void);
 }
 
 macro_rules! functions {
@@ -99,7 +99,7 @@ impl Functions {
     ///
     /// # Errors
     /// Where it cannot be loaded, a function is missing, or it is of another version or type platform.
-    pub fn load(path: &Path) -> Result<(Self, Library), Failure> {
+    pub(crate) fn load(path: &Path) -> Result<(Self, Library), Failure> {
         let failed = |reason: String| Failure::library(format!("loading {}: {reason}", path.display()));
         // SAFETY: loading runs the library's initialisers; that is what loading an FMU means.
         let library = unsafe { Library::new(path) }.map_err(|error| failed(error.to_string()))?;

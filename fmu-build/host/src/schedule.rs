@@ -59,7 +59,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// Inputs per row.
-    pub fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.columns
     }
 
@@ -92,11 +92,11 @@ pub(crate) struct Follower<'a> {
 }
 
 /// Times that agree to this part of a step are one: communication points are sums of rounded numbers.
-const SAME: f64 = 1e-9;
+const SAME_TIME: f64 = 1e-9;
 
 impl<'a> Follower<'a> {
     /// From before the first step. `factors`: one for every column.
-    pub fn new(schedule: Schedule<'a>, interpolation: Interpolation, factors: &'a [f64]) -> Self {
+    pub(crate) fn new(schedule: Schedule<'a>, interpolation: Interpolation, factors: &'a [f64]) -> Self {
         debug_assert_eq!(factors.len(), schedule.columns);
         let zeros = vec![0.0; schedule.columns];
         Self { schedule, interpolation, factors, at: 0, started: false, values: zeros.clone(), slopes: zeros }
@@ -104,10 +104,10 @@ impl<'a> Follower<'a> {
 
     /// Goes on to the step from `time` over `step`; times must not go back.
     #[inline]
-    pub fn advance(&mut self, time: f64, step: f64) -> Change {
+    pub(crate) fn advance(&mut self, time: f64, step: f64) -> Change {
         let before = self.at;
         let times = self.schedule.times;
-        while self.at + 1 < times.len() && times[self.at + 1] <= time + SAME * step {
+        while self.at + 1 < times.len() && times[self.at + 1] <= time + SAME_TIME * step {
             self.at += 1;
         }
         let moved = self.at != before || !self.started;
@@ -126,11 +126,11 @@ impl<'a> Follower<'a> {
             Interpolation::Linear => {
                 let mut any = self.interpolate(self.at, time, step, moved);
                 let mut end = self.at;
-                while end + 1 < times.len() && times[end + 1] <= time + step * (1.0 + SAME) {
+                while end + 1 < times.len() && times[end + 1] <= time + step * (1.0 + SAME_TIME) {
                     end += 1;
                 }
                 // A step that ends at a jump ends with the values before it.
-                if end > self.at && times[end] == times[end - 1] && times[end] >= time + step * (1.0 - SAME) {
+                if end > self.at && times[end] == times[end - 1] && times[end] >= time + step * (1.0 - SAME_TIME) {
                     end -= 1;
                 }
                 let mut sloping = false;
@@ -164,7 +164,7 @@ impl<'a> Follower<'a> {
         let Schedule { times, values, columns } = self.schedule;
         let from = values[at * columns + column];
         // A time that rounding carries past its row must not produce a spurious slope.
-        if at + 1 == times.len() || time <= times[at] + SAME * step {
+        if at + 1 == times.len() || time <= times[at] + SAME_TIME * step {
             return from;
         }
         let to = values[(at + 1) * columns + column];

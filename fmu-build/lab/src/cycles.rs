@@ -1,10 +1,10 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
 use crate::figure::{self, Drawn};
-use crate::output::{self, print_line, print_text};
-use crate::{arguments, scenes};
-use analyses::cycles::{Course, Options, advance};
-use anyhow::Result;
+use crate::output::{self, Interrupted, print_line, print_text};
+use crate::{arguments, ctrl_c, scenes};
+use analyses::cycles::{CycleHistory, Options, advance};
+use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
 use std::path::PathBuf;
 
@@ -51,35 +51,39 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         output::check_file("--output", path)?;
         figure::format("--output", path)?;
     }
-    let course = course(arguments)?;
+    let history = history(arguments)?;
     if arguments.json {
-        print_line!("{:#}", course.record());
+        print_line!("{:#}", history.record());
     } else {
-        print_text!("{}", course.table());
+        print_text!("{}", history.table());
     }
     if let Some(path) = &arguments.output {
-        figure::write(&Drawn::Cycles(course.record()), "--output", path)?;
+        figure::write(&Drawn::Cycles(history.record()), "--output", path)?;
         if !arguments.json {
             print_line!("drawn in {}", path.display());
         }
     }
-    if let Some(warning) = &course.warning {
+    if let Some(warning) = &history.warning {
         eprintln!("warning: {warning}");
+    }
+    if history.interrupted {
+        let passed = history.stations.last().map_or(0.0, |station| station.jump.cycles);
+        bail!(Interrupted(format!("interrupted after {passed} of {} cycles", arguments.cycles)));
     }
     Ok(())
 }
 
-fn course(arguments: &Arguments) -> Result<Course> {
+fn history(arguments: &Arguments) -> Result<CycleHistory> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let mut progress = Progress::default();
-    advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
-        let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
-        progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+    ctrl_c::attended(|| {
+        advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
+            let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
+            progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+        })
     })
 }
 
@@ -99,12 +103,12 @@ mod tests {
             json: false,
             output: None,
         };
-        let course = course(&arguments).unwrap();
-        let last = course.stations.last().unwrap();
+        let history = history(&arguments).unwrap();
+        let last = history.stations.last().unwrap();
         // k p s, independent of the path.
-        let expected = 3.9e-14 * course.mean_pressure * 6e-3 * 1e6;
+        let expected = 3.9e-14 * history.mean_pressure * 6e-3 * 1e6;
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
-        assert!(last.jump.computed < 2000 && course.table().contains("1000000"), "{}", course.table());
-        assert!((last.highest_pressure / course.mean_pressure - 2.0).abs() < 1e-3, "{}", course.table());
+        assert!(last.jump.computed < 2000 && history.table().contains("1000000"), "{}", history.table());
+        assert!((last.highest_pressure / history.mean_pressure - 2.0).abs() < 1e-3, "{}", history.table());
     }
 }

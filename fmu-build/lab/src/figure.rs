@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Formats, by the ending of the file.
-pub(crate) const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
+const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
 
 /// What is drawn: the content of a run, the record of a steady state or of cycles.
 #[derive(Serialize)]

@@ -16,7 +16,7 @@ const NAME: &str = "cargo-fmu";
 
 /// Write man pages and completions of bash, zsh and fish for all commands to a folder.
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Folder to write to.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -26,7 +26,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Where a file cannot be written.
-pub fn execute(arguments: &Arguments, own: Command) -> Result<()> {
+pub(crate) fn execute(arguments: &Arguments, own: Command) -> Result<()> {
     output::check_folder(Some(&arguments.output))?;
     write(&arguments.output, whole(own)).with_context(|| format!("writing {}", arguments.output.display()))?;
     print_line!("{}", arguments.output.display());

@@ -16,7 +16,7 @@ impl Script {
     ///
     /// # Errors
     /// Where something cannot be built or the script fails.
-    pub fn run(self, arguments: &[String], json: bool) -> Result<()> {
+    pub(crate) fn run(self, arguments: &[String], json: bool) -> Result<()> {
         match self {
             Script::Sweep => run("sweep.py", &["disc_brake"], arguments, json),
         }
@@ -27,7 +27,7 @@ impl Script {
 ///
 /// # Errors
 /// Where something cannot be built or the script fails.
-pub fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
+pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
     let python = python::batch_environment()?;
     let is_given = |name: &str| {
         arguments.iter().any(|argument| {
@@ -49,6 +49,7 @@ pub fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Resul
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
         .env("MPLCONFIGDIR", project::target().join("python-batch").join("matplotlib"))
         .env("PYTHONDONTWRITEBYTECODE", "1");
+    project::leave_ctrl_c()?;
     let status = command.status().with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
         project::leave(status, file)?;

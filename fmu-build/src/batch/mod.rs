@@ -1,22 +1,21 @@
 //! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
 
-mod course;
-pub mod example;
+pub(crate) mod example;
 mod percentiles;
 mod pool;
 mod results;
 mod tables;
+mod timeline;
 mod unpacked;
 pub mod worker;
 
-pub use course::points;
 pub use tables::{Inputs, Table};
+pub use timeline::points;
 
 use crate::output::{self, print_line};
 use crate::progress::Progress;
 use crate::{arguments, package, parquet, project, scenes};
 use anyhow::{Context, Result, anyhow, bail};
-use course::Course;
 use fmu_host::{Causality, Description, Failure, Interpolation, Worker};
 use percentiles::{Percentiles, percentiles};
 use results::{Identity, Results, Row};
@@ -25,6 +24,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use timeline::Timeline;
 use unpacked::Unpacked;
 
 /// Reasons of failures that are printed.
@@ -129,7 +129,7 @@ struct Job {
     /// `None`: nominal inputs.
     inputs: Option<PathBuf>,
     columns: Vec<String>,
-    /// `None`: as [`Course`] chooses it.
+    /// `None`: as [`Timeline`] chooses it.
     step: Option<Text>,
     interpolation: Reading,
     record: Vec<String>,
@@ -322,7 +322,7 @@ fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<Str
 
 /// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
-    let Course { inputs, .. } = Course::new(job, description, &[])?;
+    let Timeline { inputs, .. } = Timeline::new(job, description, &[])?;
     for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)).chain(idle(
         &inputs,
         description,
@@ -351,6 +351,9 @@ fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
                 place(),
                 factors()
             );
+        }
+        if let Some(reason) = replaced(column, description, &job.columns) {
+            bail!("{}: {reason}", place());
         }
         let driven = match column.as_str() {
             "nominal.load" => "normal_load",
@@ -397,6 +400,15 @@ fn idle(inputs: &Inputs, description: &Description, design: &[String]) -> Option
         .then(|| format!("angular_velocity has no effect: {RADIUS} = 0 m"))
 }
 
+/// Why a column of constants has no effect: the table that replaces them.
+fn replaced(column: &str, description: &Description, design: &[String]) -> Option<String> {
+    let (body, "conductivity" | "specific_heat") = column.split_once('.')? else { return None };
+    let points = format!("{body}.property_table.points");
+    let given = &description.find(&points).ok()?.start;
+    (given != "0" && !design.contains(&points))
+        .then(|| format!("it has no effect while {points} = {given}; give a column {points} of 0 with it"))
+}
+
 /// Ratio to the nominal value above which an input is implausible: the model is not valid so far beyond it.
 const FAR_BEYOND: f64 = 10.0;
 
@@ -428,21 +440,38 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
 mod tests {
     use super::*;
 
+    /// Of an FMU with one parameter.
+    fn description(name: &str, start: &str) -> Description {
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
+             <ModelVariables><ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\"><Real start=\"{start}\"/>\
+             </ScalarVariable></ModelVariables></fmiModelDescription>"
+        );
+        Description::parse(&text).unwrap()
+    }
+
+    #[test]
+    fn a_column_that_a_table_replaces_is_refused() {
+        const POINTS: &str = "strip.property_table.points";
+        let told = |column, start, design: &[&str]| {
+            let design: Vec<String> = design.iter().map(|name| (*name).to_owned()).collect();
+            replaced(column, &description(POINTS, start), &design)
+        };
+        let reason = told("strip.conductivity", "7", &["strip.conductivity"]).unwrap();
+        assert!(
+            reason.contains("strip.property_table.points = 7; give a column strip.property_table.points"),
+            "{reason}"
+        );
+        assert!(told("strip.specific_heat", "7", &[]).is_some());
+        assert_eq!(told("strip.conductivity", "7", &["strip.conductivity", POINTS]), None);
+        assert_eq!(told("strip.conductivity", "0", &[]), None);
+        assert_eq!(told("punch.conductivity", "7", &[]), None);
+        assert_eq!(told("strip.density", "7", &[]), None);
+    }
+
     #[test]
     fn a_rotation_that_moves_nothing_is_told() {
-        let description = |radius: &str| {
-            let real = |name: &str, start: &str| {
-                format!(
-                    "<ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\"><Real start=\"{start}\"/></ScalarVariable>"
-                )
-            };
-            let text = format!(
-                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
-                 <ModelVariables>{}</ModelVariables></fmiModelDescription>",
-                real("contact.mean_radius", radius)
-            );
-            Description::parse(&text).unwrap()
-        };
+        let description = |radius: &str| description("contact.mean_radius", radius);
         let inputs = |velocity: f64| Inputs {
             source: "in.csv".into(),
             names: vec!["normal_load".into(), "angular_velocity".into()],

@@ -8,7 +8,7 @@ const PERCENT: [f64; 3] = [5.0, 50.0, 95.0];
 
 /// Percentiles of a result over the scenes that did not fail.
 #[derive(serde::Serialize, Clone, PartialEq, Debug)]
-pub struct Percentiles {
+pub(crate) struct Percentiles {
     /// Column of the results, or the wear life.
     pub result: String,
     /// At 5, 50 and 95 %; an infinite life is `None`.
@@ -26,7 +26,7 @@ const WEAR: [[&str; 3]; 2] = [
 
 /// Percentiles of the columns `results` of the `rows`, whose cells are those of `columns`, and of the wear life; `scene`: value of a
 /// parameter that the design does not have.
-pub fn percentiles<'a>(
+pub(crate) fn percentiles<'a>(
     columns: &[String],
     results: std::ops::Range<usize>,
     scene: impl Fn(&str) -> f64,
@@ -64,7 +64,7 @@ pub fn percentiles<'a>(
 }
 
 /// A table with a line for each.
-pub fn table(found: &[Percentiles]) -> String {
+pub(crate) fn table(found: &[Percentiles]) -> String {
     let width = found.iter().map(|own| own.result.chars().count()).max().unwrap_or(0);
     let mut text = format!("{:<width$}", "");
     PERCENT.iter().for_each(|percent| _ = write!(text, "  {:>11}", format!("{percent} %")));

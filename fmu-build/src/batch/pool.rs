@@ -20,7 +20,7 @@ const TRIES: usize = 2;
 ///
 /// # Errors
 /// Where no process can be started or `keep` fails; scenes under way are given up then.
-pub fn run(
+pub(crate) fn run(
     job: &Job,
     rows: &[Result<Vec<String>, String>],
     pending: Vec<usize>,

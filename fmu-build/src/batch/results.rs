@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 
 /// One row, its cells after the number of the scene.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Row {
+pub(crate) struct Row {
     scene: usize,
     cells: Vec<String>,
 }
 
 impl Row {
     /// From a scene's cells of the design and its answer; results that are not there are empty cells.
-    pub fn of(scene: usize, design: &[String], answer: &Answer, width: usize) -> Self {
+    pub(crate) fn of(scene: usize, design: &[String], answer: &Answer, width: usize) -> Self {
         let mut cells = design.to_vec();
         cells.extend(answer.values.iter().cloned());
         cells.resize(design.len() + width, String::new());
@@ -47,7 +47,7 @@ pub(crate) struct Failures {
 
 /// A reason of failures.
 #[derive(serde::Serialize, Clone, PartialEq, Eq, Debug)]
-pub struct Reason {
+pub(crate) struct Reason {
     /// As the FMU says it.
     pub reason: String,
     /// Number of scenes that failed for it.
@@ -62,7 +62,7 @@ pub(crate) struct Identity(String);
 
 impl Identity {
     /// Of these parts.
-    pub fn of(parts: &[(&str, &[u8])]) -> Self {
+    pub(crate) fn of(parts: &[(&str, &[u8])]) -> Self {
         let hashed: Vec<String> = parts.iter().map(|(name, part)| format!("{name} {}", fingerprint(part))).collect();
         Self(hashed.join(", "))
     }
@@ -134,7 +134,7 @@ impl Results {
     ///
     /// # Errors
     /// Where what is there belongs to another batch, or has results that the design has no row for, or a file cannot be read or written.
-    pub fn open(
+    pub(crate) fn open(
         output: &Path,
         header: &[String],
         identity: &Identity,
@@ -213,12 +213,12 @@ impl Results {
     }
 
     /// Cells of the rows that are there, without the number of the scene.
-    pub fn rows(&self) -> impl Iterator<Item = &Vec<String>> + Clone {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &Vec<String>> + Clone {
         self.rows.values()
     }
 
     /// Whether the scene's row is there.
-    pub fn has(&self, scene: usize) -> bool {
+    pub(crate) fn has(&self, scene: usize) -> bool {
         self.rows.contains_key(&scene)
     }
 
@@ -226,7 +226,7 @@ impl Results {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn add(&mut self, row: &Row) -> Result<()> {
+    pub(crate) fn add(&mut self, row: &Row) -> Result<()> {
         self.file.write_all(&row.text()?).with_context(|| format!("writing {}", self.partial.display()))?;
         self.rows.insert(row.scene, row.cells.clone());
         Ok(())
@@ -236,7 +236,7 @@ impl Results {
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn finish(self) -> Result<Failures> {
+    pub(crate) fn finish(self) -> Result<Failures> {
         let context = || format!("writing {}", self.output.display());
         let mut name = self.output.as_os_str().to_owned();
         name.push(format!(".{}", std::process::id()));
@@ -274,7 +274,7 @@ fn cells(record: &csv::StringRecord) -> Result<(usize, Vec<String>)> {
 }
 
 /// FNV-1a of bytes.
-pub fn fingerprint(bytes: &[u8]) -> String {
+pub(crate) fn fingerprint(bytes: &[u8]) -> String {
     format!("{:016x}", bytes.iter().fold(Fnv::new(), |hash, &byte| hash.with(byte)).0)
 }
 

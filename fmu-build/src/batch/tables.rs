@@ -30,7 +30,7 @@ impl Table {
     ///
     /// # Errors
     /// Where it cannot be read, has no row, a column twice, or a row of another length.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         Self::parse(columns::open(path)?, path)
     }
 
@@ -98,7 +98,7 @@ impl Table {
     }
 
     /// Where the header of a column stands, for messages.
-    pub fn place(&self, column: usize) -> String {
+    pub(crate) fn place(&self, column: usize) -> String {
         format!("{}, line {}, column {}", self.path, self.header_line, column + 1)
     }
 }
@@ -194,7 +194,7 @@ impl Inputs {
     ///
     /// # Errors
     /// As [`columns::read`].
-    pub fn read(path: &Path, description: &Description) -> Result<Self> {
+    pub(crate) fn read(path: &Path, description: &Description) -> Result<Self> {
         Self::parse(columns::open(path)?, path, description)
     }
 

@@ -25,7 +25,7 @@ impl Unpacked {
     ///
     /// # Errors
     /// Where it is no archive, is too large, or has files outside of itself; where the disk is full.
-    pub fn new(fmu: impl Read + Seek) -> Result<Self> {
+    pub(crate) fn new(fmu: impl Read + Seek) -> Result<Self> {
         let above = project::target().join("batch");
         fs::create_dir_all(&above).with_context(|| format!("making {}", above.display()))?;
         remove_abandoned(&above);

@@ -1,7 +1,7 @@
 //! A worker process: one instance of the FMU, scenes in on the standard input, answers out on the standard output, one
 //! line of JSON each.
 
-use super::course::Course;
+use super::timeline::Timeline;
 use super::{FACTOR, Job, NOMINAL};
 use anyhow::{Context, Result};
 use fmu_host::{Causality, Failure, Scene, Schedule, Stage, Worker};
@@ -26,7 +26,7 @@ pub(crate) struct Answer {
 
 impl Answer {
     /// Of a scene that failed.
-    pub fn failed(status: &str, reason: String) -> Self {
+    pub(crate) fn failed(status: &str, reason: String) -> Self {
         Self { status: status.to_owned(), reason, values: Vec::new() }
     }
 }
@@ -81,26 +81,27 @@ struct Runner<'a> {
     job: &'a Job,
     worker: Worker,
     /// Where a scene has none of its own.
-    course: Course,
+    timeline: Timeline,
 }
 
 impl<'a> Runner<'a> {
     fn open(job: &'a Job) -> Result<Self> {
         let worker = Worker::open(&job.folder)?;
-        let course = Course::new(job, worker.description(), &[])?;
-        Ok(Self { job, worker, course })
+        let timeline = Timeline::new(job, worker.description(), &[])?;
+        Ok(Self { job, worker, timeline })
     }
 
     fn run(&mut self, cells: &[String]) -> Result<Vec<String>, Failure> {
         let Self { job, .. } = self;
         let own;
-        let course = if job.inputs.is_none() && job.columns.iter().any(|column| column.starts_with(NOMINAL)) {
-            own = Course::new(job, self.worker.description(), cells).map_err(|wrong| request(format!("{wrong:#}")))?;
+        let timeline = if job.inputs.is_none() && job.columns.iter().any(|column| column.starts_with(NOMINAL)) {
+            own =
+                Timeline::new(job, self.worker.description(), cells).map_err(|wrong| request(format!("{wrong:#}")))?;
             &own
         } else {
-            &self.course
+            &self.timeline
         };
-        let inputs = &course.inputs;
+        let inputs = &timeline.inputs;
         let mut factors = vec![1.0; inputs.names.len()];
         let mut parameters = Vec::with_capacity(cells.len());
         for (column, cell) in job.columns.iter().zip(cells) {
@@ -125,10 +126,10 @@ impl<'a> Runner<'a> {
             factors: &factors,
             schedule: Schedule::new(&inputs.times, &inputs.values, names.len())?,
             interpolation: job.interpolation.into(),
-            span: course.span,
+            span: timeline.span,
             tolerance: None,
             outputs: &outputs,
-            points: &course.points,
+            points: &timeline.points,
         })?;
         let width = outputs.len();
         let mut values = recorded[recorded.len() - width..].to_vec();

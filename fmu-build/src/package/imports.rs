@@ -39,7 +39,7 @@ pub(crate) fn libraries(library: &[u8]) -> Result<Vec<String>> {
 ///
 /// # Errors
 /// Where it imports another library, or is none.
-pub fn check(library: &[u8]) -> Result<()> {
+pub(crate) fn check(library: &[u8]) -> Result<()> {
     let foreign: Vec<String> = libraries(library)?.into_iter().filter(|name| !is_system(name)).collect();
     if !foreign.is_empty() {
         bail!("the Windows library imports {}, which does not come with Windows", foreign.join(", "));

@@ -27,7 +27,7 @@ pub(crate) struct Product {
 }
 
 /// The FMU's library, its scene slot not yet filled.
-pub const FMU: Product = Product { package: "sliding-contact", name: "sliding_contact", profile: "fmu" };
+pub(crate) const FMU: Product = Product { package: "sliding-contact", name: "sliding_contact", profile: "fmu" };
 
 /// The library of the Python package.
 pub(crate) const PYTHON: Product =
@@ -37,7 +37,7 @@ pub(crate) const PYTHON: Product =
 ///
 /// # Errors
 /// Where the platform cannot be built here, with what would be needed, or the compiler reports an error.
-pub fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
+pub(crate) fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
     let path = match platform {
         Platform::Linux64 => linux64(product)?,
         other => with_toolchain(other, product)?,

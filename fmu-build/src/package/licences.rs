@@ -11,13 +11,13 @@ use crate::project;
 use fmu_file::archive::Files;
 
 /// Folder in the FMU.
-pub const FOLDER: &str = "documentation/licenses";
+pub(crate) const FOLDER: &str = "documentation/licenses";
 
 /// Adds the licence files of a package of this workspace and what is compiled into it, below a folder.
 ///
 /// # Errors
 /// Where cargo cannot list the dependencies or one comes without the text of its licence.
-pub fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> {
+pub(crate) fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> {
     let own = ["LICENSE-MIT", "LICENSE-APACHE"];
     let mut index = format!(
         "SlidingContact {}: MIT OR Apache-2.0, at your choice; see {} and {} beside this file.\n\n\

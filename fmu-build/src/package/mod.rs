@@ -25,7 +25,7 @@ use crate::{project, scenes};
 use fmu_file::archive::{self, Files};
 use fmu_file::description::{self, MODEL_IDENTIFIER};
 use fmu_file::{documentation, parameter_set, reference};
-pub use platform::Platform;
+pub(crate) use platform::Platform;
 
 /// Drawn by modelDescription/icons.py.
 const MODEL_ICON: &[u8] = include_bytes!("../../../modelDescription/model.png");
@@ -197,7 +197,7 @@ pub(crate) fn check_platforms(platforms: &[Platform]) -> Result<()> {
 }
 
 /// Software to install before this platform's library can be built here; `None` where nothing is missing.
-pub fn missing(platform: Platform) -> Option<String> {
+pub(crate) fn missing(platform: Platform) -> Option<String> {
     if platform == Platform::Linux64 { None } else { toolchain::Toolchain::find(platform).err() }
 }
 

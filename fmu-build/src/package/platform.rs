@@ -32,7 +32,7 @@ impl Platform {
     }
 
     /// Name of its folder in the FMU.
-    pub fn folder(self) -> &'static str {
+    pub(crate) fn folder(self) -> &'static str {
         match self {
             Platform::Linux64 => "linux64",
             Platform::Win64 => "win64",
@@ -61,7 +61,7 @@ impl Platform {
     }
 
     /// Rust target of the prebuilt standard library.
-    pub fn target(self) -> &'static str {
+    pub(crate) fn target(self) -> &'static str {
         match self {
             Platform::Linux64 => "x86_64-unknown-linux-gnu",
             Platform::Win64 => "x86_64-pc-windows-gnu",

@@ -53,7 +53,7 @@ impl Toolchain {
     ///
     /// # Errors
     /// Where there is none: what to install.
-    pub fn find(platform: Platform) -> Result<Self, String> {
+    pub(crate) fn find(platform: Platform) -> Result<Self, String> {
         if platform == Platform::Darwin64 && cfg!(not(target_os = "macos")) {
             return Err("darwin64 is built on macOS only: Apple's SDK, which the linker needs, is for macOS".into());
         }
@@ -101,7 +101,7 @@ impl Toolchain {
     }
 
     /// `cargo build` for the target, without the arguments that say what.
-    pub fn command(&self) -> Command {
+    pub(crate) fn command(&self) -> Command {
         let mut command = Command::new(&self.compiler.cargo);
         command.arg("rustc").env("RUSTC", &self.compiler.rustc);
         if self.with_sources {

@@ -47,7 +47,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 ///
 /// # Errors
 /// Where the library or an FMU cannot be built, or a file not be read or written.
-pub fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
+pub(crate) fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
     let platform = match platform {
         Some(platform) => platform,
         None => of_this_machine()?,

@@ -17,13 +17,13 @@ pub(crate) struct Histogram {
 
 impl Histogram {
     /// Of these times, nanoseconds.
-    pub fn of(mut times: Vec<u32>) -> Self {
+    pub(crate) fn of(mut times: Vec<u32>) -> Self {
         times.sort_unstable();
         Self { sorted: times }
     }
 
     /// Number of times.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.sorted.len()
     }
 
@@ -49,7 +49,7 @@ impl Histogram {
     }
 
     /// Twenty classes per power of ten: from, to [microseconds], count.
-    pub fn fine(&self) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
+    pub(crate) fn fine(&self) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
         let bound = |at: usize| LOWEST * 10f64.powf(at as f64 / PER_DECADE as f64);
         self.classes((0..PER_DECADE * DECADES).map(move |at| (if at == 0 { 0.0 } else { bound(at) }, bound(at + 1))))
     }

@@ -8,7 +8,7 @@ const UNRELEASED: &str = "Unreleased";
 ///
 /// # Errors
 /// Where the changelog has neither, or the section is empty.
-pub fn cut(changelog: &str, version: &str) -> Result<String> {
+pub(crate) fn cut(changelog: &str, version: &str) -> Result<String> {
     let title = |line: &str| {
         let word = line.strip_prefix("## ")?.split(' ').next()?;
         Some(word.trim_matches(['[', ']']).to_owned())

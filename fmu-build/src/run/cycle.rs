@@ -26,7 +26,7 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 }
@@ -45,7 +45,7 @@ impl Drop for Cycle {
 ///
 /// # Errors
 /// Where there is no such file, what is wrong with it, by line, column and value, or that results in `output` would replace it.
-pub fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle> {
+pub(crate) fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle> {
     let folder = project::root().join("examples/data");
     let own = folder.join(format!("{name}.csv"));
     if own.is_file() {

@@ -19,7 +19,7 @@ use std::process::{Command, Stdio};
 const TOLERANCE: f64 = 1e-9;
 /// Fraction of the largest range among the outputs of a unit below which a range is rounding error: the heat through an insulated
 /// base, a difference of large numbers, is not 0 but has no significant digits.
-const ROUNDING: f64 = 1e-13;
+const LEAST_RANGE: f64 = 1e-13;
 /// Scene that is driven.
 const SCENE: &str = "disc_brake";
 
@@ -41,7 +41,7 @@ const FOREIGN: [Foreign; 2] = [
 ];
 
 /// Runs the tier.
-pub fn check(tally: &mut Tally) {
+pub(crate) fn check(tally: &mut Tally) {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.skip("platforms", "the trajectory that they are compared with is that of Linux on x86-64");
         return;
@@ -196,7 +196,7 @@ impl Drive {
         };
         let scale = |(output, &range): (&Output, &f64)| {
             let largest = largest(output.unit);
-            match range > ROUNDING * largest {
+            match range > LEAST_RANGE * largest {
                 true => range,
                 false if range > 0.0 => largest,
                 false => 1.0,

@@ -47,12 +47,12 @@ pub(crate) struct Step {
 
 impl Tally {
     /// Nothing counted yet; with `json` the log goes to the error stream.
-    pub fn new(json: bool) -> Self {
+    pub(crate) fn new(json: bool) -> Self {
         Self { json, steps: Vec::new(), skipped: Vec::new() }
     }
 
     /// Runs one step; where it ends with an error, that counts as a failure and the run goes on.
-    pub fn step(&mut self, name: &str, work: impl FnOnce(&mut Step) -> Result<()>) {
+    pub(crate) fn step(&mut self, name: &str, work: impl FnOnce(&mut Step) -> Result<()>) {
         say(self.json, &format!("== {name}"));
         let begin = Instant::now();
         let mut step = Step { json: self.json, counts: Counts::default(), skipped: Vec::new() };
@@ -66,7 +66,7 @@ impl Tally {
     }
 
     /// A step that is left out.
-    pub fn skip(&mut self, name: &str, reason: &str) {
+    pub(crate) fn skip(&mut self, name: &str, reason: &str) {
         say(self.json, &format!("== {name}: skipped, {reason}"));
         self.steps.push((name.to_owned(), Counts { skipped: 1, ..Counts::default() }, 0.0));
         self.skipped.push((name.to_owned(), reason.to_owned()));
@@ -76,7 +76,7 @@ impl Tally {
     ///
     /// # Errors
     /// Where anything failed.
-    pub fn close(self) -> Result<()> {
+    pub(crate) fn close(self) -> Result<()> {
         let mut total = Counts::default();
         let width = self.steps.iter().map(|(name, ..)| name.len()).max().unwrap_or(0);
         say(self.json, "");
@@ -123,7 +123,7 @@ impl Step {
     }
 
     /// Counts one measurement, shown as `text`.
-    pub fn judge(&mut self, text: &str, holds: bool) {
+    pub(crate) fn judge(&mut self, text: &str, holds: bool) {
         say(self.json, &format!("{text}{}", if holds { "" } else { "  FAILED" }));
         if holds {
             self.counts.passed += 1;
@@ -136,7 +136,7 @@ impl Step {
     ///
     /// # Errors
     /// Where it does not end with success.
-    pub fn check(&mut self, command: Command) -> Result<()> {
+    pub(crate) fn check(&mut self, command: Command) -> Result<()> {
         self.stream(command, |_, _| ())
     }
 
@@ -144,7 +144,7 @@ impl Step {
     ///
     /// # Errors
     /// Where it does not end with success or ran no test.
-    pub fn run(&mut self, command: Command, counter: Counter) -> Result<()> {
+    pub(crate) fn run(&mut self, command: Command, counter: Counter) -> Result<()> {
         let result = self.stream(command, |step, line| {
             if let Some(counts) = counts_of(line, counter) {
                 step.counts.add(counts);

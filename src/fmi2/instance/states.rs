@@ -14,7 +14,7 @@ use crate::fmi2::state::{self, Saved};
 
 impl Instance {
     /// `fmi2GetFMUstate`: into the state `current`, or into a new one where that is NULL.
-    pub fn get_fmu_state(&mut self, current: *mut c_void) -> Result<*mut c_void, Problem> {
+    pub(crate) fn get_fmu_state(&mut self, current: *mut c_void) -> Result<*mut c_void, Problem> {
         if self.broken {
             return problem::state("a defect has left this instance without a valid state");
         }
@@ -31,7 +31,7 @@ impl Instance {
     }
 
     /// `fmi2SetFMUstate`: restores the saved state, also after an error.
-    pub fn set_fmu_state(&mut self, state: *mut c_void) -> Outcome {
+    pub(crate) fn set_fmu_state(&mut self, state: *mut c_void) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
         let failed = |text: &dyn ToString| Problem { fault: Fault::State, text: text.to_string() };
         if self.broken {
@@ -61,7 +61,7 @@ impl Instance {
     }
 
     /// `fmi2SerializeFMUstate`: into exactly as many bytes as `fmi2SerializedFMUstateSize` returned.
-    pub fn serialize(&mut self, state: *mut c_void, bytes: Sink<'_, u8>) -> Outcome {
+    pub(crate) fn serialize(&mut self, state: *mut c_void, bytes: Sink<'_, u8>) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
         let written = saved.encode(self.scene.guid.as_str()).map_err(|text| Problem { fault: Fault::State, text })?;
         if written.len() != bytes.count() {
@@ -74,7 +74,7 @@ impl Instance {
     }
 
     /// `fmi2DeSerializeFMUstate`: a new state.
-    pub fn deserialize(&mut self, bytes: Source<'_, u8>) -> Result<*mut c_void, Problem> {
+    pub(crate) fn deserialize(&mut self, bytes: Source<'_, u8>) -> Result<*mut c_void, Problem> {
         let problem = |text| Problem { fault: Fault::State, text };
         let given = bytes.count();
         if given < state::HEADER {

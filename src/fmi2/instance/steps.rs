@@ -13,7 +13,7 @@ impl Instance {
     /// communication point: rounding differences between its clock and the sum of the steps do not
     /// accumulate, and a constant step stays constant.
     #[inline(always)]
-    pub fn do_step(&mut self, from: Real, step: Real) -> Outcome {
+    pub(crate) fn do_step(&mut self, from: Real, step: Real) -> Outcome {
         let end = from + step;
         let fits = step >= 0.0
             && (from - self.clock.time).abs() <= policy::same_time_within(self.clock.time)

@@ -21,7 +21,7 @@ pub(crate) struct Scratch {
 impl Instance {
     /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`. Nothing is stored unless every element is valid.
     #[inline(always)]
-    pub fn set<T: Copy + Into<f64>>(
+    pub(crate) fn set<T: Copy + Into<f64>>(
         &mut self,
         kind: policy::Type,
         references: Source<'_, ValueReference>,
@@ -86,7 +86,7 @@ impl Instance {
     /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`. An output that is no finite number is an error that names the input
     /// at fault; an input is returned as it was set.
     #[inline(always)]
-    pub fn get<T: Copy>(
+    pub(crate) fn get<T: Copy>(
         &mut self,
         kind: policy::Type,
         references: Source<'_, ValueReference>,

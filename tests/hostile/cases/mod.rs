@@ -15,6 +15,7 @@ use crate::run::Call::{Initialise, Other, Set, Slope, Step, StepFrom, Steps};
 use crate::run::From::{Instantiated, Stepping};
 use crate::run::{Call, Case, Level, Runner};
 use test_support::importer::{Importer, reference};
+use test_support::{CONVECTING, EXTERNAL, HELD, LINE};
 
 const NAN: f64 = f64::NAN;
 const INFINITE: f64 = f64::INFINITY;
@@ -28,10 +29,6 @@ const PARABOLIC: f64 = 2.0;
 const RUN_IN: f64 = 3.0;
 const TABULATED: f64 = 4.0;
 const ROTATE: f64 = 2.0;
-const HELD: f64 = 1.0;
-const CONVECTING: f64 = 2.0;
-const EXTERNAL: f64 = 4.0;
-const LINE: f64 = 3.0;
 
 const LUMPED: &[Level] = &[Level::Lumped];
 const HOT: &[Level] = &[Level::Hot];

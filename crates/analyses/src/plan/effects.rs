@@ -20,7 +20,7 @@ pub(crate) struct Effect {
 
 /// Effects of a scene; `line` is a contact line of it, `on_line` whether it runs on one.
 /// `rise`: highest of the contact temperature over the nominal course, K.
-pub fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bool, rise: f64) -> Vec<Effect> {
+pub(crate) fn effects(scene: &Scene, groups: &Groups, line: &LineOperators, on_line: bool, rise: f64) -> Vec<Effect> {
     let uneven = line.unevenness();
     let by_cells = on_line && line.heat.is_some();
     let effect = |name, measure, number, included| Effect { name, measure, number, included };

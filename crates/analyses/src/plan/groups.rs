@@ -39,7 +39,7 @@ pub(crate) struct Groups {
 
 impl Groups {
     /// Groups of `scene` with this critical speed, for a rise `rise` (K) of the contact temperature.
-    pub fn new(scene: &Scene, critical: &CriticalSpeed, rise: f64) -> Groups {
+    pub(crate) fn new(scene: &Scene, critical: &CriticalSpeed, rise: f64) -> Groups {
         let bodies = [&scene.punch, &scene.strip];
         let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
         let diffusivity = |body: &Body| body.conductivity / body.capacity();
@@ -107,7 +107,7 @@ impl Groups {
     }
 
     /// Every number with its name.
-    pub fn named(&self) -> [(&'static str, f64); 15] {
+    pub(crate) fn named(&self) -> [(&'static str, f64); 15] {
         [
             ("Peclet number of the strip", self.peclet),
             ("Fourier number of the punch", self.fourier[0]),

@@ -9,7 +9,7 @@ use anyhow::{Result, anyhow};
 use effects::{Effect, effects};
 use groups::Groups;
 use model::levels::ModelOperators;
-use model::plan::{Choice, ModelLevel, Prepared};
+use model::plan::{BuiltModel, Choice, ModelLevel};
 use scene::{Fidelity, Scene};
 use scene_file::SceneFile;
 use serde_json::{Map, Value, json};
@@ -20,7 +20,7 @@ pub struct Plan {
     /// The scene as it is.
     pub scene: Scene,
     choice: Choice,
-    prepared: Prepared,
+    prepared: BuiltModel,
     effects: Vec<Effect>,
     groups: Groups,
 }
@@ -34,14 +34,14 @@ pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
     let scene = Scene::new(&file.packaged.starts, importer).map_err(|broken| anyhow!("{broken}"))?;
     let mut free = scene.clone();
     free.fidelity = Fidelity::Auto;
-    let prepared = Prepared::new(&free, run_in).map_err(|text| anyhow!(text))?;
+    let prepared = BuiltModel::new(&free, run_in).map_err(|text| anyhow!(text))?;
     let choice = prepared.choice.clone().ok_or_else(|| anyhow!("no level was chosen"))?;
     let rise = choice.comparison.as_ref().map_or(0.0, |comparison| comparison.rise);
     let groups = Groups::new(&scene, &prepared.operators.mean().growth.critical, rise);
     let effects = match &prepared.operators {
         ModelOperators::Line(line) => effects(&scene, &groups, line, true, rise),
         _ if scene.has_rigid_bodies() => Vec::new(),
-        lumped => match lumped.line_beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
+        lumped => match lumped.beside(&ModelLevel::Line(0).apply(lumped.scene()), run_in) {
             Ok(ModelOperators::Line(line)) => effects(&scene, &groups, &line, false, rise),
             _ => Vec::new(),
         },

@@ -27,7 +27,7 @@ const VISIBLE: f64 = 1e-2;
 const FLAT: f64 = 0.2;
 
 /// The same below which the shape is rounding, and not drawn.
-const ROUNDING: f64 = 1e-9;
+const FLAT_SHAPE: f64 = 1e-9;
 
 /// A curve.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -72,10 +72,8 @@ pub struct Figure {
     pub profiles: Vec<Panel>,
 }
 
-/// A panel over the time: its label, and the variables with their names in the legend.
-type Course = (&'static str, &'static [(&'static str, &'static str)]);
-
-const COURSES: &[Course] = &[
+/// Panels over the time: label, and variables with their names in the legend.
+const COURSES: &[(&str, &[(&str, &str)])] = &[
     ("sliding velocity", &[("sliding_velocity", "")]),
     ("angular velocity", &[("angular_velocity", "")]),
     ("normal load", &[("normal_load", "")]),
@@ -324,7 +322,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
             high - low
         };
         let most = all.iter().fold(0.0_f64, |most, own| most.max(extremes(&own.worn[body]).1));
-        if all.iter().all(|own| range(own) <= ROUNDING * most) {
+        if all.iter().all(|own| range(own) <= FLAT_SHAPE * most) {
             continue;
         }
         if all.iter().all(|own| range(own) < FLAT * most) {

@@ -30,7 +30,7 @@ pub struct Measured {
 
 impl Measured {
     /// A deviation over the range of the measured values; `None` where they are all the same.
-    pub fn relative(&self, deviation: f64) -> Option<f64> {
+    pub(crate) fn relative(&self, deviation: f64) -> Option<f64> {
         (self.range > 0.0).then(|| deviation / self.range)
     }
 }

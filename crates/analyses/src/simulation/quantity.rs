@@ -2,7 +2,7 @@
 
 /// How the values of a quantity are shown.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Shown {
+pub(crate) struct Shown {
     /// The shown value is `factor * value + offset`.
     pub factor: f64,
     /// In the shown unit.
@@ -29,7 +29,7 @@ const MULTIPLES: &[(&str, Multiples)] = &[
 
 impl Shown {
     /// For values of a variable up to `largest` in its SI unit; temperatures in degrees Celsius unless they are differences.
-    pub fn of(name: &str, unit: &str, largest: f64) -> Self {
+    pub(crate) fn of(name: &str, unit: &str, largest: f64) -> Self {
         if unit == "K" && !name.ends_with("_offset") {
             return Self { factor: 1.0, offset: -273.15, unit: "°C".into() };
         }
@@ -51,17 +51,17 @@ impl Shown {
     }
 
     /// The shown value.
-    pub fn value(&self, value: f64) -> f64 {
+    pub(crate) fn value(&self, value: f64) -> f64 {
         self.factor * value + self.offset
     }
 
     /// The value with its unit.
-    pub fn text(&self, value: f64) -> String {
+    pub(crate) fn text(&self, value: f64) -> String {
         format!("{} {}", number(self.value(value)), self.unit).trim_end().to_owned()
     }
 
     /// Label of an axis.
-    pub fn label(&self, quantity: &str) -> String {
+    pub(crate) fn label(&self, quantity: &str) -> String {
         if self.unit.is_empty() { quantity.to_owned() } else { format!("{quantity} ({})", self.unit) }
     }
 }
@@ -86,7 +86,7 @@ fn signs(unit: &str) -> String {
 }
 
 /// Five significant digits.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         return "0".into();

@@ -10,7 +10,7 @@ use crate::largest;
 use serde_json::{Map, Value, json};
 
 /// Heat relative to the largest of the balance below which it is rounding.
-const ROUNDING: f64 = 1e-12;
+const LEAST_HEAT: f64 = 1e-12;
 
 /// A run with everything that the table and the JSON state about it.
 pub struct Summary<'a> {
@@ -148,7 +148,7 @@ impl Summary<'_> {
         ]
         .map(|(word, name)| (word, name, self.last(name)));
         // A flow through an insulated face is the rounding of the others.
-        let least = ROUNDING * largest(parts.map(|(_, _, value)| value));
+        let least = LEAST_HEAT * largest(parts.map(|(_, _, value)| value));
         let parts = parts.map(|(word, name, value)| {
             let value = if value.abs() < least { 0.0 } else { value };
             format!("{} {word}", Shown::of(name, "J", value.abs()).text(value))

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 const OBSERVED: usize = 1000;
 
 /// Distance over the whole time between two times that are one.
-const SAME: f64 = 1e-9;
+const SAME_TIME: f64 = 1e-9;
 
 /// Inputs at given times, linear between them.
 #[derive(Clone, PartialEq, Debug)]
@@ -120,7 +120,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// As [`Conditions::inputs`].
-    pub fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
+    pub(crate) fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
         let conditions = Conditions {
             load: scene.nominal_load,
             velocity: scene.nominal_velocity,
@@ -160,7 +160,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// A time outside of the trajectory, or too many points.
-    pub fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
+    pub(crate) fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
         let (first, last) = self.span();
         if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
             let [outside, first, last] = [*outside, first, last].map(Number);
@@ -200,7 +200,7 @@ impl Trajectory {
     /// The points and the times of the record, apart from those that rounding alone tells from a point.
     fn with_observed(&self, points: Vec<f64>) -> Vec<f64> {
         let (first, last) = self.span();
-        let same = SAME * (last - first);
+        let same = SAME_TIME * (last - first);
         let is_new = |time: &&f64| {
             let after = points.partition_point(|own| own < *time);
             points[after.saturating_sub(1)..(after + 1).min(points.len())].iter().all(|own| (own - **time).abs() > same)
@@ -224,7 +224,7 @@ impl Trajectory {
     }
 
     /// Value of the input with these `values` at `time` in an interval of [`Trajectory::interval`].
-    pub fn at(&self, values: &[f64], interval: usize, time: f64) -> f64 {
+    pub(crate) fn at(&self, values: &[f64], interval: usize, time: f64) -> f64 {
         let (from, to) = (self.times[interval - 1], self.times[interval]);
         if time == to {
             return values[interval];
@@ -233,7 +233,7 @@ impl Trajectory {
     }
 
     /// Line of an interval in the file, for messages; empty for nominal inputs.
-    pub fn place(&self, interval: usize) -> String {
+    pub(crate) fn place(&self, interval: usize) -> String {
         match &self.file {
             Some((path, lines)) => {
                 format!(" ({}, lines {} and {})", path.display(), lines[interval - 1], lines[interval])

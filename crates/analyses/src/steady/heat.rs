@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const ZERO_CELSIUS: f64 = 273.15;
 
 /// Root mean square difference of the pressures with and without heat over all strokes, in Pa.
-pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
+pub(crate) fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
     let width = 2.0 * cells.half_width();
     let one = |(hot, cold): (&Vec<f64>, &Vec<f64>)| {
         let squares: Vec<f64> = hot.iter().zip(cold).map(|(h, c)| (h - c) * (h - c)).collect();
@@ -40,7 +40,7 @@ pub(crate) fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
 }
 
 /// A warning where the state is above the scene's own limit.
-pub(crate) fn above_limit(solved: &Solved) -> Option<String> {
+fn above_limit(solved: &Solved) -> Option<String> {
     let (kelvin, limit) = (known(solved)?.heat.highest, solved.scene.temperature_limit);
     (limit > 0.0 && kelvin > limit).then(|| {
         format!(
@@ -61,12 +61,12 @@ pub fn warnings(solved: &Solved) -> Vec<String> {
 }
 
 /// Rise of the highest surface temperature above the ambient, K.
-pub fn rise(solved: &Solved, hot: &HotState) -> f64 {
+pub(crate) fn rise(solved: &Solved, hot: &HotState) -> f64 {
     hot.heat.highest - solved.scene.ambient_temperature
 }
 
 /// The state with heat as JSON.
-pub fn record(solved: &Solved) -> Value {
+pub(crate) fn record(solved: &Solved) -> Value {
     let hot = match &solved.hot {
         None => return Value::Null,
         Some(Err(reason)) => return json!({ "refused": reason }),
@@ -119,6 +119,6 @@ pub fn record(solved: &Solved) -> Value {
 }
 
 /// The state with heat, where there is one.
-pub fn known(solved: &Solved) -> Option<&HotState> {
+pub(crate) fn known(solved: &Solved) -> Option<&HotState> {
     solved.hot.as_ref().and_then(|hot| hot.as_ref().ok())
 }

@@ -110,7 +110,7 @@ pub(crate) fn direction(stroke: &SteadyStroke) -> &'static str {
 }
 
 /// Five figures; by the exponent where they would not be seen.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         size if !(1e-2..1e6).contains(&size) => format!("{value:.3e}"),
@@ -119,7 +119,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// Largest value.
-pub fn largest(values: &[f64]) -> f64 {
+pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
@@ -136,7 +136,7 @@ impl Solved {
     }
 
     /// Kind of the state in words.
-    pub fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match (self.state.kind, self.state.strokes.len()) {
             (SteadyKind::RunIn, 1) => "run-in, unidirectional",
             (SteadyKind::RunIn, _) => "run-in, reciprocating",
@@ -146,7 +146,7 @@ impl Solved {
     }
 
     /// Pa
-    pub fn mean_pressure(&self) -> f64 {
+    pub(crate) fn mean_pressure(&self) -> f64 {
         self.scene.nominal_load / (self.scene.count * self.scene.contact_area())
     }
 

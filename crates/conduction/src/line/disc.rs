@@ -335,13 +335,12 @@ mod tests {
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
     use scene::FarBoundary;
-    use scene::variables::{STARTS, reference};
+    use scene::variables::{STARTS, changed};
     use scene::{Scene, ThermalBoundary};
 
     /// Two pads on a disc of 12 mm.
     fn disc() -> (DiscHeat, Flash, Vec<f64>) {
-        let mut values = STARTS;
-        for (name, value) in [
+        let changes = [
             ("contact.geometry", 2.0),
             ("contact.mean_radius", 0.1),
             ("punch.width", 0.04),
@@ -351,10 +350,8 @@ mod tests {
             ("strip.length", 0.0),
             ("strip.height", 0.012),
             ("strip.base_thermal", 1.0),
-        ] {
-            values[reference(name) as usize] = value;
-        }
-        let scene = Scene::new(&values, None).unwrap();
+        ];
+        let scene = Scene::new(&changed(&STARTS, &changes).unwrap(), None).unwrap();
         let cells = Cells::graded(0.02, 5).unwrap();
         let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
         let slab = Slab {

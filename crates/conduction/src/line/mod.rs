@@ -43,15 +43,15 @@ use std::fmt::Debug;
 pub use numerics::sdirk::GAMMA;
 pub use workspace::{SingleStep, Workspace};
 
-/// Cache size in entries of an N x N matrix over all cached steps, unless fewer than [`LEAST_STEPS`] fit.
+/// Cache size in entries of an N x N matrix over all cached steps, unless fewer than [`FEWEST_CACHED`] fit.
 const CACHED_NUMBERS: usize = 400_000;
-const LEAST_STEPS: usize = 2;
-const MOST_STEPS: usize = 8;
+const FEWEST_CACHED: usize = 2;
+const MOST_CACHED: usize = 8;
 
 /// Cache capacity: number of step sizes whose operators are cached on `cells` cells. A step control alternates between a few
 /// step sizes, up to six where it locates events.
 pub fn cache_capacity(cells: usize) -> usize {
-    (CACHED_NUMBERS / (cells * cells)).clamp(LEAST_STEPS, MOST_STEPS)
+    (CACHED_NUMBERS / (cells * cells)).clamp(FEWEST_CACHED, MOST_CACHED)
 }
 
 /// The two stages of a step.
@@ -126,7 +126,7 @@ impl Surroundings {
     }
 
     /// Values at `stage`.
-    pub fn at(&self, stage: Stage) -> &Boundary {
+    pub(crate) fn at(&self, stage: Stage) -> &Boundary {
         match stage {
             Stage::First => &self.first,
             Stage::End => &self.end,

@@ -60,7 +60,7 @@ pub(super) struct Observation {
 
 impl Observation {
     /// Zero observation of `states` states and `cells` fluxes.
-    pub fn none(states: usize, cells: usize) -> Self {
+    pub(crate) fn none(states: usize, cells: usize) -> Self {
         Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS], by_part: Vec::new() }
     }
 

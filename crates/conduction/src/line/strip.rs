@@ -107,11 +107,6 @@ impl StripHeat {
         self.operators.table.expect(velocity);
     }
 
-    /// Relative error of the reduction at the contact line, computed when the body was made.
-    pub fn error(&self) -> f64 {
-        self.operators.error
-    }
-
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
     /// the tail of the state.
     fn rates_given_back(&self) -> usize {
@@ -347,7 +342,7 @@ impl Observed for StripHeat {
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         let Scratch { amplitude, response, .. } = &mut *scratch;
         operators.observe_one(amplitude, &mut response[0], level, temperature);
-        operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
+        operators.table.add_response(0, velocity, flux, &mut scratch.frozen, temperature);
     }
 
     fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
@@ -363,7 +358,7 @@ impl Observed for StripHeat {
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         let Scratch { moved, response, .. } = &mut *scratch;
         operators.observe_one(moved, &mut response[0], operators.mean_distortion * level, distortion);
-        operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
+        operators.table.add_response(1, velocity, flux, &mut scratch.frozen, distortion);
     }
 
     fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {
@@ -401,8 +396,8 @@ impl Observed for StripHeat {
     fn account(&self, state: &[f64]) -> Account {
         let mean = &self.operators.mean;
         let tail = &state[state.len() - TAIL..];
-        let held = mean.stored.direct[BASE] * tail[3];
-        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + held);
+        let by_base = mean.stored.direct[BASE] * tail[3];
+        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + by_base);
         Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
     }
 

@@ -16,7 +16,7 @@ pub(super) struct Grid {
 }
 
 /// Ten-point Gauss-Legendre rule on [0, 1] (half of it; the rule is symmetric).
-const GAUSS: [(f64, f64); 5] = [
+const GAUSS_10: [(f64, f64); 5] = [
     (0.148_874_338_981_631_2, 0.295_524_224_714_752_9),
     (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
     (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
@@ -32,7 +32,7 @@ impl Grid {
         let mut grid = Grid { position: Vec::new(), weight: Vec::new() };
         for pair in edges.windows(2) {
             let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for (node, weight) in GAUSS {
+            for (node, weight) in GAUSS_10 {
                 for sign in [-1.0, 1.0] {
                     grid.position.push(middle + sign * half * node);
                     grid.weight.push(half * weight);
@@ -44,15 +44,15 @@ impl Grid {
 }
 
 /// A trial function: values and slopes at the grid points, and values at the two faces.
-pub(super) struct Function {
+struct TrialFunction {
     value: Vec<f64>,
     slope: Vec<f64>,
     contact: f64,
     base: f64,
 }
 
-impl Function {
-    fn combine(&mut self, factor: f64, other: &Function) {
+impl TrialFunction {
+    fn combine(&mut self, factor: f64, other: &TrialFunction) {
         for (mine, its) in self.value.iter_mut().zip(&other.value) {
             *mine += factor * its;
         }
@@ -82,7 +82,7 @@ pub(super) struct Eigen {
 pub(super) struct Basis<'a> {
     slab: &'a Slab,
     grid: &'a Grid,
-    functions: Vec<Function>,
+    functions: Vec<TrialFunction>,
 }
 
 impl<'a> Basis<'a> {
@@ -106,9 +106,9 @@ impl<'a> Basis<'a> {
         sum[0] + sum[1]
     }
 
-    fn function(&self, evaluate: impl Fn(f64) -> (f64, f64)) -> Function {
+    fn function(&self, evaluate: impl Fn(f64) -> (f64, f64)) -> TrialFunction {
         let values: Vec<(f64, f64)> = self.grid.position.iter().map(|&z| evaluate(z)).collect();
-        Function {
+        TrialFunction {
             value: values.iter().map(|pair| pair.0).collect(),
             slope: values.iter().map(|pair| pair.1).collect(),
             contact: evaluate(0.0).0,
@@ -117,7 +117,7 @@ impl<'a> Basis<'a> {
     }
 
     /// Adds a function after orthogonalising it (twice is enough); drops it if it is linearly dependent.
-    fn add(&mut self, mut function: Function) {
+    fn add(&mut self, mut function: TrialFunction) {
         let capacity = self.slab.capacity;
         let before = (capacity * self.product(&function.value, &function.value)).sqrt();
         for _ in 0..2 {
@@ -196,7 +196,7 @@ impl<'a> Basis<'a> {
     }
 
     /// Load vectors of the four ports on a function: contact, cooling, ambient, flux into a base without prescribed temperature.
-    fn loads(&self, function: &Function) -> [f64; PORTS] {
+    fn loads(&self, function: &TrialFunction) -> [f64; PORTS] {
         let slab = self.slab;
         let integral: f64 = self.grid.weight.iter().zip(function.value.iter()).map(|(w, v)| w * v).sum();
         let cooling = match slab.cooling {
@@ -212,7 +212,7 @@ impl<'a> Basis<'a> {
         [function.contact, cooling, ambient, base]
     }
 
-    fn stiffness(&self, left: &Function, right: &Function) -> f64 {
+    fn stiffness(&self, left: &TrialFunction, right: &TrialFunction) -> f64 {
         let slab = self.slab;
         let through_base = match slab.base {
             FarBoundary::Convecting(transfer) => transfer * left.base * right.base,
@@ -262,7 +262,7 @@ impl<'a> Basis<'a> {
 
     /// Body with these modes, the fastest one as a static correction.
     pub(super) fn modes(&self, eigen: &Eigen) -> ReducedBody {
-        let modes: Vec<Function> = (eigen.order)
+        let modes: Vec<TrialFunction> = (eigen.order)
             .iter()
             .map(|&index| {
                 let mut mode = self.function(|_| (0.0, 0.0));
@@ -282,11 +282,11 @@ impl<'a> Basis<'a> {
         self.assemble(&modes, &rates)
     }
 
-    fn assemble(&self, modes: &[Function], rates: &[f64]) -> ReducedBody {
+    fn assemble(&self, modes: &[TrialFunction], rates: &[f64]) -> ReducedBody {
         let slab = self.slab;
         let areal = slab.areal_capacity();
         let kept = (modes.len() - 1).max(1);
-        let integral = |mode: &Function| -> f64 {
+        let integral = |mode: &TrialFunction| -> f64 {
             self.grid.weight.iter().zip(mode.value.iter()).map(|(w, v)| w * v).sum::<f64>()
         };
         let lift = BaseLift::new(slab, 0.0);
@@ -373,7 +373,7 @@ impl<'a> Basis<'a> {
 impl ReducedBody {
     /// Closes the heat balance: the flow out of the base is input - d(stored)/dt - flow to ambient. For a convecting base
     /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
-    pub(crate) fn close_balance(&mut self) {
+    fn close_balance(&mut self) {
         for k in 0..self.count {
             self.base_flow.states[k] = self.stored.states[k] * self.rate[k] - self.ambient_flow.states[k];
         }

@@ -21,7 +21,7 @@ pub(super) struct Balance {
 
 impl Balance {
     #[inline]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         usize::from(self.approach_free) + usize::from(self.tilt_free)
     }
 }

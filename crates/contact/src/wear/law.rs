@@ -44,7 +44,7 @@ impl PressureLaw {
     }
 
     /// The same law of what z is above `threshold`, >= 0.
-    pub fn above(self, threshold: f64) -> PressureLaw {
+    pub(crate) fn above(self, threshold: f64) -> PressureLaw {
         PressureLaw { threshold, ..self }
     }
 
@@ -74,13 +74,13 @@ impl PressureLaw {
 
     /// Depth rate `c f(z)`.
     #[inline]
-    pub fn rate(&self, coefficient: f64, z: f64) -> f64 {
+    pub(crate) fn rate(&self, coefficient: f64, z: f64) -> f64 {
         coefficient * power(self.excess(z), self.exponent)
     }
 
     /// Its slope `c f'(z)`; infinite for b < 1 where wear begins.
     #[inline]
-    pub fn slope(&self, coefficient: f64, z: f64) -> f64 {
+    pub(crate) fn slope(&self, coefficient: f64, z: f64) -> f64 {
         if z < self.threshold {
             return 0.0;
         }
@@ -89,7 +89,7 @@ impl PressureLaw {
 
     /// `z f'(z)/f(z)`: relative change of the rate with that of the pressure; 0 where nothing wears.
     #[inline]
-    pub fn logarithmic_slope(&self, z: f64) -> f64 {
+    pub(crate) fn logarithmic_slope(&self, z: f64) -> f64 {
         if z > self.threshold { self.exponent * (z / (z - self.threshold)) } else { 0.0 }
     }
 

@@ -14,7 +14,7 @@
 //! Theory: docs/theory.md, section 5.5.
 
 /// Number of cells of the window.
-pub const CELLS: usize = 64;
+const TRACK_CELLS: usize = 64;
 
 /// Worn track under a lumped contact.
 #[derive(Clone, PartialEq, Debug)]
@@ -25,7 +25,7 @@ pub struct Track {
     first: i64,
     /// Number of stored cells.
     count: usize,
-    depth: [f64; CELLS],
+    depth: [f64; TRACK_CELLS],
     /// Bounds of the discarded cells: those below the first or above the second.
     discarded: Option<(i64, i64)>,
     revisited: bool,
@@ -36,8 +36,8 @@ impl Track {
     pub fn new(half_length: f64, stroke: f64) -> Track {
         let width = 2.0 * half_length;
         // The window holds the stroke, the contact and as much again on both sides.
-        let cell = (width / 8.0).max((stroke + 3.0 * width) / (CELLS - 4) as f64);
-        Track { cell, half_length, first: 0, count: 0, depth: [0.0; CELLS], discarded: None, revisited: false }
+        let cell = (width / 8.0).max((stroke + 3.0 * width) / (TRACK_CELLS - 4) as f64);
+        Track { cell, half_length, first: 0, count: 0, depth: [0.0; TRACK_CELLS], discarded: None, revisited: false }
     }
 
     /// Whether the contact returned to a discarded part of the track.
@@ -57,7 +57,7 @@ impl Track {
         }
         let span_low = low.min(self.first);
         let span_high = high.max(self.first + self.count as i64 - 1);
-        let room = CELLS as i64;
+        let room = TRACK_CELLS as i64;
         // Cells are discarded on the side away from the contact.
         let (mut from, mut to) = (span_low, span_high);
         if to - from + 1 > room {
@@ -79,7 +79,7 @@ impl Track {
             self.revisited = true;
         }
         if from != self.first || to - from + 1 != self.count as i64 {
-            let mut depth = [0.0; CELLS];
+            let mut depth = [0.0; TRACK_CELLS];
             for index in from..=to {
                 depth[(index - from) as usize] = self.at(index);
             }
@@ -92,7 +92,7 @@ impl Track {
     /// Adds the wear `depth` (m) under the contact while its middle moves from `x0` to `x1` (m). A motion longer than the
     /// window is split.
     pub fn wear(&mut self, x0: f64, x1: f64, depth: f64) {
-        let longest = (CELLS as f64 - 4.0) * self.cell - 2.0 * self.half_length;
+        let longest = (TRACK_CELLS as f64 - 4.0) * self.cell - 2.0 * self.half_length;
         let pieces = ((x1 - x0).abs() / longest).ceil().max(1.0);
         // Of a very long motion only the part that remains in the window.
         for left in [3.0, 2.0, 1.0] {
@@ -109,7 +109,8 @@ impl Track {
         let (left, right) = (x0.min(x1) - self.half_length, x0.max(x1) + self.half_length);
         let low = (left / self.cell).floor() as i64;
         // Rounding of distant positions exceeds a cell; the window's length bounds the rest.
-        let high = ((right / self.cell).ceil() as i64).saturating_sub(1).min(low.saturating_add(CELLS as i64 - 1));
+        let high =
+            ((right / self.cell).ceil() as i64).saturating_sub(1).min(low.saturating_add(TRACK_CELLS as i64 - 1));
         self.cover(low, high);
         let mut before = self.passed(low as f64 * self.cell, x0, x1);
         for index in low..=high {
@@ -156,7 +157,7 @@ impl Track {
         let (length, last) = (2.0 * self.half_length / self.cell, self.count as f64);
         // Integral over the cells from the first one, in cells; its difference over the contact is largest where an end of the
         // contact is at an end of a cell.
-        let mut integrals = [0.0; CELLS + 1];
+        let mut integrals = [0.0; TRACK_CELLS + 1];
         for (cell, depth) in worn.iter().enumerate() {
             integrals[cell + 1] = integrals[cell] + depth;
         }
@@ -184,14 +185,14 @@ impl Track {
         (self.cell, self.half_length) = (next()?, next()?);
         let (first, count, revisited) = (next()?, next()?, next()?);
         let (below, above, discarded) = (next()?, next()?, next()?);
-        if !(0.0..=CELLS as f64).contains(&count) || !first.is_finite() {
+        if !(0.0..=TRACK_CELLS as f64).contains(&count) || !first.is_finite() {
             return None;
         }
         self.first = first as i64;
         self.count = count as usize;
         self.revisited = revisited != 0.0;
         self.discarded = (discarded != 0.0).then_some((below as i64, above as i64));
-        self.depth = [0.0; CELLS];
+        self.depth = [0.0; TRACK_CELLS];
         for slot in &mut self.depth[..self.count] {
             *slot = next()?;
         }

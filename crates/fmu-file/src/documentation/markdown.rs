@@ -52,7 +52,7 @@ pub(crate) fn contents<T: AsRef<str>>(headings: impl Iterator<Item = T>) -> Stri
 }
 
 /// Headings of a page one level lower, where the page becomes a section.
-pub fn section(page: &str) -> String {
+pub(crate) fn section(page: &str) -> String {
     format!("#{}", page.replace("\n#", "\n##"))
 }
 

@@ -30,7 +30,7 @@ pub fn write(folder: &Path) -> Result<[(&'static str, String); 2]> {
 }
 
 /// The variables with these start values, and what there is to say about those.
-pub fn variables(starts: &[f64], of: &str) -> String {
+pub(crate) fn variables(starts: &[f64], of: &str) -> String {
     let topics = topics(starts);
     let mut text = format!(
         "# Variables\n\nValues pass through the interface in the unit given. Limits are inclusive. Outputs are meant to be connected, \
@@ -125,7 +125,8 @@ Whatever is wrong is reported together, each with line, column, key and what is 
 
 `material` of `[punch]` or `[strip]` sets six properties to typical values at room temperature. A casting or a lining in use may differ by 10 % in the
 elastic and by 30 % in the thermal ones. Wear and friction belong to a pair of materials and are not among them.
-`property_table.material` gives conductivity and specific heat over temperature, of a standard, for those in the last column.
+`property_table.material` gives conductivity and specific heat over temperature for those in the last column.
+For bronze no two sources over temperature were found.
 
 "#;
 

@@ -133,7 +133,7 @@ pub(crate) fn topics(starts: &[f64]) -> Vec<Topic> {
 }
 
 /// A row of the variable table with the start values of its elements.
-pub fn entry(row: &Row, starts: &[f64]) -> Entry {
+pub(crate) fn entry(row: &Row, starts: &[f64]) -> Entry {
     let unit = match row.kind {
         Kind::Real { unit, .. } => unit.name,
         Kind::Integer { .. } => "Integer",
@@ -171,7 +171,7 @@ fn limits(row: &Row) -> String {
 }
 
 /// A start value with the same in the display unit, if it has one.
-pub fn value(row: &Row, start: f64) -> String {
+pub(crate) fn value(row: &Row, start: f64) -> String {
     match row.kind {
         Kind::Boolean => (start != 0.0).to_string(),
         Kind::Enumeration(kind) => kind.items[start as usize - 1].0.to_owned(),

@@ -14,21 +14,21 @@
 
 use conduction::line::strip::{Depth, dilatation};
 use conduction::slab::{CoolingPort, Slab};
-pub use elasticity::kinds::FarFace;
+pub(crate) use elasticity::kinds::FarFace;
 use elasticity::kinds::wave_compliance;
 use elasticity::{Base, antisymmetric};
 use nalgebra::Complex;
 use scene::{Body, FarBoundary, MechanicalBody, Scene};
 
 /// 1/(2 h_c), K m2/W.
-pub fn half_resistance(scene: &Scene) -> f64 {
+pub(crate) fn half_resistance(scene: &Scene) -> f64 {
     // Half of the resistance between surfaces without heat exchange, K m2/W: each receives half of the heat.
     if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 1e12 }
 }
 
 /// Layer at one wave number.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
+pub(crate) struct Layer {
     /// `None`: an insulator.
     conduction: Option<Depth>,
     expands: bool,
@@ -38,7 +38,7 @@ pub struct Layer {
 
 impl Layer {
     /// Layer of a body at the wave number `wave`, 1/m.
-    pub fn new(body: &Body, far: FarFace, wave: f64) -> Layer {
+    pub(crate) fn new(body: &Body, far: FarFace, wave: f64) -> Layer {
         let nu = body.poissons_ratio;
         let u = wave * body.height;
         let compliance = wave_compliance(body, far, wave);
@@ -68,7 +68,7 @@ impl Layer {
     }
 
     /// Heat uptake Y, W/(m2 K), and thermal lift L, m/K, at the frequency `s`, 1/s.
-    pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+    pub(crate) fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let Some(conduction) = &self.conduction else { return [Complex::from(0.0); 2] };
         let [impedance, distortion] = conduction.respond(s);
         let uptake = impedance.inv();
@@ -76,14 +76,14 @@ impl Layer {
     }
 
     /// Elastic compliance C, m/Pa.
-    pub fn compliance(&self) -> f64 {
+    pub(crate) fn compliance(&self) -> f64 {
         self.compliance
     }
 }
 
 /// Both bodies at one wave number.
 #[derive(Clone, Copy, Debug)]
-pub struct Layers {
+pub(crate) struct Layers {
     /// Punch and strip.
     pub bodies: [Layer; 2],
     /// Wave number, 1/m.
@@ -94,14 +94,14 @@ pub struct Layers {
 
 impl Layers {
     /// The scene's bodies at the wave number `wave`, 1/m; `strip`: condition at the far face of the strip.
-    pub fn new(scene: &Scene, strip: FarFace, wave: f64) -> Layers {
+    pub(crate) fn new(scene: &Scene, strip: FarFace, wave: f64) -> Layers {
         let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
         let strip = Layer::new(&scene.strip, strip, wave);
         Layers { bodies: [punch, strip], wave, half_resistance: half_resistance(scene) }
     }
 
     /// Compliance C of both, m/Pa.
-    pub fn compliance(&self) -> f64 {
+    pub(crate) fn compliance(&self) -> f64 {
         self.bodies[0].compliance + self.bodies[1].compliance
     }
 
@@ -112,7 +112,7 @@ impl Layers {
     }
 
     /// Z of the more unstable body, by itself at rest, Pa.m/s.
-    pub fn alone(&self) -> f64 {
+    pub(crate) fn alone(&self) -> f64 {
         let rest = Complex::from(0.0);
         let own = |body: &Layer| {
             let [uptake, lift] = body.respond(rest);
@@ -122,7 +122,7 @@ impl Layers {
     }
 
     /// Z in m/s for a wave that moves at these speeds in the frames of the two bodies.
-    pub fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
+    pub(crate) fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
         let at = |body: usize| self.bodies[body].respond(Complex::new(0.0, -self.wave * speeds[body]));
         let ([first, lift_first], [second, lift_second]) = (at(0), at(1));
         let temperature = [second * self.half_resistance + 1.0, first * self.half_resistance + 1.0];

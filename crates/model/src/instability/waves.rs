@@ -8,11 +8,10 @@ use nalgebra::Complex;
 use scene::{Constraint, Geometry, Path, Scene, ThermalBoundary};
 use std::f64::consts::PI;
 
-/// Wave speeds of the search between a body at rest and half the sliding speed, in geometric progression; slightly beyond,
-/// because a wave between equal bodies moves at half the speed.
+/// Wave speeds of the search over the sliding speed: number, and the ends of their geometric progression, from a body at rest to
+/// slightly beyond one half, because a wave between equal bodies moves at half the speed.
 const WAVE_SPEEDS: usize = 12;
-const SLOWEST_WAVE: f64 = 1e-10;
-const FASTEST_WAVE: f64 = 0.5001;
+const WAVE_SPEED_RANGE: [f64; 2] = [1e-10, 0.5001];
 
 /// Ratio of neighbouring wave numbers, up to this number of them; the minimum is refined by a parabola.
 const SPACING: f64 = 1.2;
@@ -51,7 +50,7 @@ pub(super) struct Least {
 
 /// Far face of the strip in the mode that a contact line contains, and in those that a strip between two faces has beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct FarFaces {
+pub(crate) struct FarFaces {
     /// In the mode of the contact line.
     pub own: FarFace,
     /// In the modes beside it.
@@ -60,7 +59,7 @@ pub struct FarFaces {
 
 impl FarFaces {
     /// Far faces of a scene: an insulated base under two faces is the mid plane of the strip.
-    pub fn of(scene: &Scene) -> FarFaces {
+    pub(crate) fn of(scene: &Scene) -> FarFaces {
         let mid_plane = scene.faces == 2.0 && scene.strip.far_thermal == ThermalBoundary::Insulated;
         let others: &[FarFace] = match (mid_plane, scene.smooth_base) {
             (false, _) => &[],
@@ -81,7 +80,7 @@ pub(super) struct Families {
 
 impl Families {
     /// Admissible waves for the scene's geometry.
-    pub fn of(scene: &Scene) -> Families {
+    pub(crate) fn of(scene: &Scene) -> Families {
         let mut families = Vec::new();
         let FarFaces { own, others } = FarFaces::of(scene);
         let mut add = |numbers: &Numbers, motions: &[Motion]| {
@@ -126,7 +125,7 @@ impl Families {
 
     /// Least Re Z at the sliding speed `speed` (m/s); infinite: there is no such wave. The minimum is followed from that `near`,
     /// at a speed not far away, or searched among all waves.
-    pub fn least(&self, speed: f64, near: Option<&Least>) -> Least {
+    pub(crate) fn least(&self, speed: f64, near: Option<&Least>) -> Least {
         let mut least = Least { all: f64::INFINITY, modelled: f64::INFINITY, waves: Vec::new() };
         for (index, family) in self.families.iter().enumerate() {
             let (value, wave) = family.least(speed, near.map(|near| near.waves[index]));
@@ -140,7 +139,7 @@ impl Families {
     }
 
     /// Least Z of one body by itself at rest, m/s, over the waves that a contact line resolves.
-    pub fn alone(&self) -> f64 {
+    pub(crate) fn alone(&self) -> f64 {
         let own = |family: &Family| family.waves.iter().map(Layers::alone).fold(f64::INFINITY, f64::min);
         let modelled = self.families.iter().filter(|family| family.modelled);
         modelled.map(own).fold(f64::INFINITY, f64::min) / self.fastest_cell
@@ -253,12 +252,13 @@ fn least_free(layers: &Layers, speed: f64, swapped: bool) -> f64 {
             least = least.min(value.re);
         }
     };
-    let step = (FASTEST_WAVE / SLOWEST_WAVE).powf(1.0 / (WAVE_SPEEDS - 1) as f64);
+    let [slowest, fastest] = WAVE_SPEED_RANGE;
+    let step = (fastest / slowest).powf(1.0 / (WAVE_SPEEDS - 1) as f64);
     let mut before = (0.0, at(0.0));
     if before.1.im == 0.0 {
         take(before.1);
     }
-    let mut part = SLOWEST_WAVE;
+    let mut part = slowest;
     for _ in 0..WAVE_SPEEDS {
         let now = (part, at(part));
         if before.1.im * now.1.im < 0.0 {

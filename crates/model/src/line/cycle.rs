@@ -9,17 +9,16 @@
 
 mod error;
 mod exchange;
-pub mod jump;
+pub(crate) mod jump;
 pub mod map;
 mod newton;
 mod records;
-pub mod solve;
+pub(crate) mod solve;
 mod tangent;
-pub mod tracked;
+pub(crate) mod tracked;
 
 pub use error::CycleError;
 pub use jump::{Jump, JumpOptions, Jumps, Progress};
-pub use map::{CycleMap, Passage, Resolution, StrokePassage};
-pub use records::Totals;
+pub use map::{CycleMap, MapResolution, Passage, StrokePassage};
 pub use solve::{Solution, SolveOptions};
 pub use tracked::TrackedCycles;

@@ -19,7 +19,7 @@ impl LineOperators {
     /// w = k K/(mu alpha (1 + nu) kd): ratio of the decay of a pressure wave by wear to its growth by heat, k the wear depth of
     /// both bodies per pressure and distance at nominal load and speed, times `acceleration`. For the body whose waves become
     /// unstable first. 0 where nothing grows.
-    pub(crate) fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
+    fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
         let scene = &self.scene;
         let Some(body) = driving_body(scene).filter(|_| self.heat.is_some() && friction > 0.0) else { return 0.0 };
         let (load, speed) = (scene.nominal_load, scene.nominal_velocity);
@@ -58,7 +58,7 @@ impl Line {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
+    pub(crate) fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         match bit {
             limit::ACCELERATED => {
                 let (friction, acceleration) = (self.tunables.friction_coefficient, self.tunables.wear_acceleration);

@@ -5,7 +5,7 @@
 
 pub mod air;
 pub mod bodies;
-pub mod edges;
+pub(crate) mod edges;
 pub mod partition;
 pub(crate) mod partitions;
-pub mod state;
+pub(crate) mod state;

@@ -124,13 +124,13 @@ impl Line {
     /// temperature changes.
     pub(super) fn write_heat_rates(&self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         let (Some(heat), Some(state)) = (&self.heat, &self.state.heat) else { return };
-        for held in [
+        for unchanged in [
             const { reference("contact_temperature") },
             const { reference("contact_temperature_max") },
             const { reference("heat_flow_punch") },
             const { reference("heat_flow_strip") },
         ] {
-            derivatives[held as usize] = 0.0;
+            derivatives[unchanged as usize] = 0.0;
         }
         let first = const { reference("profile.temperature") } as usize;
         derivatives[first..first + STATIONS].fill(0.0);

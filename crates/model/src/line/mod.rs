@@ -16,9 +16,9 @@ pub mod hottest;
 pub mod operators;
 mod outputs;
 pub mod profile;
-pub mod saved;
+pub(crate) mod saved;
 mod stages;
-pub mod state;
+pub(crate) mod state;
 mod step;
 mod trajectory;
 mod wear_rates;
@@ -116,7 +116,7 @@ impl Line {
     }
 
     /// Whether a bristle models the friction force at standstill.
-    pub fn has_bristle(&self) -> bool {
+    pub(crate) fn has_bristle(&self) -> bool {
         self.mean.has_bristle()
     }
 
@@ -136,14 +136,14 @@ impl Line {
     }
 
     /// Appends the state of the contact line as numbers.
-    pub fn save(&self, out: &mut Vec<f64>) {
+    pub(crate) fn save(&self, out: &mut Vec<f64>) {
         let mut state = self.state.clone();
         state.status.copy_from(self.stages.contact.status());
         state.save(out);
     }
 
     /// Replaces the whole state.
-    pub fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
+    pub(crate) fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
         self.mean.set_state(mean);
         self.state.copy_from(line);
         self.stages.contact.set_status(&self.state.status);
@@ -152,7 +152,7 @@ impl Line {
     }
 
     /// Work counters of the contact solver.
-    pub fn contact_work(&self) -> WorkCounter {
+    pub(crate) fn contact_work(&self) -> WorkCounter {
         let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
         heat.fold(self.stages.contact.counter(), |sum, counter| sum + counter)
     }
@@ -162,13 +162,8 @@ impl Line {
         self.attempts_left = Some(most);
     }
 
-    /// Internal steps that may still be tried, where they are limited.
-    pub fn attempts_left(&self) -> Option<u32> {
-        self.attempts_left
-    }
-
     /// Takes `operators`, those of [`LineOperators::tuned`]; the state stays. A face without flux has none of the last step.
-    pub fn set_operators(&mut self, operators: Arc<LineOperators>) {
+    pub(crate) fn set_operators(&mut self, operators: Arc<LineOperators>) {
         let inputs = Inputs::constant(0.0);
         self.state.status.copy_from(self.stages.contact.status());
         let mut tuned = Line::new(operators, self.tunables, &inputs);
@@ -186,7 +181,7 @@ impl Line {
     }
 
     /// Sets the parameters that may change between steps, without those of the operators.
-    pub fn set_tunables(&mut self, tunables: Tunables) {
+    pub(crate) fn set_tunables(&mut self, tunables: Tunables) {
         if let Some(heat) = &mut self.state.heat
             && self.friction.coefficient > 0.0
         {
@@ -219,7 +214,7 @@ impl Line {
     }
 
     /// Limits reached so far; see [`limit`].
-    pub fn limits(&self) -> u8 {
+    pub(crate) fn limits(&self) -> u8 {
         self.state.limits | self.mean.limits()
     }
 

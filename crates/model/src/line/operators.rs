@@ -21,7 +21,7 @@ use scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene};
 use std::sync::Arc;
 
 /// Number of cells for a tolerance: its error is mostly below it, and stated where it is not.
-pub(crate) fn cells_of(tolerance: f64) -> usize {
+fn cells_of(tolerance: f64) -> usize {
     match tolerance {
         5e-3.. => 17,
         5e-4.. => 33,
@@ -119,7 +119,7 @@ pub struct LineOperators {
 
 /// Finds the gap of a run-in punch, N cell means in m, of a scene with or without (`false`) resolved heat. Steady states are a layer above
 /// this one, so whoever builds operators passes the function that finds them.
-pub type RunIn = fn(&Scene, bool, &Cells, &[Compliance; 2]) -> Result<Vec<f64>, String>;
+pub(crate) type RunIn = fn(&Scene, bool, &Cells, &[Compliance; 2]) -> Result<Vec<f64>, String>;
 
 impl LineOperators {
     /// Builds the contact line of `scene`.
@@ -130,11 +130,11 @@ impl LineOperators {
         Self::with_heat(scene, is_resolved(scene), run_in)
     }
 
-    /// Builds the contact line with the reduced bodies of `known`, the lumped level of the same scene.
+    /// Builds the contact line with what it shares with `known`: [`lumped::operators::LumpedOperators::beside`].
     ///
     /// # Errors
     /// As [`LineOperators::new`].
-    pub fn beside(
+    pub(crate) fn beside(
         scene: &Scene,
         known: &lumped::operators::LumpedOperators,
         run_in: RunIn,
@@ -151,13 +151,13 @@ impl LineOperators {
     }
 
     /// Finds the edges of the contact within cells.
-    pub fn edges(&self) -> Edges {
+    pub(crate) fn edges(&self) -> Edges {
         let closed_ring = self.scene.geometry == Geometry::Periodic;
         Edges::new(self.cells.widths(), closed_ring, |i, j| self.normal[(i, j)])
     }
 
     /// Of the worn depths of punch and strip (m), those that shape the contact along the line.
-    pub fn shaping<'a>(&self, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
+    pub(crate) fn shaping<'a>(&self, punch: &'a [f64], strip: &'a [f64]) -> Worn<'a> {
         Worn { punch, strip: (self.scene.geometry == Geometry::Annular).then_some(strip) }
     }
 
@@ -207,7 +207,7 @@ impl LineOperators {
         let pressed = normal.column_sum();
         let compliance = cells.integral(pressed.as_slice()) / (2.0 * cells.half_width());
         let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
-        let mean = lumped::operators::LumpedOperators::beneath(&mean_scene(scene, heat), compliance, moves, known);
+        let mean = lumped::operators::LumpedOperators::build(&mean_scene(scene, heat), compliance, moves, known);
         let mean = Arc::new(mean);
         let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref()).map(Arc::new)).transpose()?;
         let [punch, strip] = laws;
@@ -240,7 +240,7 @@ impl LineOperators {
 
     /// These operators with other wear coefficients, convection, heat paths or conductance, those of `scene`: states keep their
     /// meaning. The strip keeps a track that it has.
-    pub fn tuned(&self, scene: Scene) -> LineOperators {
+    pub(crate) fn tuned(&self, scene: Scene) -> LineOperators {
         let [punch, strip] = wear_laws(&scene);
         let keeps = self.strip_wear == StripWear::Track;
         LineOperators {
@@ -256,7 +256,7 @@ impl LineOperators {
     ///
     /// # Errors
     /// A text with variable, value and limit.
-    pub fn check_tuned(&self, scene: &Scene) -> Result<(), String> {
+    pub(crate) fn check_tuned(&self, scene: &Scene) -> Result<(), String> {
         if StripWear::of(scene) == StripWear::Track && self.strip_wear != StripWear::Track {
             return Err(format!(
                 "strip.wear_coefficient = {} m2/N must have been above 0 at initialisation: with strip.path = straight a contact \
@@ -279,7 +279,7 @@ impl LineOperators {
     }
 
     /// Contact problem before the first step, with its own workspace.
-    pub fn contact(&self) -> WearingContact {
+    pub(crate) fn contact(&self) -> WearingContact {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
         let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
             .expect("the same matrices were accepted when the operators were made");
@@ -291,7 +291,7 @@ impl LineOperators {
     }
 
     /// Conditions of an unloaded contact, with a wear term for every body that reshapes it.
-    pub fn conditions(&self) -> Conditions {
+    pub(crate) fn conditions(&self) -> Conditions {
         let term = |body: usize| WearTerm {
             coefficient: match self.scene.geometry {
                 _ if self.wears_by_cell() => Coefficient::PerCell(vec![0.0; self.count()]),
@@ -310,7 +310,7 @@ impl LineOperators {
     }
 
     /// Load per face (N) that determines heat and friction at the lumped level: the contact's, on an annulus by its torque.
-    pub fn carried(&self, pressure: &[f64]) -> f64 {
+    pub(crate) fn carried(&self, pressure: &[f64]) -> f64 {
         let (mut torque, mut load) = (0.0, 0.0);
         for i in 0..pressure.len() {
             load += self.weights[i] * pressure[i];
@@ -328,7 +328,7 @@ impl LineOperators {
     /// Friction force of all faces over the elastic displacement along the sliding direction at this pressure, N/m: the spring that
     /// holds the elastic energy of the friction traction, `n_f n b P^2/(p' w V p)`. `None` where the contact is open, or where the
     /// displacement is that of a uniform traction.
-    pub fn tangential_stiffness(&self, pressure: &[f64]) -> Option<f64> {
+    pub(crate) fn tangential_stiffness(&self, pressure: &[f64]) -> Option<f64> {
         let tangential = self.tangential.as_ref()?;
         let (mut load, mut work) = (0.0, 0.0);
         for (j, column) in tangential.column_iter().enumerate() {
@@ -374,7 +374,7 @@ impl LineOperators {
     }
 
     /// Description of the choices made, for the log.
-    pub fn description(&self) -> String {
+    pub(crate) fn description(&self) -> String {
         let strip = match self.strip_wear {
             StripWear::None => "does not wear",
             StripWear::Even => "wears evenly along its path",

@@ -108,7 +108,7 @@ impl Line {
     }
 
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
-    pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
@@ -156,7 +156,7 @@ impl Line {
     }
 
     /// Writes the main outputs at the end of the last step, valid for its final inputs only.
-    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_end(&self, values: &mut [f64; COUNT]) {
         self.mean.write_end(values);
         value!(values, "contact_temperature") = self.end_rise() + self.mean.state().reference;
         let [punch, strip] = self.depths();
@@ -164,7 +164,7 @@ impl Line {
     }
 
     /// Writes the outputs that depend on the states only: the heat account, volumes, distance.
-    pub fn write_account(&self, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_account(&self, values: &mut [f64; COUNT]) {
         self.mean.write_account(values);
         let (operators, state) = (&self.operators, &self.state);
         let scene = &operators.scene;
@@ -187,7 +187,7 @@ impl Line {
     }
 
     /// Writes `friction_slope` and the profiles.
-    pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_rest(&loaded, values);
@@ -207,7 +207,7 @@ impl Line {
     }
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
-    pub fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
+    pub(crate) fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let moment = self.moment(inputs);
         let operators = self.operators.clone();

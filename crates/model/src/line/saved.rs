@@ -9,7 +9,7 @@ use crate::{INPUTS, Inputs};
 use numerics::maximum::all_finite;
 
 /// Name and value of a number of a state written by [`LineState::save`] that is larger than `most` in magnitude, if any.
-pub fn larger_than(numbers: &[f64], most: f64) -> Option<(&'static str, f64)> {
+pub(crate) fn larger_than(numbers: &[f64], most: f64) -> Option<(&'static str, f64)> {
     let (index, &value) = numbers.iter().enumerate().find(|(_, number)| number.abs() > most)?;
     let count = numbers[0] as usize;
     let rows = ["the wear depth of the punch (m)", "the wear depth of the strip (m)", "the pressure (Pa)"];
@@ -22,7 +22,7 @@ pub fn larger_than(numbers: &[f64], most: f64) -> Option<(&'static str, f64)> {
 
 impl LineState {
     /// Copies `other` without allocating.
-    pub fn copy_from(&mut self, other: &LineState) {
+    pub(crate) fn copy_from(&mut self, other: &LineState) {
         if let (Some(mine), Some(heat)) = (&mut self.heat, &other.heat) {
             mine.copy_bodies_from(heat);
         }
@@ -54,7 +54,7 @@ impl LineState {
     }
 
     /// Appends all numbers of the state, in an order that [`LineState::load`] reads.
-    pub fn save(&self, out: &mut Vec<f64>) {
+    pub(crate) fn save(&self, out: &mut Vec<f64>) {
         out.push(self.punch.len() as f64);
         out.extend(&self.punch);
         out.extend(&self.strip);
@@ -77,7 +77,7 @@ impl LineState {
     }
 
     /// Reads the state written by [`LineState::save`] for `operators`; `None` if the numbers are not one.
-    pub fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
+    pub(crate) fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
         let numbers = &mut numbers.iter();
         let mut state = LineState::new(operators);
         let mut next = || numbers.next().copied();

@@ -74,7 +74,7 @@ pub(crate) struct ContactStages {
 
 impl ContactStages {
     /// Stages of a contact line.
-    pub fn new(operators: &LineOperators) -> ContactStages {
+    pub(crate) fn new(operators: &LineOperators) -> ContactStages {
         let count = operators.count();
         let zeros = || vec![0.0; count];
         let tracked = if operators.strip_wear == StripWear::Track { count } else { 0 };
@@ -101,7 +101,7 @@ impl ContactStages {
     }
 
     /// Begins a step: its track is that of the state.
-    pub fn begin(&mut self, given: &StepData<'_>) {
+    pub(crate) fn begin(&mut self, given: &StepData<'_>) {
         if let (Some(own), Some(track)) = (&mut self.track, &given.state.track) {
             own.copy_from(track);
         }
@@ -116,7 +116,7 @@ impl ContactStages {
     }
 
     /// Adds the thermal distortion at the end of the last step to the gap.
-    pub(crate) fn add_held_distortion(&mut self, given: &StepData<'_>) {
+    fn add_held_distortion(&mut self, given: &StepData<'_>) {
         if let Some(heat) = &given.state.heat {
             self.gap.iter_mut().zip(&heat.distortion).for_each(|(gap, moved)| *gap += moved);
         }
@@ -158,7 +158,7 @@ impl ContactStages {
     ///
     /// # Errors
     /// The contact has no equilibrium, or the iteration does not converge.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         stage: Stage,
         given: &StepData<'_>,
@@ -178,7 +178,7 @@ impl ContactStages {
     }
 
     /// Sets friction and the equilibrium of the holder at `moment`.
-    pub(crate) fn set_equilibrium(&mut self, given: &StepData<'_>, moment: &StageConditions) {
+    fn set_equilibrium(&mut self, given: &StepData<'_>, moment: &StageConditions) {
         let (signed, normal, tilt) = self.balance(given, moment);
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
@@ -219,7 +219,7 @@ impl ContactStages {
 
     /// Equilibrium conditions of holder and contact at `moment`: signed friction coefficient of the shear coupling, normal
     /// direction, tilt.
-    pub fn balance(&mut self, given: &StepData<'_>, moment: &StageConditions) -> (f64, Normal, Tilt) {
+    pub(crate) fn balance(&mut self, given: &StepData<'_>, moment: &StageConditions) -> (f64, Normal, Tilt) {
         let operators = given.operators;
         let scene = &operators.scene;
         let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
@@ -289,7 +289,7 @@ impl ContactStages {
     /// Sets the operator from the wear of a stage to the gap: the punch's wear stays under its cell, the strip's is carried along
     /// by `travel` (m). Where both wear, the depth of each cell is divided in the ratio of the wear rates at the pressure of the
     /// last step.
-    pub fn set_operator(&mut self, given: &StepData<'_>, travel: f64, moment: &StageConditions) {
+    pub(crate) fn set_operator(&mut self, given: &StepData<'_>, travel: f64, moment: &StageConditions) {
         let Some(track) = &self.track else { return };
         let operators = given.operators;
         let known = self.carried_over == Some(travel);

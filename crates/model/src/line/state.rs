@@ -57,7 +57,7 @@ pub struct LineState {
 
 impl LineState {
     /// Initial state: unworn; bodies with resolved heat at the reference temperature.
-    pub fn new(operators: &LineOperators) -> LineState {
+    pub(crate) fn new(operators: &LineOperators) -> LineState {
         let zeros = vec![0.0; operators.count()];
         LineState {
             punch: zeros.clone(),

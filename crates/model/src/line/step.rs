@@ -138,7 +138,7 @@ impl Line {
     }
 
     /// Whether the travel exceeds its limit: with a worn track in the strip, a quarter of the half-width in one step.
-    pub(super) fn exceeds_travel_limit(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
+    fn exceeds_travel_limit(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
         let travel = step * path.velocity(start + 0.5 * step).abs();
         self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
     }
@@ -312,7 +312,7 @@ impl Line {
     }
 
     /// Copies the last stage into the state as its equilibrium.
-    pub(super) fn keep_end(&mut self) {
+    fn keep_end(&mut self) {
         let (state, end) = (&mut self.state, &self.stages.end);
         state.pressure.copy_from_slice(&end.pressure);
         (state.approach, state.tilt) = (end.approach, end.tilt);

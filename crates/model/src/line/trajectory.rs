@@ -32,7 +32,7 @@ pub(crate) struct Slipped {
 
 impl LumpedTemperature {
     /// Constant temperature and expansion, without a bristle.
-    pub fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
+    pub(crate) fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
         LumpedTemperature { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
     }
 }
@@ -63,14 +63,14 @@ pub(crate) struct StageConditions {
 impl StageConditions {
     /// Updates the signed friction coefficient from `kinetic_coefficient`; `direction` is s with the Stribeck factor. The force
     /// of a bristle is unchanged.
-    pub fn follow(&mut self, direction: f64) {
+    pub(crate) fn follow(&mut self, direction: f64) {
         if self.heat_per_pressure.is_none() {
             self.signed_friction = direction * self.kinetic_coefficient;
         }
     }
 
     /// Friction heat flux over kinetic friction coefficient and pressure, m/s.
-    pub fn slip(&self, stribeck: f64) -> f64 {
+    pub(crate) fn slip(&self, stribeck: f64) -> f64 {
         match self.heat_per_pressure {
             Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
             Some(_) => 0.0,
@@ -111,7 +111,7 @@ pub(crate) struct InputTrajectory {
 impl InputTrajectory {
     /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates; `fastest` is the highest speed so
     /// far, m/s.
-    pub fn new(
+    pub(crate) fn new(
         operators: &LineOperators,
         friction: &FrictionLaw,
         fastest: f64,
@@ -141,22 +141,22 @@ impl InputTrajectory {
     }
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
-    pub fn velocity(&self, time: f64) -> f64 {
+    pub(crate) fn velocity(&self, time: f64) -> f64 {
         self.inputs(time).velocity(self.mean_radius)
     }
 
     /// Length of the piece, s.
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.length
     }
 
     /// Inputs at `time` (s from the start of the piece).
-    pub fn inputs(&self, time: f64) -> Inputs {
+    pub(crate) fn inputs(&self, time: f64) -> Inputs {
         self.inputs.after(self.slopes.as_ref(), time)
     }
 
     /// Conditions at `time` (s from the start of the piece).
-    pub fn at(&self, time: f64) -> StageConditions {
+    pub(crate) fn at(&self, time: f64) -> StageConditions {
         let part = time / self.length;
         let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * part;
         let velocity = self.velocity(time);

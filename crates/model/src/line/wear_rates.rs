@@ -9,7 +9,7 @@ use numerics::scalar::Scalar;
 impl LineOperators {
     /// Whether any body wears.
     #[inline]
-    pub fn wears(&self) -> bool {
+    pub(crate) fn wears(&self) -> bool {
         self.wear[0].0.active() || self.wear[1].0.active()
     }
 

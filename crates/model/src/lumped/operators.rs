@@ -206,27 +206,31 @@ pub struct LumpedOperators {
     pub series_stiffness: f64,
 }
 
+/// Mean displacement of both bodies per uniform pressure, m/Pa.
+fn mean_compliances(scene: &Scene) -> f64 {
+    mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false)
+}
+
 impl LumpedOperators {
     /// Builds the lumped level of `scene`.
     pub fn new(scene: &Scene) -> LumpedOperators {
-        let compliance = mean_compliance(scene, &scene.punch, true) + mean_compliance(scene, &scene.strip, false);
-        Self::build(scene, compliance, true, None)
+        Self::build(scene, mean_compliances(scene), true, None)
     }
 
-    /// Builds the lumped level beneath a contact line, with the reduced bodies, the moving source and the growth of perturbations
-    /// of `known`, whose scene has the same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may
-    /// differ. `compliance`: mean displacement of both bodies per uniform pressure on the line, m/Pa; `moves`: the temperature
-    /// under the contact follows a moving source. Where the line resolves heat and no bristle asks for it, it need not.
-    pub(crate) fn beneath(
+    /// Builds the lumped level of `scene` with the growth of perturbations and, at the same tolerance, the reduced bodies and the moving
+    /// source of `known`, whose scene has the same bodies, contact and nominal conditions: wear, friction, holder and level may differ.
+    pub(crate) fn beside(scene: &Scene, known: &LumpedOperators) -> LumpedOperators {
+        Self::build(scene, mean_compliances(scene), true, Some(known))
+    }
+
+    /// Builds the lumped level, by itself or beneath a contact line. `compliance`: mean displacement of both bodies per uniform pressure, m/Pa; `moves`: the temperature under the contact follows a moving source. Where the line resolves heat and no bristle asks for it,
+    /// it need not. `known`: as in [`LumpedOperators::beside`].
+    pub(crate) fn build(
         scene: &Scene,
         compliance: f64,
         moves: bool,
         known: Option<&LumpedOperators>,
     ) -> LumpedOperators {
-        Self::build(scene, compliance, moves, known)
-    }
-
-    fn build(scene: &Scene, compliance: f64, moves: bool, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
         let (power_factor, effective_radius) = match scene.geometry {
             Geometry::Annular => {
@@ -240,7 +244,8 @@ impl LumpedOperators {
         let endless = path == moving_source::Path::Endless;
         let mut punch = punch_of(scene, area);
         let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
-        let flash = match known {
+        let reduced = known.filter(|known| known.scene.tolerance == scene.tolerance);
+        let flash = match reduced {
             Some(known) => {
                 (punch.heat, strip.heat) = (known.punch.heat.clone(), known.strip.heat.clone());
                 known.flash.clone().filter(|_| moves)
@@ -251,7 +256,7 @@ impl LumpedOperators {
                 slab.filter(|_| moves).and_then(|slab| flash_of(scene, slab, path))
             }
         };
-        if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, known) {
+        if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, reduced) {
             append_track(heat, flash);
         }
         for body in [&mut punch, &mut strip] {

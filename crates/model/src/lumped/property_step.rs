@@ -7,8 +7,7 @@
 //! Properties are constant over parts of the temperature ([`Properties::part`]), so that the propagators of a step stay cached.
 //!
 //! After the step the mean temperature is set to that by its enthalpy, with a uniform change of temperature that is of third order in the
-//! step: the body has taken up exactly the heat of its fluxes. Where the states pass heat on (constant heat transfer, prescribed
-//! temperature), that of the air is the integral of the flow, and that of the far face closes the account.
+//! step: the body has taken up exactly the heat of its fluxes.
 //!
 //! Theory: docs/theory.md, section 4.15.
 

@@ -10,10 +10,10 @@ use crate::line::operators::RunIn;
 use scene::{HeatResolution, Scene};
 
 /// Cells of the two lines.
-const CELLS: [usize; 2] = [9, 17];
+const COMPARED_CELLS: [usize; 2] = [9, 17];
 
 /// Most internal steps of a line, 5 to 10 ms: more than the nominal course takes where cells agree.
-const MOST_STEPS: u32 = 300;
+const MOST_LINE_STEPS: u32 = 300;
 
 /// Result of a comparison.
 #[derive(Clone, PartialEq, Debug)]
@@ -34,13 +34,13 @@ pub struct Comparison {
 ///
 /// # Errors
 /// The reason for which nothing can be compared.
-pub fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOperators>), String> {
+pub(crate) fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOperators>), String> {
     let course = NominalCourse::new(scene)?;
     let mut compared = course.scene(scene);
     // Tolerance of the three runs.
     (compared.tolerance, compared.heat_resolution) = (1e-2, HeatResolution::Resolved);
     let lumped = ModelOperators::new(&ModelLevel::Lumped.apply(&compared), run_in)?;
-    let run = course.run(&lumped, MOST_STEPS)?;
+    let run = course.run(&lumped, MOST_LINE_STEPS)?;
     let mut comparison = Comparison {
         error: 0.0,
         fastest: course.fastest(),
@@ -50,9 +50,9 @@ pub fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOpe
     };
     let mut operators = vec![lumped];
     let mut coarser: Option<Run> = None;
-    for cells in CELLS {
-        let line = operators[0].line_beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
-        let line_run = course.run(&line, MOST_STEPS)?;
+    for cells in COMPARED_CELLS {
+        let line = operators[0].beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
+        let line_run = course.run(&line, MOST_LINE_STEPS)?;
         operators.push(line);
         comparison.steps += line_run.steps;
         let from_line = |other: &Run| Distance::of(&line_run.history, &other.history).relative();

@@ -30,7 +30,7 @@ pub struct Distance {
 
 impl Distance {
     /// Takes the main outputs of both runs at an instant.
-    pub fn follow(&mut self, first: Main, other: Main) {
+    pub(crate) fn follow(&mut self, first: Main, other: Main) {
         for output in 0..3 {
             self.apart[output] = maximum(self.apart[output], (first[output] - other[output]).abs());
             self.largest[output] = maximum(self.largest[output], first[output].abs());

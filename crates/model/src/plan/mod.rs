@@ -12,9 +12,9 @@
 //!
 //! Theory: docs/theory.md, section 8.2.
 
-pub mod comparison;
+pub(crate) mod comparison;
 pub mod distance;
-pub mod nominal;
+pub(crate) mod nominal;
 
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::can_be_resolved;
@@ -93,7 +93,7 @@ impl Choice {
 
 /// Scene at its level, built at the end of initialisation.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct BuiltModel {
     /// Scene as given by the parameters.
     pub requested: Scene,
     /// The choice of the level; `None` where it is named.
@@ -104,12 +104,12 @@ pub struct Prepared {
     pub companion: Option<ModelOperators>,
 }
 
-impl Prepared {
+impl BuiltModel {
     /// Builds the level of `scene` and its companion.
     ///
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
-    pub fn new(scene: &Scene, run_in: RunIn) -> Result<Prepared, String> {
+    pub fn new(scene: &Scene, run_in: RunIn) -> Result<BuiltModel, String> {
         let requested = scene.clone();
         let (choice, known) = match scene.fidelity {
             Fidelity::Auto => {
@@ -118,13 +118,19 @@ impl Prepared {
             }
             _ => (None, Vec::new()),
         };
-        let build = |wanted: Scene| match known.iter().find(|operators| *operators.scene() == wanted) {
-            Some(operators) => Ok(operators.clone()),
-            None => ModelOperators::new(&wanted, run_in),
+        let build = |wanted: Scene, beside: Option<&ModelOperators>| match (
+            known.iter().find(|operators| *operators.scene() == wanted),
+            beside,
+        ) {
+            (Some(operators), _) => Ok(operators.clone()),
+            (None, Some(other)) => other.beside(&wanted, run_in),
+            (None, None) => ModelOperators::new(&wanted, run_in),
         };
-        let operators = build(choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene)))?;
-        let companion = companion_of(&operators, choice.is_some()).map(build).transpose()?;
-        Ok(Prepared { requested, choice, operators, companion })
+        let wanted = choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene));
+        let operators = build(wanted, known.first())?;
+        let companion = companion_of(&operators, choice.is_some());
+        let companion = companion.map(|wanted| build(wanted, Some(&operators))).transpose()?;
+        Ok(BuiltModel { requested, choice, operators, companion })
     }
 
     /// Whether the level is exact but for reduction and time steps.

@@ -30,7 +30,7 @@ const LIGHT: f64 = 0.05;
 
 /// Velocity (m/s) and load (N) at both ends of a segment, and its length (s).
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Segment {
+pub(crate) struct Segment {
     /// Velocity at the start and at the end, m/s.
     pub velocity: [f64; 2],
     /// Load, N.
@@ -50,7 +50,7 @@ pub(crate) struct NominalCourse {
 
 /// A run over the nominal course.
 #[derive(Clone, Debug, Default)]
-pub struct Run {
+pub(crate) struct Run {
     /// Main outputs at the ends of the segments.
     pub history: Vec<Main>,
     /// Friction work, J.
@@ -64,7 +64,7 @@ impl NominalCourse {
     ///
     /// # Errors
     /// A text where nominal load or velocity is 0.
-    pub fn new(scene: &Scene) -> Result<NominalCourse, String> {
+    pub(crate) fn new(scene: &Scene) -> Result<NominalCourse, String> {
         let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         if !(speed > 0.0 && load > 0.0) {
             return Err(format!("nominal.load = {load} N and nominal.velocity = {speed} m/s are not both above 0"));
@@ -108,7 +108,7 @@ impl NominalCourse {
 
     /// The scene with the wear of the nominal duration. By its wear coefficients: `wear_acceleration` would be refused where it
     /// suppresses thermoelastic growth, which does not matter for a comparison.
-    pub fn scene(&self, scene: &Scene) -> Scene {
+    pub(crate) fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.punch.wear_coefficient *= self.repeats;
         scene.strip.wear_coefficient *= self.repeats;
@@ -116,7 +116,7 @@ impl NominalCourse {
     }
 
     /// Highest speed, m/s.
-    pub fn fastest(&self) -> f64 {
+    pub(crate) fn fastest(&self) -> f64 {
         self.segments.iter().flat_map(|segment| segment.velocity).fold(0.0, |most, speed| maximum(most, speed.abs()))
     }
 
@@ -124,7 +124,7 @@ impl NominalCourse {
     ///
     /// # Errors
     /// A step that has no solution, or too many steps.
-    pub fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
+    pub(crate) fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
         let tunables = Tunables::of(operators.scene());
         let ambient = tunables.ambient_temperature;
         let mut inputs = Inputs::new(self.segments[0].velocity[0], self.segments[0].load, ambient);

@@ -3,7 +3,7 @@
 use super::{Causality, Initial, Kind, Row, Start, Variability};
 
 /// String equality in constants.
-pub const fn same(left: &str, right: &str) -> bool {
+pub(crate) const fn same(left: &str, right: &str) -> bool {
     let (left, right) = (left.as_bytes(), right.as_bytes());
     if left.len() != right.len() {
         return false;
@@ -19,7 +19,7 @@ pub const fn same(left: &str, right: &str) -> bool {
 }
 
 /// Panics (a compile error, as it runs in a constant) at the first row that breaks a rule.
-pub const fn table(rows: &[Row]) {
+pub(crate) const fn table(rows: &[Row]) {
     let mut index = 0;
     while index < rows.len() {
         row(&rows[index]);

@@ -277,6 +277,18 @@ pub fn lookup(reference: ValueReference) -> Option<(&'static Row, u32)> {
     Some((&TABLE[row as usize], u32::from(element)))
 }
 
+/// `values` with changes by name.
+///
+/// # Errors
+/// Names what is no variable.
+pub fn changed(values: &[f64; COUNT], changes: &[(&str, f64)]) -> Result<[f64; COUNT], String> {
+    let mut values = *values;
+    for (name, value) in changes {
+        values[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = *value;
+    }
+    Ok(values)
+}
+
 /// Value reference of a full name such as `punch.height` or `profile.pressure[3]`.
 pub fn find(name: &str) -> Option<ValueReference> {
     let (base, element) = match name.strip_suffix(']').and_then(|rest| rest.split_once('[')) {

@@ -65,7 +65,7 @@ pub static TYPES: &[RealType] = &[
 ];
 
 /// The type of this name, or the first with this unit where the name is empty; `None` where there is none of this unit.
-pub const fn find(name: &str, unit: &Unit) -> Option<&'static RealType> {
+pub(crate) const fn find(name: &str, unit: &Unit) -> Option<&'static RealType> {
     let mut index = 0;
     while index < TYPES.len() {
         let known = &TYPES[index];
@@ -78,7 +78,7 @@ pub const fn find(name: &str, unit: &Unit) -> Option<&'static RealType> {
 }
 
 /// Display unit of the type that [`find`] returns; empty: none.
-pub const fn display(name: &str, unit: &Unit) -> &'static str {
+pub(crate) const fn display(name: &str, unit: &Unit) -> &'static str {
     match find(name, unit) {
         Some(kind) => kind.display,
         None => "",

@@ -108,14 +108,14 @@ pub(crate) static JOULE: Unit = unit("J", [1, 2, -2, 0, 0], &[shown("kJ", 1e-3),
 /// Power.
 pub(crate) static WATT: Unit = unit("W", [1, 2, -3, 0, 0], &[shown("kW", 1e-3)]);
 /// Thermal conductivity.
-pub static CONDUCTIVITY: Unit = unit("W/(m.K)", [1, 1, -3, -1, 0], &[]);
+pub(crate) static CONDUCTIVITY: Unit = unit("W/(m.K)", [1, 1, -3, -1, 0], &[]);
 /// Heat transfer coefficient.
 pub(crate) static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
 /// Thermal conductance.
-pub static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
+pub(crate) static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
 /// Specific heat.
-pub static SPECIFIC_HEAT: Unit = unit("J/(kg.K)", [0, 2, -2, -1, 0], &[]);
+pub(crate) static SPECIFIC_HEAT: Unit = unit("J/(kg.K)", [0, 2, -2, -1, 0], &[]);
 /// Mass.
 pub static KILOGRAM: Unit = unit("kg", [1, 0, 0, 0, 0], &[shown("g", 1e3), shown("mg", 1e6)]);
 /// Density.
-pub static DENSITY: Unit = unit("kg/m3", [1, -3, 0, 0, 0], &[shown("g/cm3", 1e-3)]);
+pub(crate) static DENSITY: Unit = unit("kg/m3", [1, -3, 0, 0, 0], &[shown("g/cm3", 1e-3)]);

@@ -7,7 +7,7 @@ use crate::SteadyError;
 use crate::states::{SteadyKind, SteadyState, SteadyStroke};
 use elasticity::Cells;
 use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleError, CycleMap, Passage, Resolution, SolveOptions};
+use model::line::cycle::{CycleError, CycleMap, MapResolution, Passage, SolveOptions};
 use model::line::operators::LineOperators;
 use scene::{InitialShape, Scene};
 
@@ -27,7 +27,7 @@ pub fn nominal_half_strokes(scene: &Scene) -> [(f64, f64); 2] {
 ///
 /// # Errors
 /// Errors of the bodies or of the cycle.
-pub fn cycle_map(scene: &Scene, sliding: [(f64, f64); 2], resolution: Resolution) -> Result<CycleMap, SteadyError> {
+pub fn cycle_map(scene: &Scene, sliding: [(f64, f64); 2], resolution: MapResolution) -> Result<CycleMap, SteadyError> {
     let operators = LineOperators::with_heat(&sliding_scene(scene), true, super::run_in).map_err(SteadyError::Heat)?;
     Ok(CycleMap::new(operators, sliding, resolution)?)
 }
@@ -39,7 +39,7 @@ pub(super) fn solve(
     strokes: [f64; 2],
     speeds: [f64; 2],
 ) -> Result<HotState, SteadyError> {
-    solve_with(scene, cells, cold, strokes, speeds, Resolution::WITH_HEAT, &SolveOptions::default())
+    solve_with(scene, cells, cold, strokes, speeds, MapResolution::WITH_HEAT, &SolveOptions::default())
 }
 
 /// Steady state with given time steps and tolerance.
@@ -49,7 +49,7 @@ pub(super) fn solve_with(
     cold: &SteadyState,
     strokes: [f64; 2],
     speeds: [f64; 2],
-    resolution: Resolution,
+    resolution: MapResolution,
     options: &SolveOptions,
 ) -> Result<HotState, SteadyError> {
     let mut scene = scene.clone();

@@ -37,19 +37,19 @@ use conduction::line::Stage;
 use elasticity::discretization::punch_block;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
-use model::line::cycle::{Resolution, SolveOptions};
+use model::line::cycle::{MapResolution, SolveOptions};
 use model::line::heat::bodies::Bodies;
 use numerics::maximum::{largest, maximum};
 use scene::{Body, Scene};
 
 /// Factor of the wear, so small that the wear of a half-stroke is negligible against its distortion.
-const WEAR: f64 = 1e-3;
+const WEAR_FACTOR: f64 = 1e-3;
 
 /// Fraction of the half-width that counts as inside.
 const INSIDE: f64 = 0.7;
 
 /// Time steps of the half-strokes: finer than elsewhere, since the means are small differences of a saw tooth.
-const RESOLUTION: Resolution = Resolution { levels: 5, parts: 4 };
+const RESOLUTION: MapResolution = MapResolution { levels: 5, parts: 4 };
 
 /// Differences of the half-strokes' mean pressures, with heat less without: root mean squares over the mean pressure.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -76,7 +76,7 @@ pub struct LawPoint {
 }
 
 /// Thermal time of the contact, s.
-pub(crate) fn thermal_time(scene: &Scene) -> f64 {
+fn thermal_time(scene: &Scene) -> f64 {
     let half = 0.5 * scene.width;
     let time = |body: &Body| {
         if body.conductivity > 0.0 { half * half * body.capacity() / body.conductivity } else { 0.0 }
@@ -91,7 +91,7 @@ fn at(scene: &Scene, ratio: f64) -> Scene {
     let factor = cycle / thermal_time(&scene) / ratio;
     for body in [&mut scene.punch, &mut scene.strip] {
         body.density *= factor;
-        body.wear_coefficient *= WEAR;
+        body.wear_coefficient *= WEAR_FACTOR;
     }
     scene.nominal_duration = cycle;
     // Tolerance of the reduced bodies, relative to the total temperature, of which short cycles change only a small part.

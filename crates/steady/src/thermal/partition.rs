@@ -32,7 +32,7 @@ pub(crate) struct ActivePartition {
 impl ActivePartition {
     /// Heat partition between bodies of these influence matrices (`None`: an insulator), on cells of these widths (m), with the
     /// contact conductance `conductance` (W/(m2 K)). No cell is in contact.
-    pub fn new(influence: [Option<&SurfaceInfluence>; 2], widths: &[f64], conductance: f64) -> ActivePartition {
+    pub(crate) fn new(influence: [Option<&SurfaceInfluence>; 2], widths: &[f64], conductance: f64) -> ActivePartition {
         let count = widths.len();
         let mut partition = HeatPartition::new(widths, &vec![1.0; count], conductance);
         partition.build((0.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), influence);
@@ -45,7 +45,7 @@ impl ActivePartition {
     }
 
     /// Sets the cells in contact.
-    pub fn set_active_set(&mut self, influence: [Option<&SurfaceInfluence>; 2], closed: &[bool]) {
+    pub(crate) fn set_active_set(&mut self, influence: [Option<&SurfaceInfluence>; 2], closed: &[bool]) {
         if self.closed == closed {
             return;
         }

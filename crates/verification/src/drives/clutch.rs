@@ -2,9 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 7.4.
 
-use super::{DriveProblem, Sample, Truth, every, starts};
+use super::{DriveProblem, Sample, Truth, every};
 use exact::PressureWave;
 use scene::STATIONS;
+use scene::variables::{STARTS, changed};
 use std::f64::consts::PI;
 
 const WAVELENGTH: f64 = 0.02;
@@ -79,7 +80,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         let angle = 2.0 * PI * station as f64 / (STATIONS - 1) as f64;
         changes.push((name.as_str(), WAVINESS * (1.0 + angle.cos())));
     }
-    let starts = starts(None, &changes)?;
+    let starts = changed(&STARTS, &changes)?;
     let ambient = starts[const { scene::variables::reference("ambient_temperature") } as usize];
     Ok(DriveProblem {
         name: "clutch_engagement",
@@ -92,7 +93,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         samples: every(0.05, DURATION),
         truth: Truth::Exact {
             how: "exact: integral equation of every wave of the plate's waviness (second kind, 2,000 steps), half-space for the mean",
-            course: Box::new(move |times| Ok(course(times, ambient))),
+            samples: Box::new(move |times| Ok(exact_samples(times, ambient))),
         },
         reason: "the integral equation to 1e-6; bodies high against the wave to 1e-7",
         isothermal: false,
@@ -106,7 +107,7 @@ fn share(n: u32) -> f64 {
     (angle.sin() / angle).powi(2)
 }
 
-fn course(times: &[f64], ambient: f64) -> Vec<Sample> {
+fn exact_samples(times: &[f64], ambient: f64) -> Vec<Sample> {
     const STEPS: usize = 2000;
     let diffusivity = CONDUCTIVITY / (DENSITY * SPECIFIC_HEAT);
     let waves = [1, 31, 33, 63, 65].map(|n| {

@@ -1,9 +1,10 @@
 //! A pin in unidirectional sliding.
 
-use super::{DriveProblem, Sample, Truth, starts};
+use super::{DriveProblem, Sample, Truth};
 use exact::GalinRelaxation;
 use exact::reference::{LayerBase, band_mean};
 use scene::STATIONS;
+use scene::variables::{STARTS, changed};
 
 const HALF_WIDTH: f64 = 1e-3;
 const DEPTH: f64 = 2e-3;
@@ -56,7 +57,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         ("nominal.duration", DURATION),
         ("nominal.stroke", 0.0),
     ];
-    let starts = starts(None, &changes)?;
+    let starts = changed(&STARTS, &changes)?;
     let ambient = starts[const { scene::variables::reference("ambient_temperature") } as usize];
     Ok(DriveProblem {
         name: "unidirectional_pin",
@@ -69,14 +70,14 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
         samples: vec![0.2, 0.4, 1.0, 2.0, 4.0, 6.0, 8.0, DURATION],
         truth: Truth::Exact {
             how: "exact: Galin's eigenfunctions of the wearing punch; Jaeger's moving band on a layer, by images, for the steady end",
-            course: Box::new(move |times| Ok(course(times, ambient))),
+            samples: Box::new(move |times| Ok(exact_samples(times, ambient))),
         },
         reason: "150 polynomials leave 1e-6 of the pressure; at the end 1e-4 of it is still uneven, and no more of the temperature",
         isothermal: true,
     })
 }
 
-fn course(times: &[f64], ambient: f64) -> Vec<Sample> {
+fn exact_samples(times: &[f64], ambient: f64) -> Vec<Sample> {
     let mean = LOAD / (2.0 * HALF_WIDTH * DEPTH);
     let galin = GalinRelaxation::new(150);
     let modulus = YOUNGS_MODULUS / (1.0 - POISSONS_RATIO * POISSONS_RATIO);

@@ -1,7 +1,8 @@
 //! Reciprocating punch, cold and hot.
 
-use super::{DriveProblem, Setting, Truth, every, starts};
+use super::{DriveProblem, Setting, Truth, every};
 use scene::Fidelity;
+use scene::variables::changed;
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
 
@@ -55,7 +56,7 @@ pub(super) fn cold() -> Result<DriveProblem, String> {
         name: "reciprocating_punch",
         title: "Reciprocating punch: an elastic block wears on an elastic strip, cold",
         data: "60 x 10 mm steel on steel, 10 kN, 1.5 mm sin(10 t), mu 0.25, wear 3.9e-5 mm3/(N m) times 100 over 12 cycles",
-        starts: starts(Some(&scene()?), &changes)?,
+        starts: changed(&scene()?, &changes)?,
         inputs: Box::new(inputs),
         step: cycle() / STEPS,
         steps: steps(),
@@ -74,7 +75,7 @@ pub(super) fn hot() -> Result<DriveProblem, String> {
         name: "hot_punch",
         title: "Hot reciprocating punch: the same with frictional heat and the distortion that it causes",
         data: "60 x 10 mm steel on steel, 10 kN, 1.5 mm sin(10 t), mu 0.25, expansion 1.1e-5 1/K, wear times 10, 4 cycles from cold",
-        starts: starts(Some(&scene()?), &changes)?,
+        starts: changed(&scene()?, &changes)?,
         inputs: Box::new(inputs),
         step: cycle() / STEPS,
         steps: steps(),

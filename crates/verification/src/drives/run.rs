@@ -135,7 +135,7 @@ impl DriveProblem {
     /// None of the runs reaches a quarter of the samples: the reason for each.
     pub fn truth(&self, solve: &mut dyn FnMut(&Setting) -> Record) -> Result<(String, Vec<Sample>), String> {
         let candidates = match &self.truth {
-            Truth::Exact { how, course } => return Ok(((*how).to_owned(), course(&self.samples)?)),
+            Truth::Exact { how, samples } => return Ok(((*how).to_owned(), samples(&self.samples)?)),
             Truth::Finest(candidates) => candidates,
         };
         let mut reasons = Vec::new();

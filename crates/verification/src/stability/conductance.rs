@@ -18,7 +18,7 @@ const RATIO: f64 = 0.02;
 /// Communication steps of a run.
 const STEPS: u32 = 10;
 /// Error bound of the heat partition: `solver.tolerance`.
-pub const AGREEMENT: f64 = 1e-3;
+pub(crate) const AGREEMENT: f64 = 1e-3;
 /// Position of zero conductance in the map.
 const NONE: f64 = 0.1;
 
@@ -38,7 +38,7 @@ pub fn run(ratio: f64, conductance: f64, step: f64) -> (Verdict, f64) {
 ///
 /// # Errors
 /// The component fails.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut conductances = grid.spread(1.0, 1e12, 9);
     conductances.insert(0, 0.0);
     let step_sizes = grid.spread(1e-4, 10.0, 6);

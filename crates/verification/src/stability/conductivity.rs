@@ -24,7 +24,7 @@ const NONE: f64 = 1e-9;
 ///
 /// # Errors
 /// The component fails.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut ratios = grid.spread(1e-8, 1.0, 9);
     ratios.insert(0, 0.0);
     let step_sizes = grid.spread(1e-3, 10.0, 6);

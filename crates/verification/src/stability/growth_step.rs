@@ -81,7 +81,7 @@ pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
 /// ```text
 /// z (1 + z) = 2 R/g,    z^2 = 1 + (1 - 1/g)/(h kd m^2)
 /// ```
-pub(crate) fn split_growth(ratio: f64, step: f64) -> f64 {
+fn split_growth(ratio: f64, step: f64) -> f64 {
     let imbalance = |g: f64| {
         let z = (1.0 + (1.0 - 1.0 / g) / step).max(0.0).sqrt();
         z * (1.0 + z) - 2.0 * ratio / g
@@ -251,7 +251,7 @@ fn ratios(grid: Grid) -> Vec<f64> {
 ///
 /// # Errors
 /// The line level is refused.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let methods = [Method::Split, Method::Unguarded, Method::Default];
     let mut contacts = Vec::new();
     for method in methods {

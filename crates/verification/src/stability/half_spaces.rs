@@ -58,7 +58,7 @@ impl HalfSpaces {
     ///
     /// # Errors
     /// The component refuses or fails.
-    pub fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
+    pub(crate) fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
         let duration = step * f64::from(count);
         // Deep enough that no heat returns, and no deeper, so that both bodies are resolved near the contact.
         let depth = |ratio: f64| {

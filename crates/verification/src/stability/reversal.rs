@@ -44,7 +44,7 @@ pub const AGREEMENT: f64 = 1e-3;
 ///
 /// # Errors
 /// The strip is refused.
-pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
+pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
     let properties = StripProperties {
         height: path.height,
@@ -62,7 +62,7 @@ pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, Stri
 }
 
 /// Mean temperature of the contact after each of `count` steps with the uniform flux `flux`.
-pub fn steps(
+pub(crate) fn steps(
     cells: &Cells,
     strip: &mut StripHeat,
     state: &mut [f64],

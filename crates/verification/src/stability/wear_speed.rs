@@ -76,7 +76,7 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
 ///
 /// # Errors
 /// A failing step.
-pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
+pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
     let guess = critical_ratio(contact.scene().wear);
     let (mut low, mut high) = (0.95 * guess, 1.05 * guess);
     let (mut below, mut above) = (growth(contact, low, duration)?, growth(contact, high, duration)?);
@@ -98,7 +98,7 @@ pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), Str
 ///
 /// # Errors
 /// The line level is refused.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let count = grid.count(12);
     let wears: Vec<f64> = (0..count).map(|k| 2.2 * k as f64 / (count - 1) as f64).collect();
     let (mut points, mut thresholds, mut frequencies) = (Vec::new(), Vec::new(), Vec::new());

@@ -63,7 +63,7 @@ impl Method {
     /// value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10. First order:
     /// `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`, `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 -
     /// 1/sqrt 2.
-    pub(crate) fn owed(self) -> f64 {
+    fn owed(self) -> f64 {
         let n = f64::from(JUDGED);
         match self {
             Self::Unguarded | Self::Explicit => 2.0 / (E * E * n),
@@ -302,7 +302,7 @@ fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
 ///
 /// # Errors
 /// A contact has no solution.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let counts = if grid == Grid::Coarse { &[9, 33, 65][..] } else { &COUNTS[..] };
     let methods = [Method::Unguarded, Method::Explicit, Method::Default];
     let mut points = [(); 3].map(|()| Vec::new());

@@ -65,7 +65,7 @@ pub(super) struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     /// For as many rows as there are points; `names` are those of the variables. None of them may be a text.
-    pub fn new(names: &'a [&'a str], variables: &[&Variable], points: usize) -> Self {
+    pub(crate) fn new(names: &'a [&'a str], variables: &[&Variable], points: usize) -> Self {
         Self {
             names,
             reals: Group::of(variables, |kind| *kind == Kind::Real),
@@ -81,7 +81,7 @@ impl<'a> Recording<'a> {
     /// # Safety
     /// The getters are those of the library that the handle came from, and the handle is alive.
     #[inline]
-    pub unsafe fn add(&mut self, getters: &Getters, handle: Handle) -> Status {
+    pub(crate) unsafe fn add(&mut self, getters: &Getters, handle: Handle) -> Status {
         let base = self.rows.len();
         self.rows.resize(base + self.names.len(), f64::NAN);
         let row = &mut self.rows[base..];
@@ -99,7 +99,7 @@ impl<'a> Recording<'a> {
     ///
     /// # Errors
     /// Where one is infinite or none, with its name.
-    pub fn check(&self, time: f64) -> Result<(), Failure> {
+    pub(crate) fn check(&self, time: f64) -> Result<(), Failure> {
         let row = &self.rows[self.rows.len() - self.names.len()..];
         match row.iter().position(|value| !value.is_finite()) {
             None => Ok(()),

@@ -8,7 +8,7 @@ use super::{Cost, TURNS};
 use crate::scenes;
 use anyhow::{Context, Result, anyhow, ensure};
 use exact::GalinRelaxation;
-use scene::variables::{STARTS, find};
+use scene::variables::{STARTS, changed, find};
 use sliding_contact::component::{Component, Snapshot, Values};
 use std::sync::Arc;
 use std::time::Instant;
@@ -47,10 +47,7 @@ const PUNCH: &[(&str, f64)] = &[
 ];
 
 pub(super) fn component(starts: &Values, changes: &[(&str, f64)]) -> Result<Component> {
-    let mut starts = *starts;
-    for (name, value) in changes {
-        starts[find(name).with_context(|| format!("no variable {name}"))? as usize] = *value;
-    }
+    let starts = changed(starts, changes).map_err(|text| anyhow!(text))?;
     let mut component = Component::new(Arc::new(starts));
     component.enter_initialization();
     component.initialise(None).map_err(|text| anyhow!(text))?;

@@ -9,7 +9,7 @@ use verification::drives::Quantity;
 type Cost = fn(&Point) -> f64;
 
 /// Errors below are drawn here.
-const LEAST: f64 = 1e-8;
+const LEAST_ERROR: f64 = 1e-8;
 /// Height at which runs that did not finish are marked.
 const FAILED: f64 = 1.5;
 const HIGHEST: f64 = 3.0;
@@ -76,7 +76,7 @@ fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
     for name in chart.families() {
         let peer = chart.family(name).any(|point| point.peer);
         let (colour, mark) = look(name, peer);
-        let place = |point: &Point| Some((cost(point), point.error(quantity)?.clamp(LEAST, HIGHEST)));
+        let place = |point: &Point| Some((cost(point), point.error(quantity)?.clamp(LEAST_ERROR, HIGHEST)));
         let points: Vec<(f64, f64)> = chart.family(name).filter_map(place).collect();
         let failed: Vec<(f64, f64)> =
             chart.family(name).filter(|point| point.failure.is_some()).map(|point| (cost(point), FAILED)).collect();
@@ -92,7 +92,7 @@ fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
     let (low, high) = if low < high { (0.7 * low, 1.4 * high) } else { (0.5 * high.max(1e-6), 2.0 * high.max(1e-6)) };
     series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Dashes).coloured(6));
     let errors = chart.points.iter().filter_map(|point| point.error(quantity));
-    let least = errors.fold(1e-3, f64::min).max(LEAST);
+    let least = errors.fold(1e-3, f64::min).max(LEAST_ERROR);
     Panel::new(
         quantity.to_string(),
         Axis::logarithmic(label).over(low, high),
@@ -103,11 +103,11 @@ fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
 
 /// A line in lines that fit the picture.
 fn wrapped(text: &str) -> Vec<String> {
-    const MOST: usize = 155;
+    const LONGEST_LINE: usize = 155;
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.last_mut().expect("there is a first line");
-        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > MOST {
+        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > LONGEST_LINE {
             lines.push(format!("    {word}"));
         } else {
             if !last.is_empty() {

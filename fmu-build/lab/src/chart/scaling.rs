@@ -5,7 +5,7 @@ use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result, anyhow};
 use model::levels::ModelOperators;
 use scene::Scene;
-use scene::variables::find;
+use scene::variables::{changed, find};
 use serde_json::{Value, json};
 use sliding_contact::component::{Component, Values};
 use std::fmt::{self, Write as _};
@@ -78,11 +78,7 @@ pub(crate) fn measure(quick: bool) -> Result<Scaling> {
     };
     let (cold, hot) = (starts("unidirectional_pin")?, starts("hot_punch")?);
     let with = |values: &Values, changes: &[(&str, f64)]| -> Result<Values> {
-        let mut values = *values;
-        for (name, value) in changes {
-            values[find(name).with_context(|| format!("no variable {name}"))? as usize] = *value;
-        }
-        Ok(values)
+        changed(values, changes).map_err(|text| anyhow!(text))
     };
     // Half-planes: the step is the same as that of blocks, whose finite elements only take time to build.
     let hot = with(&hot, &[("punch.body", 3.0), ("strip.body", 3.0)])?;

@@ -6,7 +6,7 @@ use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use verification::drives::Quantity;
 
 /// Errors below are drawn here.
-const LEAST: f64 = 1e-6;
+const LEAST_SHOWN: f64 = 1e-6;
 
 /// Families of the contact line at its full accuracy, of which the best settings are drawn.
 const LINE: [&str; 4] = ["line, tolerance", "line, cells", "line, cells, 1e-3", "line, cells, 1e-2"];
@@ -70,13 +70,13 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
         let runs = || curves.iter().flat_map(|curve| &curve.runs);
         let costs = runs().fold((f64::INFINITY, 0.0_f64), |(low, high), run| (low.min(run.0), high.max(run.0)));
         let (low, high) = (0.6 * costs.0, 1.6 * costs.1);
-        let least = runs().map(|run| run.1).fold(1e-3, f64::min).max(LEAST);
+        let least = runs().map(|run| run.1).fold(1e-3, f64::min).max(LEAST_SHOWN);
         let mut series: Vec<Series> = Vec::new();
         for Curve { name, runs, colour, mark } in curves {
             if panels.is_empty() {
                 key.push(Series::line(name, Vec::new()).with(mark).coloured(colour));
             }
-            let shown = runs.into_iter().map(|(cost, error)| (cost, error.max(LEAST))).collect();
+            let shown = runs.into_iter().map(|(cost, error)| (cost, error.max(LEAST_SHOWN))).collect();
             series.push(Series::line("", shown).with(mark).coloured(colour));
         }
         series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Dashes).coloured(6));

@@ -11,7 +11,7 @@ use super::{Kinds, Verdict};
 use actor::Actor;
 
 /// Most instances of an execution.
-const MOST: usize = 3;
+const MOST_INSTANCES: usize = 3;
 
 /// Runs an execution.
 ///
@@ -19,12 +19,12 @@ const MOST: usize = 3;
 /// Findings.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
-    let count = if random.one_in(4) { 1 + random.below(MOST) } else { 1 };
+    let count = if random.one_in(4) { 1 + random.below(MOST_INSTANCES) } else { 1 };
     let mut actors = Vec::new();
     for stream in 1..=count as u64 {
         actors.push(Actor::new(Random::new(seed, stream))?);
     }
-    let mut turns = [0; MOST];
+    let mut turns = [0; MOST_INSTANCES];
     for _ in 0..count * (10 + random.below(50)) {
         let which = random.below(count);
         turns[which] += 1;

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use scene::variables::{COUNT, Causality, FLAT, Kind, Row, TABLE, ValueReference, lookup, reference};
 
 /// Relative tolerance of inequalities between outputs that are evaluated in different ways.
-const ROUNDING: f64 = 1e-9;
+const SLACK: f64 = 1e-9;
 /// Energy balance: tolerance relative to the sum of its terms' magnitudes.
 const BALANCE: f64 = 1e-7;
 /// Rounding error of a heat flow, W: a steady one is a difference of large terms, and adds up over years.
@@ -106,13 +106,13 @@ impl Outputs {
             }
         }
         for reference in [reference("contact_fraction"), reference("remaining_life")] {
-            if self.of(reference) > 1.0 + ROUNDING {
+            if self.of(reference) > 1.0 + SLACK {
                 return Err(format!("{} = {} is above 1", name_of(reference), self.of(reference)));
             }
         }
         let (mean, highest) =
             (self.of(reference("contact_temperature")), self.of(reference("contact_temperature_max")));
-        if highest < mean * (1.0 - ROUNDING) {
+        if highest < mean * (1.0 - SLACK) {
             return Err(format!("contact_temperature_max = {highest} is below contact_temperature = {mean}"));
         }
         // Heat that was stored at temperatures that no contact has leaves its rounding errors.

@@ -59,7 +59,7 @@ impl Differences {
 }
 
 /// Numbers of the format between two; 0 and -0 are one apart, and so are neighbours.
-pub(crate) fn units_in_the_last_place(a: f64, b: f64) -> u64 {
+fn units_in_the_last_place(a: f64, b: f64) -> u64 {
     let order = |value: f64| {
         let bits = value.to_bits();
         if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }

@@ -11,13 +11,11 @@ use anyhow::{Context, Result, bail};
 use clap::Subcommand;
 use compare::{Allowed, Differences, compare};
 use record::Record;
+use scene::slot::LARGEST_TOLERANCE;
 use scenes::GoldenScene;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Largest tolerance of a comparison.
-const MOST: f64 = 0.5;
 
 /// A tolerance of a comparison as an argument; differences of rounding may be allowed alone, so it has no least value.
 ///
@@ -25,8 +23,8 @@ const MOST: f64 = 0.5;
 /// With what is accepted.
 fn tolerance(given: &str) -> Result<f64, String> {
     match crate::arguments::number(given)? {
-        value if value > 0.0 && value <= MOST => Ok(value),
-        value => Err(format!("{value} must be above 0 and at most {MOST}")),
+        value if value > 0.0 && value <= LARGEST_TOLERANCE => Ok(value),
+        value => Err(format!("{value} must be above 0 and at most {LARGEST_TOLERANCE}")),
     }
 }
 

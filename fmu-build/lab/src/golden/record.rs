@@ -7,7 +7,7 @@ use scene::fnv::Fnv;
 use std::fmt::Write;
 
 /// Stands for the number before it.
-const SAME: &str = "=";
+const REPEATED: &str = "=";
 
 /// The 64-bit hash of Fowler, Noll and Vo (FNV-1a) of the bits of numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -77,8 +77,11 @@ impl Record {
             let mut before: Option<u64> = None;
             for value in values {
                 let bits = value.to_bits();
-                let _ =
-                    if before == Some(bits) { write!(text, " {SAME}") } else { write!(text, " {}", number(*value)) };
+                let _ = if before == Some(bits) {
+                    write!(text, " {REPEATED}")
+                } else {
+                    write!(text, " {}", number(*value))
+                };
                 before = Some(bits);
             }
             text.push('\n');
@@ -118,7 +121,7 @@ impl Record {
             let mut values: Vec<f64> = Vec::new();
             for part in parts {
                 values.push(match (part, values.last()) {
-                    (SAME, Some(&before)) => before,
+                    (REPEATED, Some(&before)) => before,
                     _ => read_number(part)?,
                 });
             }

@@ -21,7 +21,7 @@ const FAR: f64 = 25.0;
 const TERMS: usize = 24;
 
 /// `((2k-1)^2, 1/(8k))` of the terms k = 1, 2, ...
-const FACTORS: [(f64, f64); TERMS] = {
+static FACTORS: [(f64, f64); TERMS] = {
     let mut factors = [(0.0, 0.0); TERMS];
     let mut k = 1;
     while k <= TERMS {
@@ -51,7 +51,7 @@ impl Cylinder {
         // Sums of both orders, real and imaginary parts.
         let (mut term_zero, mut term_one) = (1.0, 1.0);
         let (mut zero, mut one) = ([1.0, 0.0], [1.0, 0.0]);
-        for (k, (square, eighth)) in FACTORS.into_iter().enumerate() {
+        for (k, (square, eighth)) in FACTORS.iter().copied().enumerate() {
             let step = eighth * inverse;
             term_zero *= -square * step;
             term_one *= (4.0 - square) * step;

@@ -15,6 +15,8 @@
 //! Theory: docs/theory.md, section 4.7.
 
 use super::cylinder::Cylinder;
+use nalgebra::Complex;
+use std::f64::consts::PI;
 
 /// Radii of a ring, with the heat loss of its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,15 +51,11 @@ impl Radii {
         if m == 0 && self.loss == 0.0 {
             return RadialMode { wave_number: 0.0, first: width.sqrt().recip(), second: 0.0, mean: self.mean };
         }
-        let insulated = Radii { loss: 0.0, ..*self };
-        let half_turns = std::f64::consts::PI / width;
-        let above = (m as f64 + 0.5) * half_turns;
-        let mut wave_number = if m == 0 { 0.0 } else { insulated.root((m as f64 - 0.01) * half_turns, above) };
-        if self.loss > 0.0 {
-            wave_number = self.root(wave_number, (m as f64 + 1.0) * half_turns);
-        }
-        let (first, second) = self.coefficients(wave_number);
-        let mut mode = RadialMode { wave_number, first, second, mean: self.mean };
+        let wave_number = self.wave_number(m);
+        let (inner, _) = self.boundary_function(wave_number, self.inner, 1.0);
+        // Y grows without bound towards the centre.
+        let inner = inner / inner.norm();
+        let mut mode = RadialMode { wave_number, first: inner.im, second: -inner.re, mean: self.mean };
         let square = |r: f64| {
             let (value, slope) = mode.at_radius(r);
             0.5 * r * r / self.mean * (value * value + slope * slope)
@@ -69,48 +67,48 @@ impl Radii {
         mode
     }
 
-    /// A and B, up to a factor, of the function that satisfies the boundary condition at the inner side.
-    fn coefficients(&self, wave_number: f64) -> (f64, f64) {
-        let (x, biot) = (wave_number * self.inner, self.loss / wave_number);
-        let Cylinder { zero, one } = Cylinder::at(x);
-        let (first, second) = (one.1 + biot * zero.1, -(one.0 + biot * zero.0));
-        // Y grows without bound towards the centre.
-        let scale = first.hypot(second).recip();
-        (scale * first, scale * second)
-    }
-
-    /// Residual of the boundary condition at the outer side, for the function that satisfies the one at the inner side.
-    fn residual(&self, wave_number: f64) -> f64 {
-        let (first, second) = self.coefficients(wave_number);
-        let (x, biot) = (wave_number * self.outer, self.loss / wave_number);
-        let Cylinder { zero, one } = Cylinder::at(x);
-        first * (one.0 - biot * zero.0) + second * (one.1 - biot * zero.1)
-    }
-
-    /// Root, the wave number between `low` and `high` (1/m), exclusive, by false position (Illinois variant).
-    fn root(&self, low: f64, high: f64) -> f64 {
-        // At zero wave number the residual of a heat loss has the sign that it has just above.
-        let low = low.max(1e-9 * high);
-        let (mut left, mut right) = ((low, self.residual(low)), (high, self.residual(high)));
-        let mut middle = 0.5 * (low + high);
-        for _ in 0..200 {
-            let part = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-            let next =
-                if part > left.0.min(right.0) && part < left.0.max(right.0) { part } else { 0.5 * (left.0 + right.0) };
-            let moved = (next - middle).abs();
-            middle = next;
-            let value = self.residual(middle);
-            if value == 0.0 || moved <= 4.0 * f64::EPSILON * middle {
+    /// Wave number m, 1/m, by Newton's method on the phase, safeguarded by bisection.
+    ///
+    /// With H = J + i Y the real function `Im(conj(H) w_i)` satisfies the condition at the inner side, and that at the outer one where
+    ///
+    /// ```text
+    /// arg w_o - arg w_i = m pi,    w_i = H1 + (eta/xi) H0 at xi r_i,    w_o = H1 - (eta/xi) H0 at xi r_o
+    /// ```
+    ///
+    /// The phase is nearly linear in xi.
+    fn wave_number(&self, m: usize) -> f64 {
+        let width = self.outer - self.inner;
+        let half_turn = PI / width;
+        // Below the wave number of a straight bar with insulated sides, and that of sides at a prescribed temperature.
+        let (mut low, mut high) = ((m as f64 - 0.01).max(0.0) * half_turn, (m as f64 + 1.0) * half_turn);
+        let mut at = if m > 0 { m as f64 * half_turn } else { half_turn.min((2.0 * self.loss / width).sqrt()) };
+        // An argument xi r is exact to rounding, and so is its phase.
+        let exact = 4.0 * f64::EPSILON * (1.0 + self.outer / width);
+        for _ in 0..100 {
+            let (inner, inner_slope) = self.boundary_function(at, self.inner, 1.0);
+            let (outer, outer_slope) = self.boundary_function(at, self.outer, -1.0);
+            let turned = inner.conj() * outer;
+            let excess = (if m.is_multiple_of(2) { turned } else { -turned }).arg();
+            *(if excess > 0.0 { &mut high } else { &mut low }) = at;
+            let newton = at - excess / (outer_slope - inner_slope);
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let moved = (next - at).abs();
+            at = next;
+            if moved <= exact * at {
                 break;
             }
-            if value * right.1 < 0.0 {
-                left = right;
-            } else {
-                left.1 *= 0.5;
-            }
-            right = (middle, value);
         }
-        middle
+        at
+    }
+
+    /// `H1(x) + side (eta/xi) H0(x)` at x = xi r, and the slope of its phase over xi, m.
+    fn boundary_function(&self, wave_number: f64, r: f64, side: f64) -> (Complex<f64>, f64) {
+        let (x, biot) = (wave_number * r, side * self.loss / wave_number);
+        let Cylinder { zero, one } = Cylinder::at(x);
+        let (zero, one) = (Complex::new(zero.0, zero.1), Complex::new(one.0, one.1));
+        let value = one + zero * biot;
+        let slope = zero - one / x - (zero / x + one) * biot;
+        (value, r * (value.conj() * slope).im / value.norm_sqr())
     }
 }
 
@@ -169,7 +167,6 @@ impl RadialMode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     /// Long cells by their primitive, short ones by quadrature.
     #[test]
@@ -189,7 +186,17 @@ mod tests {
     #[test]
     fn modes_satisfy_their_equations_and_are_orthonormal() {
         let edges: Vec<f64> = (0..=4000).map(|k| -0.02 + 1e-5 * f64::from(k)).collect();
-        for (mean, loss) in [(0.1, 0.0), (0.021, 0.0), (0.1, 1e-8), (0.021, 3.0), (0.1, 400.0), (50.0, 7.0)] {
+        for (mean, loss) in [
+            (0.1, 0.0),
+            (0.1, 1e6),
+            (0.0201, 0.0),
+            (0.0201, 1e3),
+            (0.021, 0.0),
+            (0.1, 1e-8),
+            (0.021, 3.0),
+            (0.1, 400.0),
+            (50.0, 7.0),
+        ] {
             let radii = Radii { inner: mean - 0.02, outer: mean + 0.02, mean, loss };
             let modes: Vec<RadialMode> = (0..8).map(|m| radii.mode(m)).collect();
             let exact: Vec<Vec<f64>> = modes.iter().map(|mode| mode.integrals(&edges)).collect();

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// M modes on N cells, the even ones first.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Modes {
+pub(crate) struct Modes {
     /// States of each mode, contiguous.
     states: Vec<Range<usize>>,
     /// Mode of each state.
@@ -70,7 +70,7 @@ fn parity(values: &[f64]) -> Option<f64> {
 
 /// Sorts the modes of the operators so that the even ones come first, with their states, and returns the numbers of even
 /// modes and of their states; all of them where one mode is neither even nor odd.
-pub fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
+pub(crate) fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
     let count = operators.widths.len();
     let distortion = |state: usize| operators.distortion.get(state * count..(state + 1) * count);
     let signs: Option<Vec<f64>> = (operators.modes.iter())
@@ -118,7 +118,7 @@ pub fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
 
 impl Modes {
     /// Moves modes and distortion out of the operators, which [`sort`] has sorted with this result.
-    pub fn new(operators: &mut ReducedOperators, [even_modes, even_states]: [usize; 2]) -> Modes {
+    pub(crate) fn new(operators: &mut ReducedOperators, [even_modes, even_states]: [usize; 2]) -> Modes {
         let (cells, modes) = (operators.widths.len(), std::mem::take(&mut operators.modes));
         let distortion = std::mem::take(&mut operators.distortion);
         // No separation without modes or without odd ones.
@@ -158,7 +158,7 @@ impl Modes {
     }
 
     /// Number of modes.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.states.len()
     }
 
@@ -204,7 +204,7 @@ impl Modes {
     }
 
     /// Projects the fluxes `flux` into the cells on the modes: heat into every mode, into the scratch.
-    pub fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
+    pub(crate) fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
         let Scratch { heat, folded, .. } = scratch;
         self.fold(flux, folded);
         heat.fill(0.0);
@@ -262,7 +262,7 @@ impl Modes {
     }
 
     /// Sets the states in the scratch to those by the heat `heat` into every mode with the weights `weights`.
-    pub fn respond(&self, heat: &[f64], weights: &[f64], scratch: &mut Scratch) {
+    pub(crate) fn respond(&self, heat: &[f64], weights: &[f64], scratch: &mut Scratch) {
         for ((value, weight), mode) in scratch.values.iter_mut().zip(weights).zip(&self.mode) {
             *value = weight * heat[*mode];
         }
@@ -338,7 +338,7 @@ impl Modes {
 
 /// States after decay, plus the effect of constant inputs by the ports. No fused multiply-add, so the result is the same to
 /// the bit on every machine.
-pub fn decay(
+pub(crate) fn decay(
     state: &[f64],
     weights: &StageWeights,
     input: &[Vec<f64>; PORTS],

@@ -64,7 +64,7 @@ fn with_room<T: Copy>(values: &[T], most: usize) -> Vec<T> {
 
 impl Patterns {
     /// None yet, with memory for all cells.
-    pub fn new(operators: &ReducedOperators, modes: &Modes) -> Patterns {
+    pub(crate) fn new(operators: &ReducedOperators, modes: &Modes) -> Patterns {
         let count = operators.widths.len();
         let most = if operators.part_areas.is_empty() { 0 } else { count };
         let room = |size: usize| Vec::with_capacity(size);
@@ -81,12 +81,17 @@ impl Patterns {
     }
 
     /// Whether all cells are whole.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
 
     /// Makes the patterns of a contact_parts.
-    pub fn set_contact_parts(&mut self, contact_parts: &ContactParts, operators: &ReducedOperators, modes: &Modes) {
+    pub(crate) fn set_contact_parts(
+        &mut self,
+        contact_parts: &ContactParts,
+        operators: &ReducedOperators,
+        modes: &Modes,
+    ) {
         if self.contact_parts == *contact_parts || operators.part_areas.is_empty() {
             return;
         }
@@ -124,7 +129,7 @@ impl Patterns {
     }
 
     /// Adds the heat of the fluxes `flux` into every mode.
-    pub fn heat(&self, flux: &[f64], heat: &mut [f64]) {
+    pub(crate) fn heat(&self, flux: &[f64], heat: &mut [f64]) {
         for (cell, integrals) in self.all() {
             heat.iter_mut().zip(integrals).for_each(|(heat, integral)| *heat += flux[cell] * integral);
         }
@@ -143,7 +148,7 @@ impl Patterns {
     }
 
     /// Heat flow to the air (0) or out of the far face (1) in the long run, W/m, by the fluxes.
-    pub fn passed(&self, place: usize, flux: &[f64]) -> f64 {
+    pub(crate) fn passed(&self, place: usize, flux: &[f64]) -> f64 {
         self.cells.iter().zip(&self.passed[place]).map(|(&cell, passed)| passed * flux[cell]).sum()
     }
 

@@ -10,14 +10,14 @@ use numerics::dense;
 
 /// Weights of the states and surface influence matrices for one step size.
 #[derive(Clone, Debug)]
-pub struct Weights {
+pub(crate) struct Weights {
     pub step: f64,
     pub stages: [StageWeights; 2],
 }
 
 /// Weights of the inputs and initial states in the states at a stage.
 #[derive(Clone, Debug)]
-pub struct StageWeights {
+pub(crate) struct StageWeights {
     /// Weight of the state at the start.
     pub decay: Vec<f64>,
     /// Weight of inputs that are constant from the start to the stage, s.

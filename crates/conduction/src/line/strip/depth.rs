@@ -50,7 +50,7 @@ pub struct Depth {
 
 impl Depth {
     /// The layer `slab` at the wave number `number`.
-    pub fn new(slab: &Slab, expansion: Option<&Expansion>, number: f64) -> Depth {
+    pub(crate) fn new(slab: &Slab, expansion: Option<&Expansion>, number: f64) -> Depth {
         let dilatation = expansion.map(|expansion| {
             let nu = expansion.material.poissons_ratio();
             let (direct, reflected) = dilatation(expansion.base, nu, number * slab.height);
@@ -67,17 +67,17 @@ impl Depth {
     }
 
     /// The layer with conduction out of the plane, beside the contact.
-    pub fn spreading(self, lateral: Option<Lateral>) -> Depth {
+    pub(crate) fn spreading(self, lateral: Option<Lateral>) -> Depth {
         Depth { lateral, ..self }
     }
 
     /// Z(q, s), K m2/W.
-    pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
         spread(self.lateral.as_ref(), s, |s| self.slab.impedance(s, self.number))
     }
 
     /// D(q, s), m3/W; 0 without thermal expansion.
-    pub fn distortion(&self, s: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn distortion(&self, s: Complex<f64>) -> Complex<f64> {
         self.respond(s)[1]
     }
 
@@ -133,7 +133,7 @@ impl Depth {
 
     /// Reduces the layer to states, accurate at frequencies from `slowest` to `fastest` (1/s, of the excitation as of
     /// the layer's own decay); `ratio`: ratio of neighbouring shifts.
-    pub fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
+    pub(crate) fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
         let own = self.slowest_decay();
         let first = own.max(self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
         let steps = (fastest / first).ln() / ratio.ln();
@@ -249,7 +249,7 @@ const FREQUENCIES: usize = 16;
 /// Reduced layer at one wave number: `dx_k/dt = -rate_k x_k + temperature_k f`, T = sum temperature_k x_k,
 /// u = sum distortion_k x_k.
 #[derive(Clone, PartialEq, Debug)]
-pub struct DepthModes {
+pub(crate) struct DepthModes {
     /// Decay rates, 1/s.
     pub rate: Vec<f64>,
     /// Input and observation of the surface temperature.
@@ -260,12 +260,12 @@ pub struct DepthModes {
 
 impl DepthModes {
     /// Reduced Z(q, s).
-    pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
         self.rate.iter().zip(&self.temperature).map(|(rate, b)| b * b / (s + rate)).sum()
     }
 
     /// Reduced Z and D together.
-    pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+    pub(crate) fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let mut sums = [Complex::from(0.0); 2];
         for (rate, (b, d)) in self.rate.iter().zip(self.temperature.iter().zip(&self.distortion)) {
             let part = (s + rate).inv() * b;

@@ -41,8 +41,7 @@ const FEWEST_NODES: usize = 64;
 /// Points of the quadrature of the window's transform over half of the window.
 const TRANSFORM_POINTS: usize = 24;
 /// Longest part, in nodes, of an average over distances for the rule of eight points, and for that of four.
-const LONG_PART: f64 = 2.0;
-const SHORT_PART: f64 = 0.5;
+const LONGEST_PARTS: [f64; 2] = [2.0, 0.5];
 
 /// Window of the spreading, and the quadrature of its transform: points, and weights times the window's value.
 #[derive(Clone, Debug)]
@@ -103,7 +102,7 @@ pub(crate) struct DistanceSum {
 
 /// Workspace of one sum.
 #[derive(Clone, Debug)]
-pub struct Nodes {
+pub(crate) struct Nodes {
     /// Spread to the grid of wave numbers from -w/2 on: real and imaginary part of temperature, then of distortion.
     gathered: Vec<[f64; 4]>,
     /// Spectrum and its transform, real and imaginary parts alternate.
@@ -115,7 +114,7 @@ pub struct Nodes {
 impl DistanceSum {
     /// Plan for these cells and modes, of ascending wave number; `unit`: magnitude of the distortion (m) per
     /// temperature (K) of a mode.
-    pub fn new(cells: &Cells, waves: &[Wave], unit: f64) -> DistanceSum {
+    pub(crate) fn new(cells: &Cells, waves: &[Wave], unit: f64) -> DistanceSum {
         let width = 2.0 * cells.half_width();
         let last = waves.last().map_or(0.0, |wave| wave.number).max(1.0 / width);
         let window = WINDOW as f64;
@@ -172,9 +171,9 @@ impl DistanceSum {
                 // The density of the distance about that of the centres is a trapezium: it rises, is constant and
                 // falls.
                 for (from, to) in [(-reach, -flat), (-flat, flat), (flat, reach)] {
-                    let parts = ((to - from) / LONG_PART).ceil().max(1.0);
+                    let parts = ((to - from) / LONGEST_PARTS[0]).ceil().max(1.0);
                     let length = (to - from) / parts;
-                    let rule = &rules[usize::from(length > SHORT_PART)];
+                    let rule = &rules[usize::from(length > LONGEST_PARTS[1])];
                     for part in 0..parts as usize {
                         for &(node, weight) in rule {
                             let offset = from + length * (part as f64 + 0.5 + 0.5 * node);
@@ -195,12 +194,12 @@ impl DistanceSum {
     }
 
     /// Number of modes.
-    pub fn waves(&self) -> usize {
+    pub(crate) fn waves(&self) -> usize {
         self.spread.len()
     }
 
     /// Allocates the workspace of a sum.
-    pub fn nodes(&self) -> Nodes {
+    pub(crate) fn nodes(&self) -> Nodes {
         let places = self.spread.iter().map(|(first, _)| first + WINDOW).max().unwrap_or(WINDOW);
         Nodes {
             gathered: vec![[0.0; 4]; places],
@@ -210,7 +209,7 @@ impl DistanceSum {
     }
 
     /// Computes k at the nodes from the mode responses of temperature and of distortion.
-    pub fn find(&self, gains: [&[Complex<f64>]; 2], nodes: &mut Nodes) {
+    pub(crate) fn find(&self, gains: [&[Complex<f64>]; 2], nodes: &mut Nodes) {
         let Nodes { gathered, spectrum, values } = nodes;
         Arch::new().dispatch(Gather { sum: self, gains, gathered });
         let [re, im, ..] = spectrum;
@@ -241,7 +240,7 @@ impl DistanceSum {
 
     /// Sets the influence matrices (N x N; the second may be empty) per flux into cells of these widths, plus the
     /// uniform influence `level` per heat.
-    pub fn set(&self, nodes: &Nodes, widths: &[f64], level: [f64; 2], influence: &mut [DMatrix<f64>; 2]) {
+    pub(crate) fn set(&self, nodes: &Nodes, widths: &[f64], level: [f64; 2], influence: &mut [DMatrix<f64>; 2]) {
         let [warm, moved] = influence.each_mut().map(|matrix| matrix.as_mut_slice());
         Arch::new().dispatch(Means { sum: self, nodes, widths, level, warm, moved });
     }

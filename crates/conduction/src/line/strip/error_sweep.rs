@@ -28,7 +28,7 @@ pub(crate) struct ErrorSweep {
 
 impl ErrorSweep {
     /// Sweep for these modes and their layers, with the modes' shapes on the cells.
-    pub fn new(
+    pub(crate) fn new(
         cells: &Cells,
         slab: &Slab,
         mean: Option<&ReducedBody>,
@@ -70,7 +70,7 @@ impl ErrorSweep {
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
     /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode with their static
     /// correction, by which the stationary response is exact.
-    pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
+    pub(crate) fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
         let mut largest: f64 = 0.0;
         for (row, &frequency) in self.frequencies.iter().enumerate() {

@@ -12,11 +12,11 @@ use crate::line::{GAMMA, SurfaceInfluence};
 use nalgebra::{Complex, DMatrix};
 
 /// Index of the stage's own flux among its weights.
-pub const OWN: usize = 1;
+pub(crate) const OWN: usize = 1;
 
 /// Velocity-independent data of a stage.
 #[derive(Clone, Copy)]
-pub struct Interval<'a> {
+pub(crate) struct Interval<'a> {
     pub at_end: bool,
     pub length: f64,
     pub decay: &'a [f64],
@@ -26,7 +26,7 @@ pub struct Interval<'a> {
 /// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion, and what
 /// the Robin correction gives back for a flux into each cell.
 #[derive(Clone, Debug)]
-pub struct Workspace {
+pub struct IntervalWorkspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
     returned: Vec<f64>,
@@ -39,11 +39,11 @@ pub struct Workspace {
     own: [Vec<f64>; 4],
 }
 
-impl Workspace {
-    pub fn new(operators: &StripOperators) -> Workspace {
+impl IntervalWorkspace {
+    pub(crate) fn new(operators: &StripOperators) -> IntervalWorkspace {
         let (count, waves) = (operators.widths.len(), operators.waves.len());
         let moving = if operators.expands { count } else { 0 };
-        Workspace {
+        IntervalWorkspace {
             nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             returned: vec![0.0; RANK * count],
@@ -55,7 +55,7 @@ impl Workspace {
     }
 
     /// Sums the mode responses at the nodes of the distance.
-    pub(crate) fn sum_waves(&mut self, operators: &StripOperators) {
+    fn sum_waves(&mut self, operators: &StripOperators) {
         let [warm, moved] = &self.influence;
         operators.distance_sum.find([warm, moved], &mut self.nodes);
     }
@@ -63,11 +63,11 @@ impl Workspace {
 
 impl Interval<'_> {
     /// Stage response for a velocity that is linear over the interval.
-    pub fn respond(
+    pub(crate) fn respond(
         &self,
         operators: &StripOperators,
         velocity: [f64; 2],
-        workspace: &mut Workspace,
+        workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
         self.weigh(operators, velocity, workspace, response);
@@ -88,9 +88,14 @@ impl Interval<'_> {
     }
 
     /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
-    pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, response: &mut StageResponse) {
+    pub(crate) fn assemble(
+        &self,
+        operators: &StripOperators,
+        workspace: &mut IntervalWorkspace,
+        response: &mut StageResponse,
+    ) {
         let mean = &operators.mean;
-        let Workspace { nodes, slow, returned, .. } = workspace;
+        let IntervalWorkspace { nodes, slow, returned, .. } = workspace;
         let level = |moving: usize| {
             let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
             let mut level = observed.direct[CONTACT];
@@ -122,11 +127,11 @@ impl Interval<'_> {
         &self,
         operators: &StripOperators,
         velocity: [f64; 2],
-        workspace: &mut Workspace,
+        workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
         let (rate, factor) = self.damping_of_images(operators, velocity);
-        let Workspace { phases: [cosine, sine], fluxes, own, .. } = workspace;
+        let IntervalWorkspace { phases: [cosine, sine], fluxes, own, .. } = workspace;
         state_layout::phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
         let turning = PhaseRotation {
             velocity,

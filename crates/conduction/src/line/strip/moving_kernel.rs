@@ -26,7 +26,7 @@ const EULER: f64 = 0.577_215_664_901_532_9;
 
 /// `(exp(x) K0(x), exp(x) K1(x))` for x > 0, to rounding: power series up to 2, Chebyshev series of their products with the
 /// root of x beyond.
-pub(crate) fn scaled_bessel_k(x: f64) -> (f64, f64) {
+fn scaled_bessel_k(x: f64) -> (f64, f64) {
     if x <= 2.0 {
         // K0 = -(ln(x/2) + gamma) I0 + sum H_n (x/2)^2n/n!^2;  the Wronskian I0 K1 + I1 K0 = 1/x gives K1.
         let y = 0.25 * x * x;
@@ -55,13 +55,13 @@ pub(crate) fn scaled_bessel_k(x: f64) -> (f64, f64) {
 }
 
 /// Terms of the power series: at 2 the truncation error is below rounding.
-const TERMS: usize = 13;
+const SERIES_TERMS: usize = 13;
 
 /// `1/n!^2, 1/(n! (n+1)!), H_n/n!^2` for n = 0, 1, ...
-const SERIES: [[f64; 3]; TERMS] = {
-    let mut series = [[1.0, 1.0, 0.0]; TERMS];
+const SERIES: [[f64; 3]; SERIES_TERMS] = {
+    let mut series = [[1.0, 1.0, 0.0]; SERIES_TERMS];
     let (mut n, mut square, mut harmonic) = (1, 1.0, 0.0);
-    while n < TERMS {
+    while n < SERIES_TERMS {
         let order = n as f64;
         square /= order * order;
         harmonic += 1.0 / order;
@@ -126,7 +126,7 @@ fn less_logarithm(u: f64) -> f64 {
 }
 
 /// Four-point Gauss-Legendre rule on [-1, 1].
-const GAUSS: [(f64, f64); 4] = [
+const GAUSS_4: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
     (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
@@ -137,15 +137,15 @@ const GAUSS: [(f64, f64); 4] = [
 /// with the mean `distance`; c > 0.
 ///
 /// Error below 1e-7, relative to neighbouring values where the value itself vanishes ahead of a fast source.
-pub(crate) fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
+fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
     let (d, a, b) = (c * distance, c * alpha, c * beta);
     if a * b > CLOSED_FORM {
         let g = second_antiderivative;
         return (g(d + a + b) - g(d + a - b) - g(d - a + b) + g(d - a - b)) / (4.0 * a * b);
     }
     let mut smooth = 0.0;
-    for (node_a, weight_a) in GAUSS {
-        for (node_b, weight_b) in GAUSS {
+    for (node_a, weight_a) in GAUSS_4 {
+        for (node_b, weight_b) in GAUSS_4 {
             smooth += 0.25 * weight_a * weight_b * less_logarithm(d + a * node_a - b * node_b);
         }
     }
@@ -157,7 +157,7 @@ pub(crate) fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -
 /// A pair and its mirror image have the same distance, so every mean belongs to two pairs; the second antiderivative is
 /// evaluated once for all pairs of edges of the same distance, and without a shift for the opposite distance as well.
 #[derive(Clone, Debug)]
-pub struct MovingSource {
+pub struct MeanKernel {
     count: usize,
     /// g at the difference of edges i - j, row by row.
     corners: Vec<f64>,
@@ -165,14 +165,14 @@ pub struct MovingSource {
     means: Vec<f64>,
 }
 
-impl MovingSource {
+impl MeanKernel {
     /// Workspace for this number of cells.
-    pub fn new(count: usize) -> MovingSource {
-        MovingSource { count, corners: vec![0.0; (count + 1) * (count + 1)], means: vec![0.0; count * count] }
+    pub(crate) fn new(count: usize) -> MeanKernel {
+        MeanKernel { count, corners: vec![0.0; (count + 1) * (count + 1)], means: vec![0.0; count * count] }
     }
 
     /// Computes the means; heated cells are shifted backwards by `shift` (m).
-    pub fn find(&mut self, cells: &Cells, shift: f64, c: f64) {
+    pub(crate) fn find(&mut self, cells: &Cells, shift: f64, c: f64) {
         let count = self.count;
         let (edges, rows) = (cells.edges(), count + 1);
         for i in 0..rows {
@@ -211,7 +211,7 @@ impl MovingSource {
     }
 
     /// Mean over cell i (observed) and cell j (heated), as last computed.
-    pub fn mean(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn mean(&self, i: usize, j: usize) -> f64 {
         self.means[i * self.count + j]
     }
 }
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn all_pairs_at_once_are_the_pairs() {
         let cells = Cells::graded(0.3, 12).unwrap();
-        let mut source = MovingSource::new(12);
+        let mut source = MeanKernel::new(12);
         for c in [1e-3, 1.0, 50.0] {
             for shift in [0.0, 0.9, -0.9] {
                 source.find(&cells, shift, c);

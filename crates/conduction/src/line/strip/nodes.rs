@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
-use super::interval::{Interval, Workspace};
+use super::interval::{Interval, IntervalWorkspace};
 use super::operators::StripOperators;
 use super::properties::ImageDamping;
 use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
@@ -78,7 +78,7 @@ struct Node {
 
 impl InterpolationNodes {
     /// An empty cache.
-    pub fn new(layout: Layout) -> InterpolationNodes {
+    pub(crate) fn new(layout: Layout) -> InterpolationNodes {
         let node = || Node { velocity: 0.0, response: StageResponse::new(layout) };
         InterpolationNodes { cache: KeyedCache::new((0..CACHED).map(|_| node())) }
     }
@@ -95,7 +95,7 @@ impl InterpolationNodes {
         length: f64,
         velocity: f64,
         feedthrough: FeedthroughTerms<'_>,
-        workspace: &mut Workspace,
+        workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);

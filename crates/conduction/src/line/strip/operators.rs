@@ -68,7 +68,7 @@ pub(crate) struct StripOperators {
 
 impl StripOperators {
     /// See [`super::StripHeat::new`].
-    pub fn new(
+    pub(crate) fn new(
         properties: &StripProperties,
         cells: &Cells,
         resolution: &Resolution,
@@ -241,7 +241,7 @@ impl StripOperators {
     }
 
     /// Even and odd parts of the heat (W/m) that fluxes into the cells carry.
-    pub fn fold(&self, flux: &[f64], parts: &mut [Vec<f64>; 2]) {
+    pub(crate) fn fold(&self, flux: &[f64], parts: &mut [Vec<f64>; 2]) {
         let [even, odd] = parts;
         let cells = flux.iter().zip(&self.widths);
         for ((even, odd), ((flux, width), (far, far_width))) in
@@ -275,7 +275,7 @@ impl StripOperators {
     }
 
     /// Temperature and distortion on the cells: a uniform value each plus the sum of the modes with these amplitudes.
-    pub fn observe(
+    pub(crate) fn observe(
         &self,
         amplitudes: [&[Vec<f64>; 2]; 2],
         parts: &mut [[Vec<f64>; 2]; 2],

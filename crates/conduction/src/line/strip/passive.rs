@@ -51,7 +51,7 @@ impl fmt::Debug for Passive {
 
 impl Passive {
     /// Workspace for cells of these widths (m), symmetric about x = 0.
-    pub fn new(widths: &[f64]) -> Passive {
+    pub(crate) fn new(widths: &[f64]) -> Passive {
         let (count, size) = (widths.len(), widths.len().div_ceil(2));
         let eigenvectors = ComputeEigenvectors::Yes;
         let stack = self_adjoint_evd_scratch::<f64>(size, eigenvectors, Par::Seq, Default::default());

@@ -34,7 +34,7 @@ use nalgebra::Complex;
 pub(crate) const LARGEST_DRIFT: f64 = 1.5;
 /// `q dv h/8` below which the velocity counts as constant: the relative error of the mode's amplitude. Modes for which
 /// it is not much smaller are short, and contribute one in a hundred of the temperature.
-const LEAST_DRIFT: f64 = 5e-4;
+pub(crate) const LEAST_DRIFT: f64 = 5e-4;
 /// Terms of the series at the largest drift: 1.5^13/13! = 3e-8.
 const MOST_TERMS: usize = 12;
 /// Order at which the downward recurrence starts: this plus a multiple of |z|.
@@ -43,28 +43,28 @@ const ORDERS_PER_MODULUS: f64 = 0.75;
 
 /// Phase rates of a mode over an interval.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub(crate) struct PhaseRate {
     /// q v at the start and at the end of the interval, 1/s.
     pub turning: [f64; 2],
     /// Length of the interval, s.
     pub step: f64,
 }
 
-impl Motion {
+impl PhaseRate {
     /// Phase factor of the mode over the interval, without decay.
     #[cfg(test)]
-    pub fn phase(&self) -> Complex<f64> {
+    pub(crate) fn phase(&self) -> Complex<f64> {
         Complex::from_polar(1.0, 0.5 * self.step * (self.turning[0] + self.turning[1]))
     }
 
     /// `q dv h/8`: deviation from a uniform phase rate.
-    pub fn drift(&self) -> f64 {
+    pub(crate) fn drift(&self) -> f64 {
         0.125 * self.step * (self.turning[1] - self.turning[0]).abs()
     }
 
     /// Propagation factor of the state, and the weights (s) of a flux falling from 1 at the start to 0 at the end, and
     /// of the reverse.
-    pub fn weights(&self, rate: f64, turn: Complex<f64>) -> (Complex<f64>, Complex<f64>, Complex<f64>) {
+    pub(crate) fn weights(&self, rate: f64, turn: Complex<f64>) -> (Complex<f64>, Complex<f64>, Complex<f64>) {
         self.weights_of_decay(rate, (-rate * self.step).exp(), turn)
     }
 
@@ -189,7 +189,7 @@ mod tests {
     use std::f64::consts::PI;
 
     /// Composite Simpson rule on the definition, with the variable velocity.
-    fn by_quadrature(rate: f64, motion: &Motion) -> (Complex<f64>, Complex<f64>) {
+    fn by_quadrature(rate: f64, motion: &PhaseRate) -> (Complex<f64>, Complex<f64>) {
         let parts = 100_000;
         let (mut all, mut falling) = (Complex::from(0.0), Complex::from(0.0));
         for i in 0..=parts {
@@ -229,7 +229,7 @@ mod tests {
                 [2.0 / 0.9 * PI - 1.0, 2.0 / 0.9 * PI + 1.0],
                 [8.0 / 0.9 * PI + 4.0, 8.0 / 0.9 * PI - 4.0],
             ] {
-                let motion = Motion { turning, step: 0.9 };
+                let motion = PhaseRate { turning, step: 0.9 };
                 let (factor, falling, rising) = motion.weights(rate, motion.phase());
                 let (all, exact) = by_quadrature(rate, &motion);
                 let scale = 1e-7 * all.norm().max(0.9 / (1.0 + 0.9 * rate + 0.9 * turning[0].abs()));
@@ -268,7 +268,7 @@ mod tests {
                         for middle in about(middle) {
                             for rate in [rate.next_up(), rate, rate.next_down().max(0.0)] {
                                 let turning = [middle - 0.5 * change, middle + 0.5 * change];
-                                let motion = Motion { turning, step: 1.0 };
+                                let motion = PhaseRate { turning, step: 1.0 };
                                 let (_, falling, rising) = motion.weights(rate, motion.phase());
                                 found.push([falling, rising]);
                             }
@@ -298,7 +298,7 @@ mod tests {
             for start in [-change, -0.5 * change, 0.0, change] {
                 for rate in [0.0, 1.0, 1e9, change] {
                     for change in about(change) {
-                        let motion = Motion { turning: [start, start + change], step: 1.0 };
+                        let motion = PhaseRate { turning: [start, start + change], step: 1.0 };
                         let (factor, falling, rising) = motion.weights(rate, motion.phase());
                         for weight in [factor, falling, rising] {
                             assert!(weight.norm() <= 1.0 + 1e-9, "{start} {rate} {change}: {weight}");

@@ -71,12 +71,12 @@ pub(crate) struct ImageDamping {
 
 impl ImageDamping {
     /// Rate at a velocity, 1/s.
-    pub fn rate(&self, velocity: f64) -> f64 {
+    pub(crate) fn rate(&self, velocity: f64) -> f64 {
         self.per_length * velocity * velocity / (velocity.hypot(self.slow) + self.slow)
     }
 
     /// Mean rate over an interval in which the velocity is linear.
-    pub fn mean(&self, [from, to]: [f64; 2]) -> f64 {
+    pub(crate) fn mean(&self, [from, to]: [f64; 2]) -> f64 {
         if self.per_length == 0.0 {
             return 0.0;
         }

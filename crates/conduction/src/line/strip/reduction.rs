@@ -29,7 +29,7 @@ const MOST_DOUBLINGS: usize = 60;
 
 /// Modes with states.
 #[derive(Debug)]
-pub struct Reduction {
+pub(crate) struct Reduction {
     /// Number of the last harmonic that has states.
     pub last: usize,
     /// Decay rate beyond which modes have no states, 1/s.
@@ -45,7 +45,7 @@ pub struct Reduction {
 
 /// The layer, its path in the frame of the punch, and what is asked of its reduction.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer<'a> {
+pub(crate) struct Layer<'a> {
     pub properties: &'a StripProperties,
     pub cells: &'a Cells,
     pub slab: &'a Slab,
@@ -62,7 +62,7 @@ pub struct Layer<'a> {
 impl Layer<'_> {
     /// Reduces the modes that decay slowly against the shortest time of `resolution`. Where they have too many states,
     /// that time is doubled: modes that decay faster become direct feedthrough.
-    pub fn reduce(&self, resolution: &Resolution) -> Reduction {
+    pub(crate) fn reduce(&self, resolution: &Resolution) -> Reduction {
         let mut resolution = *resolution;
         let mut reduction = self.reduce_at(&resolution);
         for _ in 0..MOST_DOUBLINGS {

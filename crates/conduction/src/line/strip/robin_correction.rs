@@ -32,7 +32,7 @@ pub(crate) struct RobinCorrection {
 impl RobinCorrection {
     /// The space on `cells` for the heat transfer coefficient `transfer`. `weight`: of every mode's amplitude in the temperature;
     /// `over_cells`: integrals over the cells of the even and odd part of a mode times the values of a polynomial.
-    pub fn new(
+    pub(crate) fn new(
         cells: &Cells,
         transfer: f64,
         weight: &[f64],
@@ -73,7 +73,7 @@ impl RobinCorrection {
     }
 
     /// V'W of the temperature given by mode amplitudes (real and imaginary parts).
-    pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
+    pub(crate) fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
         // Two interleaved sums break the dependency chain of the additions.
         let mut partial_sums = [[0.0; RANK]; 2];
         for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
@@ -111,14 +111,20 @@ impl RobinCorrection {
 
     /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
     /// [`RobinCorrection::amounts`].
-    pub fn add(&self, response: &StageResponse, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
+    pub(crate) fn add(
+        &self,
+        response: &StageResponse,
+        level: &[f64; RANK],
+        ambient: f64,
+        flux: &mut [f64],
+    ) -> [f64; RANK] {
         let amounts = self.amounts(response, level, ambient, flux);
         self.lift(&amounts, flux);
         amounts
     }
 
     /// Adds the polynomials with the coefficients `amounts` to `flux` (W/m2).
-    pub fn lift(&self, amounts: &[f64; RANK], flux: &mut [f64]) {
+    pub(crate) fn lift(&self, amounts: &[f64; RANK], flux: &mut [f64]) {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
@@ -128,7 +134,7 @@ impl RobinCorrection {
     ///
     /// The strip is homogeneous along the path and the cells are symmetric about x = 0: G_jl/w_l is the same for a pair of
     /// cells and its mirror image, so V'W G follows from G V.
-    pub fn close(&self, slow: [&[f64]; 2], influence: [&mut [f64]; 2], parts: Parts<'_>, returned: &mut [f64]) {
+    pub(crate) fn close(&self, slow: [&[f64]; 2], influence: [&mut [f64]; 2], parts: Parts<'_>, returned: &mut [f64]) {
         let count = self.widths.len();
         let Parts { response, mut lifted, solution, .. } = parts;
         for (slow, lifted) in slow.iter().zip(&mut lifted) {

@@ -15,7 +15,7 @@ pub(crate) struct Scratch {
     pub fold: [Vec<f64>; 2],
     pub response: [[Vec<f64>; 2]; 2],
     /// Workspace of the direct feedthrough at frozen state.
-    pub held: [Vec<f64>; 2],
+    pub frozen: [Vec<f64>; 2],
     /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
@@ -30,7 +30,7 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(operators: &StripOperators) -> Scratch {
+    pub(crate) fn new(operators: &StripOperators) -> Scratch {
         let (count, half, waves) = (operators.widths.len(), operators.half, operators.waves.len());
         let halves = || [vec![0.0; half], vec![0.0; half]];
         let parts = || [vec![0.0; waves], vec![0.0; waves]];
@@ -39,7 +39,7 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             response: [halves(), halves()],
-            held: [vec![0.0; count], vec![0.0; count]],
+            frozen: [vec![0.0; count], vec![0.0; count]],
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),

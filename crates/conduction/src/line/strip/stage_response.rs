@@ -12,7 +12,7 @@ pub(crate) const RANK: usize = 8;
 
 /// Dimensions of the parts.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Layout {
+pub(crate) struct Layout {
     /// Cells.
     pub count: usize,
     /// States with weights.
@@ -40,7 +40,7 @@ pub(crate) struct StageResponse {
 }
 
 /// Parts of a stage response besides the influence matrices. Pairs: temperature, distortion.
-pub struct Parts<'a> {
+pub(crate) struct Parts<'a> {
     /// Weights of the fluxes in each state, input included: of the flux known before the stage (in the first stage its
     /// deviation at the start, at the end the fluxes of the first stage) and of the stage's own; real and imaginary
     /// parts alternate. Empty in the first stage.
@@ -70,7 +70,7 @@ fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
 
 impl StageResponse {
     /// A response of these dimensions, not yet computed.
-    pub fn new(layout: Layout) -> StageResponse {
+    pub(crate) fn new(layout: Layout) -> StageResponse {
         let matrix = || dense::untouched(layout.count);
         StageResponse {
             influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
@@ -80,7 +80,7 @@ impl StageResponse {
     }
 
     /// Parts besides the influence matrices.
-    pub fn parts(&mut self) -> Parts<'_> {
+    pub(crate) fn parts(&mut self) -> Parts<'_> {
         self.gains_and_parts().1
     }
 
@@ -104,19 +104,19 @@ impl StageResponse {
     }
 
     /// See [`Parts::weights`].
-    pub fn weights(&self) -> [&[f64]; 4] {
+    pub(crate) fn weights(&self) -> [&[f64]; 4] {
         let n = self.layout.states;
         std::array::from_fn(|part| &self.rest[part * n..(part + 1) * n])
     }
 
     /// See [`Parts::carried`].
-    pub fn carried(&self) -> [&[f64]; 4] {
+    pub(crate) fn carried(&self) -> [&[f64]; 4] {
         let (first, n) = (4 * self.layout.states, self.layout.waves);
         std::array::from_fn(|part| &self.rest[first + part * n..first + (part + 1) * n])
     }
 
     /// See [`Parts::uniform`].
-    pub fn uniform(&self, moving: usize) -> &[f64] {
+    pub(crate) fn uniform(&self, moving: usize) -> &[f64] {
         let (first, n) = (4 * (self.layout.states + self.layout.waves), self.layout.count);
         &self.rest[first + moving * n..first + (moving + 1) * n]
     }
@@ -127,19 +127,19 @@ impl StageResponse {
     }
 
     /// See [`Parts::response`].
-    pub fn response(&self) -> &[f64] {
+    pub(crate) fn response(&self) -> &[f64] {
         let (first, n) = self.polynomials();
         &self.rest[first..first + n]
     }
 
     /// See [`Parts::lifted`].
-    pub fn lifted(&self, moving: usize) -> &[f64] {
+    pub(crate) fn lifted(&self, moving: usize) -> &[f64] {
         let (first, n) = self.polynomials();
         &self.rest[first + (1 + moving) * n..first + (2 + moving) * n]
     }
 
     /// See [`Parts::solution`].
-    pub fn solution(&self) -> &[f64] {
+    pub(crate) fn solution(&self) -> &[f64] {
         let (first, n) = self.polynomials();
         &self.rest[first + 3 * n..]
     }

@@ -12,10 +12,10 @@ use std::ops::Range;
 
 /// Index range of the states of one level; its length is the number of modes with a state on it, those of the longest
 /// waves.
-pub type Level = Range<usize>;
+pub(crate) type Level = Range<usize>;
 
 /// Real and imaginary parts.
-pub type Parts<'a> = [&'a [f64]; 2];
+pub(crate) type Parts<'a> = [&'a [f64]; 2];
 
 /// State layout for modes with these numbers of states, in non-increasing order.
 pub(crate) fn state_layout(counts: &[usize]) -> Vec<Level> {
@@ -30,7 +30,7 @@ pub(crate) fn state_layout(counts: &[usize]) -> Vec<Level> {
 }
 
 /// State indices of a mode, level by level.
-pub fn of_mode(state_layout: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
+pub(crate) fn of_mode(state_layout: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
     state_layout.iter().take_while(move |level| wave < level.len()).map(move |level| level.start + wave)
 }
 
@@ -42,7 +42,7 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
 
 /// Amplitudes of the modes by two observations of the states, each state multiplied by its propagation factor first;
 /// real and imaginary parts.
-pub fn observe(
+pub(crate) fn observe(
     state_layout: &[Level],
     states: Parts<'_>,
     factors: Parts<'_>,
@@ -106,7 +106,7 @@ pub(crate) fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitu
 const ABREAST: usize = 16;
 
 /// `sum_k a_k b_k`.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     struct Dot<'a>(&'a [f64], &'a [f64]);
     impl WithSimd for Dot<'_> {
         type Output = f64;
@@ -143,7 +143,7 @@ pub(crate) struct Carrier<'a> {
 }
 
 /// Propagates the states over a step, from `before` to `after`; `heat`: amplitudes of the fluxes of both stages.
-pub fn carry(
+pub(crate) fn carry(
     state_layout: &[Level],
     before: Parts<'_>,
     after: [&mut [f64]; 2],
@@ -228,7 +228,7 @@ pub(crate) fn stage_weights(
 
 /// Propagation factors of the states: the decay of each, times the phase factor of its mode and the common damping
 /// factor `damping`.
-pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
+pub(crate) fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
     struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
     impl WithSimd for Turn<'_> {
         type Output = ();
@@ -242,9 +242,9 @@ pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
                 let (cosine, sine) = (&phases[0][..count], &phases[1][..count]);
                 for w in 0..count {
-                    let held = damping * decay[w];
-                    re[w] = cosine[w] * held;
-                    im[w] = sine[w] * held;
+                    let factor = damping * decay[w];
+                    re[w] = cosine[w] * factor;
+                    im[w] = sine[w] * factor;
                 }
             }
         }
@@ -258,7 +258,7 @@ const QUARTER: [f64; 3] =
     [1.570_796_326_734_125_614_17, 6.077_100_506_303_965_976_60e-11, 2.022_266_248_795_950_631_54e-21];
 
 /// `cos` and `sin` of `angle` times each of the numbers, which are in ascending order.
-pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
+pub(crate) fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
     struct Phases<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
     impl WithSimd for Phases<'_> {
         type Output = ();

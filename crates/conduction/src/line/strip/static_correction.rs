@@ -11,7 +11,7 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::distance::{DistanceSum, Nodes};
-use super::moving_kernel::MovingSource;
+use super::moving_kernel::MeanKernel;
 use super::properties::ImageDamping;
 use super::waves::{CONTINUOUS, Wave, continuous};
 use crate::lateral::Lateral;
@@ -44,7 +44,7 @@ pub(crate) struct StaticCorrection {
 /// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
 const HALF_PLANE: f64 = 18.0;
 /// Wave number times contact width below which the integrand of the endless path has no further structure.
-const SLOWEST_WAVE: f64 = 1e-7;
+const LOWEST_WAVE_NUMBER: f64 = 1e-7;
 /// Wave number times contact width below which the removed integrand is smooth in the root of the wave number, for
 /// sliding by at least twice that in widths during the time of diffusion across the width.
 const LONGEST_SLIDING: f64 = 0.5;
@@ -65,7 +65,7 @@ impl WaveSum {
 
 /// Wave numbers of all sums, prepared once for all velocities.
 #[derive(Debug)]
-pub struct Integrals {
+pub(crate) struct Integrals {
     /// The modes with states.
     modes: WaveSum,
     /// Integral that is subtracted while sliding, or at any velocity on fresh material.
@@ -96,21 +96,21 @@ impl Gains {
 
 /// Workspace of the sums.
 #[derive(Debug)]
-pub struct Workspace {
+pub struct CorrectionWorkspace {
     gains: Gains,
     nodes: Nodes,
-    source: MovingSource,
+    source: MeanKernel,
 }
 
-impl Workspace {
+impl CorrectionWorkspace {
     /// Workspace for these integrals: nothing is reallocated later.
-    pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
+    pub(crate) fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> CorrectionWorkspace {
         let count = integrals.sum.waves();
         let zeros = || vec![Complex::from(0.0); count];
-        Workspace {
+        CorrectionWorkspace {
             gains: Gains { temperature: zeros(), distortion: zeros() },
             nodes: integrals.sum.nodes(),
-            source: MovingSource::new(static_correction.cells.count()),
+            source: MeanKernel::new(static_correction.cells.count()),
         }
     }
 }
@@ -123,7 +123,7 @@ impl StaticCorrection {
     }
 
     /// Prepares the quadrature; see [`Integrals`].
-    pub fn integrals(&self) -> Integrals {
+    pub(crate) fn integrals(&self) -> Integrals {
         let width = 2.0 * self.cells.half_width();
         let fresh = self.fresh.is_some();
         // Contact width over period beyond which the nearest periodic images of the contact are summed in real space.
@@ -148,7 +148,7 @@ impl StaticCorrection {
         let mut removed;
         let [mut removed_at_rest, mut beyond, mut ends] = [(); 3].map(|()| WaveSum::default());
         if fresh {
-            removed = sum(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width));
+            removed = sum(&self.slab, continuous(LOWEST_WAVE_NUMBER / width, end.max(last), width));
         } else {
             let longest = (LONGEST_SLIDING / width).min(last);
             removed = sum(&self.bare, continuous(longest, last, reach));
@@ -170,18 +170,18 @@ impl StaticCorrection {
 
     /// Sets the influence on temperature and distortion (N x N each, per flux into a cell; the second is empty without
     /// thermal expansion) at the velocity `velocity` >= 0.
-    pub fn at(
+    pub(crate) fn at(
         &self,
         velocity: f64,
         integrals: &Integrals,
-        workspace: &mut Workspace,
+        workspace: &mut CorrectionWorkspace,
         influence: &mut [DMatrix<f64>; 2],
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         // At rest the sum of the half-plane diverges at q = 0; at so low a velocity all wave numbers in the sums
         // respond as at rest.
         let moving = velocity.max(1e-4 * diffusivity / self.cells.half_width());
-        let Workspace { gains, nodes, source } = workspace;
+        let CorrectionWorkspace { gains, nodes, source } = workspace;
         gains.temperature.fill(Complex::from(0.0));
         gains.distortion.fill(Complex::from(0.0));
         match self.fresh {
@@ -261,7 +261,7 @@ impl StaticCorrection {
         // Decay rate with which the response of the states is subtracted: a smaller one would make the direct
         // feedthrough negative.
         let lost = damping.hypot(lasting);
-        let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
+        let resolved = 10.0 * LOWEST_WAVE_NUMBER / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
         for (wave, layer, place) in integrals.removed.iter() {
             let q = wave.number;

@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, sections 5.3, 4.1.
 
-pub mod stage;
+pub(crate) mod stage;
 
-pub use super::interval::{OWN, Workspace};
-pub use stage::StageWeights;
+pub(crate) use super::interval::{IntervalWorkspace, OWN};
+pub(crate) use stage::StageWeights;
 
 use super::operators::StripOperators;
 use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
@@ -15,7 +15,7 @@ use numerics::dense;
 
 /// The prepared step.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub(crate) struct Step {
     /// Length, s, and velocities, m/s; not a number before the first step.
     pub length: f64,
     pub velocity: [f64; 2],
@@ -24,7 +24,7 @@ pub struct Step {
     /// Index of the cached responses after the first: those of steps at a constant velocity, by the bits of length and velocity. A
     /// step-size control alternates between a few lengths, while a varying velocity hardly recurs.
     steady: KeyedCache<[u64; 2], ()>,
-    workspace: Workspace,
+    workspace: IntervalWorkspace,
     feedthrough: DirectFeedthrough,
 }
 
@@ -79,7 +79,7 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Step {
-    pub fn new(operators: &StripOperators) -> Step {
+    pub(crate) fn new(operators: &StripOperators) -> Step {
         let cached = cache_capacity(operators.widths.len());
         Step {
             length: f64::NAN,
@@ -87,12 +87,12 @@ impl Step {
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             steady: KeyedCache::new(vec![(); cached]),
-            workspace: Workspace::new(operators),
+            workspace: IntervalWorkspace::new(operators),
             feedthrough: DirectFeedthrough::new(operators),
         }
     }
 
-    pub fn stage(&self, stage: Stage) -> &StageWeights {
+    pub(crate) fn stage(&self, stage: Stage) -> &StageWeights {
         match stage {
             Stage::First => &self.first,
             Stage::End => &self.end,
@@ -109,7 +109,7 @@ impl Step {
         (1 + known.unwrap_or_else(|| self.steady.insert(key)), known.is_some())
     }
 
-    pub fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         if self.length == length && self.velocity == velocity {
             return;
         }

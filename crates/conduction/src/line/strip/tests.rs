@@ -21,7 +21,7 @@ fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
     }
 }
 
-pub fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {
+pub(crate) fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {
     StripProperties { conductivity: 55.0, capacity: 7800.0 * 460.0, convection, ..unit(height, base, path) }
 }
 

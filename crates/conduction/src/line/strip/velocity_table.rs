@@ -7,7 +7,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::passive::Passive;
-use super::static_correction::{Integrals, StaticCorrection, Workspace};
+use super::static_correction::{CorrectionWorkspace, Integrals, StaticCorrection};
 use nalgebra::DMatrix;
 use numerics::dense;
 use std::sync::{Mutex, OnceLock};
@@ -37,7 +37,7 @@ pub(crate) struct VelocityTable {
 #[derive(Debug)]
 struct Unused {
     nodes: Vec<Influence>,
-    workspace: Workspace,
+    workspace: CorrectionWorkspace,
     passive: Passive,
 }
 
@@ -47,7 +47,7 @@ type Influence = [DMatrix<f64>; 2];
 impl VelocityTable {
     /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
     /// from which the limit of fast sliding holds; `tolerance`: requested relative error of the contact temperature.
-    pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
+    pub(crate) fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
         // Spacing of the interpolation nodes in asinh(v/v0) at the tolerance 0.01. The interpolation error is of sixth order in the
         // spacing, so the spacing goes with the sixth root of the tolerance.
         let spacing = (0.35 * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(0.15, 0.45);
@@ -59,7 +59,7 @@ impl VelocityTable {
         let unused = Unused {
             // Zero pages of the operating system: most nodes are never computed and touch no memory.
             nodes: (0..count).map(|_| [cells, distorted].map(zeros)).collect(),
-            workspace: Workspace::new(&static_correction, &integrals),
+            workspace: CorrectionWorkspace::new(&static_correction, &integrals),
             passive: Passive::new(static_correction.cells.widths()),
         };
         VelocityTable {
@@ -73,7 +73,7 @@ impl VelocityTable {
     }
 
     /// Computes the nodes for all velocities up to `velocity` (m/s).
-    pub fn expect(&self, velocity: f64) {
+    pub(crate) fn expect(&self, velocity: f64) {
         let (base, _) = self.stencil(velocity);
         (0..base + STENCIL).for_each(|node| {
             self.node(node);
@@ -120,7 +120,7 @@ impl VelocityTable {
     }
 
     /// Velocity v0 below which the feedthrough is independent of the velocity, m/s.
-    pub fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 
@@ -156,7 +156,7 @@ impl VelocityTable {
 
     /// Influence matrix of the direct feedthrough at a velocity, N x N: temperature (`moving` 0), or distortion (1)
     /// with thermal expansion.
-    pub fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
+    pub(crate) fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
         let (base, weights) = self.stencil(velocity);
         // On a node the other weights are 0, and the other nodes are not computed.
         let of = |k: usize| if weights[k] == 0.0 { NEGATIVE_NODES } else { k };
@@ -194,7 +194,7 @@ impl VelocityTable {
     }
 
     /// Number of interpolation nodes.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.nodes.len()
     }
 }

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 /// A wave number, or a quadrature node that represents several.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Wave {
+pub(crate) struct Wave {
     /// q, 1/m.
     pub number: f64,
     /// Number of harmonics represented: the quadrature weight.
@@ -29,7 +29,7 @@ const EXTRA: f64 = 10.0;
 
 /// The harmonics 1 to `last` of the period, summed accurately at distances up to `reach` between heated and observed
 /// point, counted along the material.
-pub fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
+pub(crate) fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
     let spacing = 2.0 * PI / period;
     let per_harmonic = 0.25 * spacing * reach;
     // Most nodes in a panel.
@@ -74,7 +74,7 @@ pub(crate) const CONTINUOUS: usize = 12;
 
 /// Gauss nodes and weights for integrals over the wave number from 0 to `last` of functions that vary like
 /// `exp(i q r)`, |r| <= `reach`, and have structure at every scale of q down to `least`.
-pub fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
+pub(crate) fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
     let rule = gauss_legendre(CONTINUOUS);
     let mut waves = Vec::new();
     // Below `least` the integrand is singular at most like q^(-1/2): smooth in y with q = least y^2.
@@ -105,7 +105,7 @@ pub(crate) struct Shapes {
 
 impl Shapes {
     /// Shapes of all modes.
-    pub fn new(cells: &Cells, waves: &[Wave]) -> Shapes {
+    pub(crate) fn new(cells: &Cells, waves: &[Wave]) -> Shapes {
         let half = cells.count().div_ceil(2);
         let mut shapes = Shapes { half, even: Vec::new(), odd: Vec::new(), transposed: Default::default() };
         for wave in waves {
@@ -126,24 +126,24 @@ impl Shapes {
     }
 
     /// Even and odd parts as matrices by columns: (N + 1)/2 rows, one column per mode.
-    pub fn matrices(&self) -> [&[f64]; 2] {
+    pub(crate) fn matrices(&self) -> [&[f64]; 2] {
         [&self.even, &self.odd]
     }
 
     /// The transposed matrices, by columns.
-    pub fn transposed(&self) -> [&[f64]; 2] {
+    pub(crate) fn transposed(&self) -> [&[f64]; 2] {
         self.transposed.each_ref().map(|matrix| &matrix[..])
     }
 
     /// Even and odd row of a mode.
     #[inline]
-    pub fn rows(&self, wave: usize) -> (&[f64], &[f64]) {
+    pub(crate) fn rows(&self, wave: usize) -> (&[f64], &[f64]) {
         let range = wave * self.half..(wave + 1) * self.half;
         (&self.even[range.clone()], &self.odd[range])
     }
 
     /// (N + 1)/2.
-    pub fn half(&self) -> usize {
+    pub(crate) fn half(&self) -> usize {
         self.half
     }
 }

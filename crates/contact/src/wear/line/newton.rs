@@ -28,7 +28,7 @@ const NEWTON_TOLERANCE: f64 = 1e-12;
 /// Change, relative to the largest local displacement, below which an iteration that no longer halves it has converged to
 /// the rounding of the linear solutions, which with many cells and thermal compliance exceeds the tolerance of Newton's
 /// method.
-const ROUNDING: f64 = 1e-9;
+const ROUNDED_CHANGE: f64 = 1e-9;
 /// Lower bound of dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
 const LEAST_SLOPE: f64 = 1e-12;
 /// Limit of chord iterations, after which Newton's method with new factors is used.
@@ -213,7 +213,7 @@ impl WearingContact {
             self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
             // Rounding relative to the largest gap of the cells in contact: under a light load the displacements are small against the
             // gap of the worn and thermally distorted shape.
-            let rounding = (ROUNDING * largest).max(1e-12 * widest);
+            let rounding = (ROUNDED_CHANGE * largest).max(1e-12 * widest);
             let rounded = change <= rounding && change > 0.5 * last;
             last = change;
             if rounded || change <= NEWTON_TOLERANCE * largest {

@@ -56,7 +56,7 @@ impl WearingContact {
 
     /// [`Self::response_into`] for a stage of `tau` s, in which a change of the pressure causes wear:
     /// `C + s mu S + E + tau f'`. The wear operator of a moving strip is taken as the identity.
-    pub(crate) fn stage_response_into(
+    fn stage_response_into(
         &mut self,
         tau: f64,
         conditions: &Conditions,

@@ -107,7 +107,7 @@ impl LineTrack {
     }
 
     /// [`Self::new`] without averaging, however short the strokes are.
-    pub fn resolved(cells: &Cells, stroke: f64) -> Self {
+    pub(crate) fn resolved(cells: &Cells, stroke: f64) -> Self {
         let half_width = cells.half_width();
         let length = 1.25 * stroke + 3.0 * half_width;
         let finest = cells.widths().iter().copied().fold(f64::INFINITY, f64::min);

@@ -42,7 +42,7 @@ pub(crate) struct ExchangeSolver {
 
 impl Exchange {
     /// Response matrices of the bodies of a line; `None` where one does not conduct, or the surfaces do not exchange heat.
-    pub fn new(line: &mut Line, strokes: &[(f64, Vec<f64>); 2], sizes: [usize; 2]) -> Option<Exchange> {
+    pub(crate) fn new(line: &mut Line, strokes: &[(f64, Vec<f64>); 2], sizes: [usize; 2]) -> Option<Exchange> {
         let count = line.operators.count();
         let conductance = line.operators.scene.conductance;
         let heat = line.heat.as_mut()?;
@@ -86,7 +86,7 @@ impl Exchange {
 
     /// Solver for an equation in which a change over the cycle by `c_k` moves entry k of the heat by `made[k] c_k`;
     /// `surface(side, entries)` is the surface temperature of a body by its entries.
-    pub fn solver(
+    pub(crate) fn solver(
         &self,
         made: &[f64],
         touching: &[bool],
@@ -117,7 +117,7 @@ impl Exchange {
 
     /// Adds the exchange between the surfaces to the step of the heat; `difference` is the surface temperature of the punch less
     /// that of the strip by the step without exchange.
-    pub fn complete(&self, solver: &ExchangeSolver, difference: &[f64], made: &[f64], step: &mut [f64]) {
+    pub(crate) fn complete(&self, solver: &ExchangeSolver, difference: &[f64], made: &[f64], step: &mut [f64]) {
         let mut right = DVector::from_iterator(solver.cells.len(), solver.cells.iter().map(|&i| -difference[i]));
         solver.factors.solve_mut(&mut right);
         let mut first = 0;

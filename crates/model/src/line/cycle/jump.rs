@@ -29,8 +29,8 @@ use numerics::maximum::maximum;
 /// Length below which jumps are computed cycle by cycle.
 const SHORTEST: f64 = 6.0;
 
-/// Largest ratio of successive jump lengths.
-const GROWTH: f64 = 4.0;
+/// Smallest and largest ratio of successive jump lengths.
+pub(super) const JUMP_GROWTH: [f64; 2] = [0.2, 4.0];
 
 /// Largest number of cycles for one stage.
 const MOST_CYCLES: usize = 40;
@@ -128,7 +128,7 @@ impl<'a> Jumps<'a> {
     ///
     /// # Errors
     /// A cycle that has no solution.
-    pub fn jump(&mut self, most: f64) -> Result<Jump, CycleError> {
+    pub(crate) fn jump(&mut self, most: f64) -> Result<Jump, CycleError> {
         loop {
             let length = self.length.min(self.options.longest).min(most).floor();
             if length < SHORTEST {
@@ -151,7 +151,7 @@ impl<'a> Jumps<'a> {
             let next: Vec<f64> = self.memory.iter().zip(&passage.change).map(|(z, change)| z + change).collect();
             let per_square = (0.5 - GAMMA) * (1.0 - GAMMA) * self.error_of(&bend, &next, &passage.change, 1.0);
             let proposed = (0.5 * self.options.tolerance / per_square).sqrt();
-            self.length = proposed.clamp(1.0, GROWTH * SHORTEST);
+            self.length = proposed.clamp(1.0, JUMP_GROWTH[1] * SHORTEST);
         }
         self.memory.iter_mut().zip(&passage.change).for_each(|(z, change)| *z += change);
         self.totals = self.totals.plus(1.0, &passage.totals);
@@ -186,7 +186,7 @@ impl<'a> Jumps<'a> {
             first_slope.iter().zip(&end_slope).map(|(k1, k2)| (0.5 - GAMMA) * length * (k1 - k2)).collect();
         let estimate = self.error_of(&error, &memory, &end_slope, length);
         let factor = (0.8 * self.options.tolerance / estimate).sqrt();
-        self.length = length * factor.clamp(0.2, GROWTH);
+        self.length = length * factor.clamp(JUMP_GROWTH[0], JUMP_GROWTH[1]);
         if estimate.is_nan() || estimate > self.options.tolerance {
             // The slope at the start remains valid after a rejected jump.
             self.slope = Some(slope);

@@ -24,18 +24,18 @@ const ANY_STEP: f64 = 1e6;
 /// Steps of a half-stroke: one interval from its start to `2^-levels` of its duration and one from there to each doubling, each
 /// in `parts` equal steps. The transient after a reversal begins like the square root of time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Resolution {
+pub struct MapResolution {
     /// Number of doublings.
     pub levels: u32,
     /// Equal parts of each interval between doublings.
     pub parts: u32,
 }
 
-impl Resolution {
+impl MapResolution {
     /// With resolved heat: errors of the half-strokes' mean pressures of about 1e-4 of the mean pressure.
-    pub const WITH_HEAT: Resolution = Resolution { levels: 4, parts: 3 };
+    pub const WITH_HEAT: MapResolution = MapResolution { levels: 4, parts: 3 };
     /// Without heat: wear changes little in a half-stroke.
-    pub const COLD: Resolution = Resolution { levels: 0, parts: 1 };
+    pub const COLD: MapResolution = MapResolution { levels: 0, parts: 1 };
 
     fn steps(self, duration: f64) -> Vec<f64> {
         let parts = f64::from(self.parts);
@@ -125,7 +125,7 @@ impl CycleMap {
     pub fn new(
         mut operators: LineOperators,
         sliding: [(f64, f64); 2],
-        resolution: Resolution,
+        resolution: MapResolution,
     ) -> Result<CycleMap, CycleError> {
         if operators.strip_wear == StripWear::Track {
             return Err(CycleError::Unsuitable(

@@ -36,7 +36,7 @@ impl Totals {
     }
 
     /// `self + factor other`.
-    pub fn plus(&self, factor: f64, other: &Totals) -> Totals {
+    pub(crate) fn plus(&self, factor: f64, other: &Totals) -> Totals {
         let (mine, its) = (self.entries(), other.entries());
         Totals::of(std::array::from_fn(|i| mine[i] + factor * its[i]))
     }
@@ -55,7 +55,7 @@ pub(super) struct Extremes {
 
 impl Extremes {
     /// Empty range of N cells.
-    pub fn new(count: usize) -> Extremes {
+    pub(crate) fn new(count: usize) -> Extremes {
         let all = |value: f64| [vec![value; count], vec![value; count]];
         Extremes {
             range: [all(f64::INFINITY), all(f64::NEG_INFINITY)],
@@ -67,7 +67,7 @@ impl Extremes {
     }
 
     /// Adds the temperatures of punch and strip at the end of a step of `step` s; 0: the start of the cycle.
-    pub fn record(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
+    pub(crate) fn record(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
         let areas = &operators.weights;
         let highest = operators.hottest.of(temperature);
         if highest > self.highest || highest.is_nan() {

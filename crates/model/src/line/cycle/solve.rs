@@ -270,7 +270,7 @@ impl CycleMap {
     }
 
     /// Elastic displacement under the mean pressure, m: scale of shapes.
-    pub(super) fn shape_scale(&self) -> f64 {
+    fn shape_scale(&self) -> f64 {
         let operators = self.operators();
         let mean = operators.scene.nominal_load / (operators.scene.count * operators.scene.contact_area());
         operators.displacement_scale * mean

@@ -27,13 +27,13 @@ pub(crate) struct WearJacobian {
 }
 
 impl WearJacobian {
-    pub fn new(count: usize) -> WearJacobian {
+    pub(crate) fn new(count: usize) -> WearJacobian {
         let zeros = || DMatrix::zeros(count, count);
         WearJacobian { bodies: [zeros(), zeros()], touching: Vec::new(), least: 0.0, rotates: false }
     }
 
     /// Adds a half-stroke of `duration` (s), at whose end the line is.
-    pub fn add(&mut self, line: &mut Line, duration: f64) -> Result<(), StepFailure> {
+    pub(crate) fn add(&mut self, line: &mut Line, duration: f64) -> Result<(), StepFailure> {
         let operators = line.operators.clone();
         let count = operators.count();
         let conditions = &line.stages.conditions;
@@ -102,12 +102,12 @@ impl WearJacobian {
     }
 
     /// Wear per gap of a cell that is never in contact, in [`Self::implicit`] and [`Self::steady`]; dimensionless.
-    pub fn least(&self) -> f64 {
+    pub(crate) fn least(&self) -> f64 {
         self.least
     }
 
     /// Number of rigid motions that the holder permits.
-    pub fn balances(&self) -> usize {
+    pub(crate) fn balances(&self) -> usize {
         1 + usize::from(self.rotates)
     }
 
@@ -130,7 +130,7 @@ impl WearJacobian {
     ///
     /// # Errors
     /// A wear Jacobian that is not finite.
-    pub fn steady(&self, x: &[f64], widths: &[f64]) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
+    pub(crate) fn steady(&self, x: &[f64], widths: &[f64]) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
         let total = self.total();
         let (count, free) = (total.nrows(), self.balances());
         let half_width = 0.5 * widths.iter().sum::<f64>();

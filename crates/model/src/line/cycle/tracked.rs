@@ -15,7 +15,7 @@
 //! Theory: docs/theory.md, section 9.6.
 
 use super::error::CycleError;
-use super::jump::{JumpOptions, Progress};
+use super::jump::{JUMP_GROWTH, JumpOptions, Progress};
 use super::solve::uneven;
 use crate::line::Line;
 use crate::line::operators::LineOperators;
@@ -24,9 +24,6 @@ use crate::{Inputs, StepFailure};
 use numerics::maximum::maximum;
 use scene::Scene;
 use std::sync::Arc;
-
-/// Largest and smallest ratio of successive jump lengths.
-const GROWTH: [f64; 2] = [0.2, 4.0];
 
 /// Steps of half of a stroke, where none is longer than the track permits. One instead of two takes half of the time and leaves 0.3 % of
 /// the deepest wear in a fretting test, instead of 0.05 %.
@@ -96,7 +93,7 @@ impl TrackedCycles {
             let length = self.length.min(self.options.longest).min(most).floor();
             if length < 2.0 {
                 self.pass(1.0)?;
-                self.length = GROWTH[1];
+                self.length = JUMP_GROWTH[1];
                 return Ok(self.made(1.0, 0.0));
             }
             let before = self.line.clone();
@@ -114,7 +111,7 @@ impl TrackedCycles {
                 (None, Ok(())) => 0.0,
             };
             let factor = (0.8 * self.options.tolerance / estimate).cbrt();
-            self.length = (length * factor.clamp(GROWTH[0], GROWTH[1])).max(1.0);
+            self.length = (length * factor.clamp(JUMP_GROWTH[0], JUMP_GROWTH[1])).max(1.0);
             if estimate <= self.options.tolerance {
                 return Ok(self.made(length, estimate));
             }

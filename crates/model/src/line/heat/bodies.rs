@@ -121,7 +121,7 @@ fn path_of(scene: &Scene) -> SlidingPath {
 }
 
 /// Shortest time to be resolved, s: a thousandth of the nominal duration, in reciprocating sliding at most a 60th of the cycle.
-pub fn shortest(scene: &Scene) -> f64 {
+pub(crate) fn shortest(scene: &Scene) -> f64 {
     let cycle = match path_of(scene) {
         SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
             2.0 * stroke / scene.nominal_velocity / 60.0

@@ -41,7 +41,7 @@ const PIECES: u8 = 4;
 
 /// Geometry and local compliance of the cells, N values each.
 #[derive(Clone, Debug)]
-pub struct Edges {
+pub(crate) struct Edges {
     /// Local compliance c, m/Pa.
     compliance: Vec<f64>,
     /// Distance of the points between a cell and its neighbour towards +x from the centre of the first, over that of both centres.
@@ -65,31 +65,31 @@ pub struct EdgeState {
 
 impl EdgeState {
     /// Unworn cells.
-    pub fn new(count: usize) -> EdgeState {
+    pub(crate) fn new(count: usize) -> EdgeState {
         let zeros = || vec![0.0; count];
         EdgeState { overlap: zeros(), rate: zeros(), worn: zeros(), relief: vec![0.0; BETWEEN * count] }
     }
 
     /// All numbers.
-    pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+    pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let EdgeState { overlap, rate, worn, relief } = self;
         overlap.iter_mut().chain(rate).chain(worn).chain(relief)
     }
 
     /// The vectors.
-    pub fn vectors(&self) -> [&Vec<f64>; 4] {
+    pub(crate) fn vectors(&self) -> [&Vec<f64>; 4] {
         [&self.overlap, &self.rate, &self.worn, &self.relief]
     }
 
     /// Copies another state of as many cells.
-    pub fn copy_from(&mut self, other: &EdgeState) {
+    pub(crate) fn copy_from(&mut self, other: &EdgeState) {
         self.numbers().zip(other.vectors().into_iter().flatten()).for_each(|(own, other)| *own = *other);
     }
 }
 
 /// Worn depths that shape the contact along the line. A strip with an even path or a worn track has no kink at the edge.
 #[derive(Clone, Copy, Debug)]
-pub struct Worn<'a> {
+pub(crate) struct Worn<'a> {
     /// Of the punch at N cells, m.
     pub punch: &'a [f64],
     /// Of the strip at N cells where it wears by radius, m.
@@ -126,7 +126,7 @@ fn worn_relief(before: f64, position: f64, overlap: [f64; 2], wear: [f64; 2]) ->
 impl Edges {
     /// Edges on cells of these widths (m), of which the first and the last are neighbours on a closed ring. `compliance(i, j)`:
     /// displacement of cell i per pressure on cell j, of both bodies, m/Pa.
-    pub fn new(widths: &[f64], closed_ring: bool, compliance: impl Fn(usize, usize) -> f64) -> Edges {
+    pub(crate) fn new(widths: &[f64], closed_ring: bool, compliance: impl Fn(usize, usize) -> f64) -> Edges {
         let count = widths.len();
         let mut edges = Edges { compliance: vec![0.0; count], positions: vec![[0.0; BETWEEN]; count], closed_ring };
         for i in 0..count {
@@ -157,7 +157,13 @@ impl Edges {
     }
 
     /// Updates the state by a step that ends `duration` (s) after its first stage, with the contact of both.
-    pub fn follow(&self, [first, end]: [&ContactState; 2], duration: f64, worn: Worn<'_>, state: &mut EdgeState) {
+    pub(crate) fn follow(
+        &self,
+        [first, end]: [&ContactState; 2],
+        duration: f64,
+        worn: Worn<'_>,
+        state: &mut EdgeState,
+    ) {
         let EdgeState { overlap, rate, worn: worn_before, relief } = state;
         let of = |stage: &ContactState, cell: usize| self.compliance[cell] * stage.pressure[cell] - stage.gap[cell];
         for i in 0..overlap.len() {
@@ -184,7 +190,7 @@ impl Edges {
     }
 
     /// Finds the parts of the cells in contact `ahead` s after the state.
-    pub fn find(&self, state: &EdgeState, ahead: f64, contact_parts: &mut ContactParts) {
+    pub(crate) fn find(&self, state: &EdgeState, ahead: f64, contact_parts: &mut ContactParts) {
         contact_parts.make_whole();
         let overlap = |cell: usize| state.overlap[cell] + ahead * state.rate[cell];
         let touches = |cell: usize| overlap(cell) > 0.0;

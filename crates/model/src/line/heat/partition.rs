@@ -85,7 +85,7 @@ pub struct HeatPartition {
     known: bool,
     factors: Vec<f64>,
     /// P_:o P_oo^-1 by columns, for up to as many open cells as a [`LowRankUpdate`] holds.
-    held: Vec<f64>,
+    removed: Vec<f64>,
     exchanged: Vec<usize>,
     /// Thermal compliance E_0 dQ/dp, m/Pa, added to the compliance of the contact, and dQ/dp = mu s v at the mean radius where mu
     /// is the same for all cells.
@@ -123,7 +123,7 @@ impl HeatPartition {
             open: Vec::with_capacity(count),
             known: false,
             factors: vec![0.0; count * count],
-            held: vec![0.0; count * largest_update_rank(count)],
+            removed: vec![0.0; count * largest_update_rank(count)],
             exchanged: vec![0; count],
             thermal_compliance: dense::untouched(count),
             per_pressure: f64::NAN,
@@ -140,7 +140,7 @@ impl HeatPartition {
     }
 
     /// Workspace for another heat partition of these cells.
-    pub fn like(&self) -> HeatPartition {
+    pub(crate) fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
         let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
         let partition = HeatPartition { resistance: self.resistance, ..partition };
@@ -216,7 +216,7 @@ impl HeatPartition {
     }
 
     /// Which cells exchange heat.
-    pub fn closed(&self) -> &[bool] {
+    pub(crate) fn closed(&self) -> &[bool] {
         &self.closed
     }
 
@@ -247,7 +247,7 @@ impl HeatPartition {
             solution.fill(0.0);
             solution[k] = 1.0;
             dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], solution);
-            let column = &mut self.held[k * count..(k + 1) * count];
+            let column = &mut self.removed[k * count..(k + 1) * count];
             column.fill(0.0);
             for (value, &j) in solution.iter().zip(&self.open) {
                 dense::multiply_add(&self.operators.inverse[j * count..(j + 1) * count], &[*value], column);
@@ -282,7 +282,7 @@ impl HeatPartition {
         multipliers.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
         let few = m <= largest_update_rank(count);
         if few {
-            dense::multiply_add(&self.held[..count * m], multipliers, &mut self.column);
+            dense::multiply_add(&self.removed[..count * m], multipliers, &mut self.column);
         }
         dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], multipliers);
         for ((value, &j), open_temperature_jump) in
@@ -355,7 +355,7 @@ impl HeatPartition {
     }
 
     /// Cells that do not exchange heat.
-    pub fn open(&self) -> &[usize] {
+    pub(crate) fn open(&self) -> &[usize] {
         &self.open
     }
 
@@ -407,7 +407,7 @@ impl HeatPartition {
     /// Partition matrix Y on all cells, by columns: fraction of the friction heat that enters the punch where both bodies
     /// conduct.
     #[cfg(test)]
-    pub fn shares(&self) -> &[f64] {
+    pub(crate) fn shares(&self) -> &[f64] {
         &self.operators.shares
     }
 
@@ -418,7 +418,7 @@ impl HeatPartition {
 
     /// Builds the thermal compliance for the friction heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the
     /// current one.
-    pub fn thermal_compliance(&mut self, per_pressure: f64) -> bool {
+    pub(crate) fn thermal_compliance(&mut self, per_pressure: f64) -> bool {
         if self.per_pressure == per_pressure {
             return false;
         }

@@ -20,13 +20,13 @@ pub(crate) struct PartitionCache {
 
 impl PartitionCache {
     /// Empty cache of heat partitions on `count` cells.
-    pub fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
+    pub(crate) fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
         let cache = KeyedCache::new((0..cache_capacity(count)).map(|_| [partition.like(), partition.like()]));
         PartitionCache { cache, current: 0 }
     }
 
     /// Takes those of this key, or memory in which they have to be built: then it is false.
-    pub fn take(&mut self, (step, velocity, [punch, strip]): PartitionKey) -> bool {
+    pub(crate) fn take(&mut self, (step, velocity, [punch, strip]): PartitionKey) -> bool {
         let key = [step, velocity, punch.flux, punch.pace, strip.flux, strip.pace].map(f64::to_bits);
         let known = self.cache.lookup(&key);
         self.current = known.unwrap_or_else(|| self.cache.insert(key));
@@ -34,7 +34,7 @@ impl PartitionCache {
     }
 
     /// Current slot.
-    pub fn slot(&self) -> usize {
+    pub(crate) fn slot(&self) -> usize {
         self.current
     }
 }

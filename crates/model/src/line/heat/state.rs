@@ -71,7 +71,7 @@ const RADIUS_GROWTH: f64 = 1.25;
 
 impl LinearizationPoint {
     /// No linearization point yet.
-    pub fn none() -> LinearizationPoint {
+    pub(crate) fn none() -> LinearizationPoint {
         LinearizationPoint { velocity: f64::NAN, last: f64::NAN, fade: 1.0, radius_factor: 1.0 }
     }
 
@@ -80,7 +80,7 @@ impl LinearizationPoint {
     ///
     /// The range of validity depends on the feedback of pressure through its own heat, which is unbounded near the critical
     /// speed; the number of iterations measures it.
-    pub fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
+    pub(crate) fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
         if iterations > MANY && last != velocity {
             self.radius_factor = (0.5 * self.radius_factor).max(LEAST_RADIUS_FACTOR);
         } else if iterations <= FEW && velocity != self.velocity {
@@ -91,7 +91,7 @@ impl LinearizationPoint {
 
     /// Reference velocity (m/s) for a step between two velocities: the last one within its validity radius (m/s), the velocity
     /// itself where it is constant, and otherwise one ahead of it.
-    pub fn choose(&self, velocity: [f64; 2], validity_radius: f64) -> f64 {
+    pub(crate) fn choose(&self, velocity: [f64; 2], validity_radius: f64) -> f64 {
         let [from, to] = velocity;
         if from == to && from == self.last {
             return from;
@@ -107,13 +107,13 @@ impl LinearizationPoint {
 }
 
 /// Entries of an account in their order.
-pub fn entries(account: Account) -> [f64; 4] {
+pub(crate) fn entries(account: Account) -> [f64; 4] {
     [account.received, account.stored, account.ambient, account.far]
 }
 
 impl HeatState {
     /// State of bodies at the uniform temperature `rise` (K; punch, strip) above the reference.
-    pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
+    pub(crate) fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
         let zeros = || vec![0.0; count];
         let mut state = HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
@@ -156,7 +156,7 @@ impl HeatState {
     }
 
     /// Sets the rates of flux and pressure to 0 after a jump.
-    pub fn jump(&mut self) {
+    pub(crate) fn jump(&mut self) {
         self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
         self.pressure_slope.fill(0.0);
         self.cooling_slope = [[0.0; FACES]; 2];
@@ -164,7 +164,7 @@ impl HeatState {
     }
 
     /// Reversal of the sliding direction: friction heat rises as fast as it fell, and the shear coupling loads the other edge.
-    pub fn reverse(&mut self) {
+    pub(crate) fn reverse(&mut self) {
         self.pressure_slope.fill(0.0);
         self.cooling_slope = [[0.0; FACES]; 2];
         self.edges.rate.fill(0.0);
@@ -172,14 +172,14 @@ impl HeatState {
     }
 
     /// Heat balance of a body since initialisation, J per m of depth.
-    pub fn account(&self, body: usize, heat: &dyn ThermalBody) -> Account {
+    pub(crate) fn account(&self, body: usize, heat: &dyn ThermalBody) -> Account {
         let now = entries(heat.account(&self.bodies[body]));
         let since = |entry: usize| now[entry] - self.start[body][entry];
         Account { received: since(0), stored: since(1), ambient: since(2), far: since(3) }
     }
 
     /// Mean over the contact of the mean temperature of both surfaces, for cells of the areas `areas` (per depth, m).
-    pub fn mean(&self, areas: &[f64]) -> f64 {
+    pub(crate) fn mean(&self, areas: &[f64]) -> f64 {
         let total: f64 = areas.iter().sum();
         let [punch, strip] = &self.temperature;
         (0..areas.len()).map(|i| 0.5 * areas[i] * (punch[i] + strip[i])).sum::<f64>() / total
@@ -283,13 +283,13 @@ impl HeatState {
     }
 
     /// Appends all numbers.
-    pub fn save(&self, out: &mut Vec<f64>) {
+    pub(crate) fn save(&self, out: &mut Vec<f64>) {
         let mut own = self.clone();
         out.extend(own.numbers().map(|number| *number));
     }
 
     /// Whether all numbers but the linearization point, which may not be known yet, are finite.
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
         let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step, self.trend[0], self.trend[1]];
         pairs
@@ -305,7 +305,7 @@ impl HeatState {
     }
 
     /// Reads what [`HeatState::save`] wrote over a state of the same scene; `None` if there are too few numbers.
-    pub fn load<'a>(&mut self, numbers: &mut impl Iterator<Item = &'a f64>) -> Option<()> {
+    pub(crate) fn load<'a>(&mut self, numbers: &mut impl Iterator<Item = &'a f64>) -> Option<()> {
         for slot in self.numbers() {
             *slot = *numbers.next()?;
         }

@@ -23,7 +23,7 @@ const fn load() -> Row {
     }
 }
 
-pub const ROWS: &[Row] = &[
+pub(crate) const ROWS: &[Row] = &[
     real(
         "sliding_velocity",
         &METRE_PER_SECOND,

@@ -26,7 +26,7 @@ const fn discrete(row: Row) -> Row {
     Row { variability: Variability::Discrete, ..row }
 }
 
-pub const ROWS: &[Row] = &[
+pub(crate) const ROWS: &[Row] = &[
     // Main outputs.
     real("wear_depth", &METRE, 1e-6, "Mean loss of height in the contact zone, both bodies together")
         .shown("um")

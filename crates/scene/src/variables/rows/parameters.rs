@@ -5,7 +5,7 @@ use super::super::units::*;
 use super::super::{EnumerationType, TOLERANCES};
 use super::{Row, boolean, choice, integer, real};
 
-pub(crate) static MECHANICAL_BODY: EnumerationType = EnumerationType {
+static MECHANICAL_BODY: EnumerationType = EnumerationType {
     name: "MechanicalBody",
     description: "Elastic model of a body; every body conducts heat as a block of its own height",
     items: &[
@@ -15,17 +15,17 @@ pub(crate) static MECHANICAL_BODY: EnumerationType = EnumerationType {
         ("elastic", "Elastic body of the given height"),
     ],
 };
-pub static PATH: EnumerationType = EnumerationType {
+pub(crate) static PATH: EnumerationType = EnumerationType {
     name: "Path",
     description: "Path of the punch on the strip",
     items: &[("straight", "Open track"), ("closed", "Closed track of the length strip.length")],
 };
-pub(crate) static STRIP_BASE: EnumerationType = EnumerationType {
+static STRIP_BASE: EnumerationType = EnumerationType {
     name: "StripBase",
     description: "Mechanical support of the strip",
     items: &[("bonded", "Fixed to a rigid base"), ("smooth", "Free to slide on a rigid base")],
 };
-pub(crate) static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
+static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
     name: "ThermalBoundary",
     description: "Thermal condition of the face opposite to the contact",
     items: &[
@@ -35,7 +35,7 @@ pub(crate) static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
         ("external", "Temperature prescribed by an input"),
     ],
 };
-pub static GEOMETRY: EnumerationType = EnumerationType {
+pub(crate) static GEOMETRY: EnumerationType = EnumerationType {
     name: "ContactGeometry",
     description: "Geometry of the contact",
     items: &[
@@ -44,7 +44,7 @@ pub static GEOMETRY: EnumerationType = EnumerationType {
         ("periodic", "The punch covers the whole closed path: no edges"),
     ],
 };
-pub(crate) static INITIAL_SHAPE: EnumerationType = EnumerationType {
+static INITIAL_SHAPE: EnumerationType = EnumerationType {
     name: "InitialShape",
     description: "Gap between the undeformed bodies at initialisation",
     items: &[
@@ -54,7 +54,7 @@ pub(crate) static INITIAL_SHAPE: EnumerationType = EnumerationType {
         ("tabulated", "contact.initial_gap at 33 stations"),
     ],
 };
-pub(crate) static CONSTRAINT: EnumerationType = EnumerationType {
+static CONSTRAINT: EnumerationType = EnumerationType {
     name: "HolderConstraint",
     description: "Degrees of freedom of the punch in its holder",
     items: &[
@@ -62,7 +62,7 @@ pub(crate) static CONSTRAINT: EnumerationType = EnumerationType {
         ("translate_and_rotate", "Approach and rotation about a pivot at holder.pivot_height"),
     ],
 };
-pub(crate) static FIDELITY: EnumerationType = EnumerationType {
+static FIDELITY: EnumerationType = EnumerationType {
     name: "Fidelity",
     description: "Model level",
     items: &[
@@ -71,7 +71,7 @@ pub(crate) static FIDELITY: EnumerationType = EnumerationType {
         ("line", "Pressure, temperature, wear and shape on cells along the contact"),
     ],
 };
-pub static HEAT: EnumerationType = EnumerationType {
+pub(crate) static HEAT: EnumerationType = EnumerationType {
     name: "Heat",
     description: "Heat of a contact line",
     items: &[
@@ -79,7 +79,7 @@ pub static HEAT: EnumerationType = EnumerationType {
         ("mean", "One mean flux and temperature: for pressure and wear alone"),
     ],
 };
-pub(crate) static ERROR_ESTIMATE: EnumerationType = EnumerationType {
+static ERROR_ESTIMATE: EnumerationType = EnumerationType {
     name: "ErrorEstimate",
     description: "What estimated_error is measured with",
     items: &[
@@ -88,7 +88,7 @@ pub(crate) static ERROR_ESTIMATE: EnumerationType = EnumerationType {
         ("companion", "Difference from a contact line on half of the cells on the same inputs"),
     ],
 };
-pub(crate) static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
+static TANGENTIAL_COMPLIANCE: EnumerationType = EnumerationType {
     name: "TangentialCompliance",
     description: "Elastic displacement of the bodies along the sliding direction",
     items: &[
@@ -113,7 +113,7 @@ const PROPERTY_TEMPERATURES: &[f64] = &[
 const ROOM: f64 = 293.15;
 
 /// Start values in which the two bodies differ.
-struct Body {
+struct BodyRows {
     height: f64,
     youngs_modulus: f64,
     poissons_ratio: f64,
@@ -127,7 +127,7 @@ struct Body {
     body: i32,
 }
 
-const PAD: Body = Body {
+const PAD: BodyRows = BodyRows {
     height: 0.012,
     youngs_modulus: 1e9,
     poissons_ratio: 0.25,
@@ -141,7 +141,7 @@ const PAD: Body = Body {
     body: 4,
 };
 
-const DISC: Body = Body {
+const DISC: BodyRows = BodyRows {
     height: 0.011,
     youngs_modulus: 1.1e11,
     poissons_ratio: 0.26,
@@ -442,7 +442,7 @@ const fn joined<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
     rows
 }
 
-pub const PUNCH: &[Row] = &joined::<{ PUNCH_BODY.len() + PUNCH_OWN.len() }>(PUNCH_BODY, PUNCH_OWN);
+pub(crate) const PUNCH: &[Row] = &joined::<{ PUNCH_BODY.len() + PUNCH_OWN.len() }>(PUNCH_BODY, PUNCH_OWN);
 
 const PUNCH_OWN: &[Row] = &[
     real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
@@ -469,7 +469,7 @@ const PUNCH_OWN: &[Row] = &[
     ),
 ];
 
-pub const STRIP: &[Row] = &joined::<{ STRIP_BODY.len() + STRIP_OWN.len() }>(STRIP_BODY, STRIP_OWN);
+pub(crate) const STRIP: &[Row] = &joined::<{ STRIP_BODY.len() + STRIP_OWN.len() }>(STRIP_BODY, STRIP_OWN);
 
 const STRIP_OWN: &[Row] = &[
     choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
@@ -490,7 +490,7 @@ const STRIP_OWN: &[Row] = &[
     .instead_of_zero("strip.base_at_ambient = true"),
 ];
 
-pub const CONTACT: &[Row] = &[
+pub(crate) const CONTACT: &[Row] = &[
     real("depth", &METRE, 1e-2, "Out-of-plane depth of both bodies (annular: arc length at the mean radius)")
         .shown("mm")
         .within(1e-6, 100.0)

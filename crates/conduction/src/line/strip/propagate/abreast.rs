@@ -1,4 +1,4 @@
-//! The weights of [`Motion::weights`](super::Motion::weights) for the states of many modes, vectorised over the modes.
+//! The weights of [`PhaseRate::weights`](super::PhaseRate::weights) for the states of many modes, vectorised over the modes.
 //!
 //! For a phase rotation of a radian or more the recurrence of the parent module may run upwards from its closed forms
 //!
@@ -13,16 +13,12 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-use super::{LARGEST_DRIFT, LEAST_DRIFT, Motion, terms};
+use super::{LARGEST_DRIFT, LEAST_DRIFT, PhaseRate, terms};
 use nalgebra::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Modes per vector.
 const LANES: usize = 8;
-/// Least phase rotation (rad) for the upward recurrence: this, and this times eps, so that each of up to twelve terms
-/// at most doubles the error of the one before.
-const LEAST_TURN: f64 = 1.0;
-const LEAST_TURN_BY_CHANGE: f64 = 25.0;
 
 /// Phase rotation of all modes over an interval.
 #[derive(Clone, Copy)]
@@ -54,11 +50,12 @@ fn product([a, b]: [Lanes; 2], [c, d]: [Lanes; 2]) -> [Lanes; 2] {
 impl PhaseRotation<'_> {
     /// Weights (s) in the states of one level, for the first of the modes, of a flux falling from 1 to 0 and of one
     /// rising from 0 to 1: real and imaginary parts of both alternate. `rates` and `decays` belong to the states.
-    pub fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
+    pub(crate) fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
         let count = rates.len();
         let [from, to] = self.velocity;
         let (turn, drift) = (0.5 * self.step * (from + to).abs(), 0.125 * self.step * (to - from).abs());
-        let least = LEAST_TURN.max(LEAST_TURN_BY_CHANGE * (to - from).abs() / (from + to).abs());
+        // Least phase rotation (rad) for the upward recurrence: each of up to twelve terms at most doubles the error of the one before.
+        let least = f64::max(1.0, 25.0 * (to - from).abs() / (from + to).abs());
         let numbers = &self.numbers[..count];
         let begin = numbers.partition_point(|number| number * turn < least);
         let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
@@ -73,7 +70,7 @@ impl PhaseRotation<'_> {
             weights: [&mut *a, &mut *b, &mut *c, &mut *d],
         });
         for w in (0..begin).chain(end..count) {
-            let motion = Motion { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
+            let motion = PhaseRate { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
             let phase = Complex::new(self.phases[0][w], self.phases[1][w]);
             let [rate, damping] = self.damping;
             let (_, falling, rising) = motion.weights_of_decay(rates[w] + rate, damping * decays[w], phase);
@@ -164,7 +161,7 @@ mod tests {
                 let damping = [damping, f64::exp(-damping * step)];
                 let rates: Vec<f64> = numbers.iter().map(|q| 1.6e-5 * q * q + 0.1 * q).collect();
                 let decays: Vec<f64> = rates.iter().map(|rate| (-rate * step).exp()).collect();
-                let motion = |q: f64| Motion { turning: velocity.map(|v| q * v), step };
+                let motion = |q: f64| PhaseRate { turning: velocity.map(|v| q * v), step };
                 let phases: Vec<Complex<f64>> = numbers.iter().map(|q| motion(*q).phase()).collect();
                 let parts = [phases.iter().map(|z| z.re).collect::<Vec<_>>(), phases.iter().map(|z| z.im).collect()];
                 let turning =

@@ -26,7 +26,7 @@ use nalgebra::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// `integral exp(z u + i eta u (1-u)) {1, u} du` over (0, 1) for |eta| well above 1; `factor` = e^z.
-pub fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, Complex<f64>) {
+pub(crate) fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, Complex<f64>) {
     if eta < 0.0 {
         let (all, falling) = rising(z.conj(), factor.conj(), -eta);
         return (all.conj(), falling.conj());
@@ -68,7 +68,7 @@ impl Tail {
         let (all, weighted) = if k.norm_sqr() >= ASYMPTOTIC * eta {
             let inverse = k.inv();
             let y = inverse * inverse * Complex::new(0.0, -eta);
-            let sum = |coefficients: &[f64; TERMS]| {
+            let sum = |coefficients: &[f64; ASYMPTOTIC_TERMS]| {
                 coefficients.iter().rev().fold(Complex::from(0.0), |sum, coefficient| sum * y + coefficient)
             };
             (inverse * sum(&ALL), inverse * inverse * sum(&WEIGHTED))
@@ -83,10 +83,10 @@ impl Tail {
 
 /// |k|^2/eta from which on the asymptotic series is used: its first omitted term is 7e-13.
 const ASYMPTOTIC: f64 = 1000.0;
-const TERMS: usize = 6;
+const ASYMPTOTIC_TERMS: usize = 6;
 /// (2n)!/n! and (2n+1)!/n!.
-const ALL: [f64; TERMS] = [1.0, 2.0, 12.0, 120.0, 1680.0, 30240.0];
-const WEIGHTED: [f64; TERMS] = [1.0, 6.0, 60.0, 840.0, 15120.0, 332_640.0];
+const ALL: [f64; ASYMPTOTIC_TERMS] = [1.0, 2.0, 12.0, 120.0, 1680.0, 30240.0];
+const WEIGHTED: [f64; ASYMPTOTIC_TERMS] = [1.0, 6.0, 60.0, 840.0, 15120.0, 332_640.0];
 
 /// exp(x^2) erfc(x) for Re x >= 0.
 fn scaled_erfc(x: Complex<f64>) -> Complex<f64> {

@@ -4,10 +4,10 @@
 
 use super::add;
 use crate::line::Stage;
-use crate::line::strip::interval::{Interval, Workspace, stage_fluxes};
+use crate::line::strip::interval::{Interval, IntervalWorkspace, stage_fluxes};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
-use crate::line::strip::propagate::Motion;
+use crate::line::strip::propagate::{LEAST_DRIFT, PhaseRate};
 use crate::line::strip::stage_response::{FeedthroughTerms, StageResponse};
 use crate::line::strip::state_layout::{self, phases};
 use nalgebra::Complex;
@@ -15,12 +15,9 @@ use nalgebra::Complex;
 /// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
 pub(crate) const SHORT_ROTATION: f64 = 20.0;
 
-/// Largest `q dv h/8` of the shortest mode for which its weights are those of the mean velocity.
-pub(crate) const LEAST_DRIFT: f64 = 5e-4;
-
 /// Propagation factors and weights of one stage, and its responses.
 #[derive(Clone, Debug)]
-pub struct StageWeights {
+pub(crate) struct StageWeights {
     /// This is the end of the step.
     pub at_end: bool,
     /// Propagation factor of each state of the modes: real parts, imaginary parts.
@@ -42,7 +39,7 @@ pub struct StageWeights {
 
 impl StageWeights {
     /// Which stage this is.
-    pub fn stage(&self) -> Stage {
+    pub(crate) fn stage(&self) -> Stage {
         if self.at_end { Stage::End } else { Stage::First }
     }
 
@@ -52,7 +49,7 @@ impl StageWeights {
     }
 
     /// Weights with a cache of `cached` responses.
-    pub fn new(operators: &StripOperators, at_end: bool, cached: usize) -> StageWeights {
+    pub(crate) fn new(operators: &StripOperators, at_end: bool, cached: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = operators.response_layout(at_end);
         StageWeights {
@@ -69,17 +66,17 @@ impl StageWeights {
         }
     }
 
-    pub fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
         feedthrough: FeedthroughTerms<'_>,
-        workspace: &mut Workspace,
+        workspace: &mut IntervalWorkspace,
     ) {
         self.take_length(operators, length);
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
+        let motion = PhaseRate { turning: velocity.map(|v| shortest * v), step: length };
         let drift = motion.drift();
         let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
@@ -110,7 +107,7 @@ impl StageWeights {
         if self.length != length {
             self.length = length;
             for k in 0..mean.count {
-                let motion = Motion { turning: [0.0; 2], step: length };
+                let motion = PhaseRate { turning: [0.0; 2], step: length };
                 let (factor, falling, rising) = motion.weights(mean.rate[k], Complex::from(1.0));
                 self.mean_factor[k] = factor.re;
                 self.mean_weight[k] = stage_fluxes(self.at_end, falling.re, rising.re);

@@ -22,7 +22,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
         let cells = Cells::graded(0.0475, 33).unwrap();
         let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-        println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.error());
+        println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.operators.error);
         for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
             // In a step much longer than every decay time but the mean's, the response is the steady one.
             let step = 1e9;
@@ -52,7 +52,7 @@ fn half_space_at_short_times() {
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     let temperature = march(&mut body, &mut state, 0.02, 50, |_| 0.0);
-    println!("{} states error {:.1e} {}", body.states(), body.error(), temperature[16] * 1e6);
+    println!("{} states error {:.1e} {}", body.states(), body.operators.error, temperature[16] * 1e6);
     assert!((temperature[16] * 1e6 - 84.375).abs() < 84.375e-4, "{}", temperature[16] * 1e6);
 }
 
@@ -67,7 +67,7 @@ fn the_stated_error_of_a_short_contact_is_that_of_its_temperature() {
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         let temperature = march(&mut body, &mut state, 10.0 / steps as f64, steps, |_| 0.0);
-        (mean(&cells, &temperature), body.error(), body.states())
+        (mean(&cells, &temperature), body.operators.error, body.states())
     };
     let [(coarse, error, states), (fine, _, more)] = [after(1, 10.0), after(200, 0.05)];
     let apart = (coarse / fine - 1.0).abs();
@@ -84,7 +84,7 @@ fn oscillating_band_on_a_half_plane() {
     let step = period / per_period as f64;
     let resolution = Resolution { duration: 80.0 * period, shortest: step, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-    println!("{:?} {} states error {:.1e}", body.size(), body.states(), body.error());
+    println!("{:?} {} states error {:.1e}", body.size(), body.states(), body.operators.error);
     let mut state = vec![0.0; body.states()];
     let mut results = Vec::new();
     for (periods, exact) in [(20, 2.41276), (20, 2.63325), (40, 2.85382)] {
@@ -195,7 +195,13 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
         let properties = unit(height, base, SlidingPath::Unidirectional);
         let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-        println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
+        println!(
+            "{:?} period {} {} states error {:.1e}",
+            body.size(),
+            body.period(),
+            body.states(),
+            body.operators.error
+        );
         for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
             body.prepare(1e7, [2.0 * peclet; 2]);
             let influence = &body.influence(Stage::End).temperature;

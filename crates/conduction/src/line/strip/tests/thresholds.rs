@@ -1,8 +1,8 @@
 //! Steps at the thresholds between formulas of the weights, and one unit in the last place beside them.
 
 use super::{cooled_steel, uneven};
-use crate::line::strip::propagate::LARGEST_DRIFT;
-use crate::line::strip::step::stage::{LEAST_DRIFT, SHORT_ROTATION};
+use crate::line::strip::propagate::{LARGEST_DRIFT, LEAST_DRIFT};
+use crate::line::strip::step::stage::SHORT_ROTATION;
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;

@@ -84,11 +84,11 @@ impl HeatPartition {
         let temperature = punch.map(|influence| influence.temperature.as_slice());
         let distorted = punch.map(|influence| influence.distortion.as_slice());
         let Operators { inverse, shares, relative_distortion, distortion } = &mut self.operators;
-        let HeatPartition { in_part, column, factors, exchanged, left, right, held, .. } = self;
+        let HeatPartition { in_part, column, factors, exchanged, left, right, removed, .. } = self;
         let extra = |cell: usize| resistance / contact_parts.fraction(cell) - resistance;
         let rank = 2 * m;
         // W, and (D_1 - D_2) W.
-        let (w, moved) = (&mut left[..rank * count], &mut held[..rank * count]);
+        let (w, moved) = (&mut left[..rank * count], &mut removed[..rank * count]);
         w.fill(0.0);
         moved.fill(0.0);
         let (of_columns, of_rows) = w.split_at_mut(m * count);

@@ -389,7 +389,7 @@ impl Actor {
         };
         let all = ptr::from_ref(&callbacks);
         let (name, guid, none) = (c"other".as_ptr(), guid.as_ptr(), ptr::null());
-        let (which, kind) = (self.random.below(6), 2 * self.random.below(5) as types::Type);
+        let (which, kind) = (self.random.below(6), 2 * self.random.below(5) as types::FmuType);
         // SAFETY: strings and structure live through the calls, or are NULL.
         let refused = unsafe {
             match which {

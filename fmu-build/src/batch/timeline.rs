@@ -11,10 +11,10 @@ use scene_file::nominal::{self, Conditions};
 const STEP: f64 = 0.1;
 
 /// Relative excess of a time over a whole number of steps that is rounding.
-const SAME: f64 = 1e-6;
+const SAME_TIME: f64 = 1e-6;
 
 /// Inputs of a scene, and the times of its results.
-pub struct Course {
+pub(crate) struct Timeline {
     /// Inputs over time.
     pub inputs: Inputs,
     /// Time, in communication steps.
@@ -23,12 +23,12 @@ pub struct Course {
     pub points: Vec<f64>,
 }
 
-impl Course {
+impl Timeline {
     /// The inputs of the job's file, or the nominal ones of a scene with these `cells` of the design; of the FMU's own scene without any.
     ///
     /// # Errors
     /// A file that cannot be read, nominal conditions that are none, steps that do not fit the time.
-    pub fn new(job: &Job, description: &Description, cells: &[String]) -> Result<Self> {
+    pub(crate) fn new(job: &Job, description: &Description, cells: &[String]) -> Result<Self> {
         let asked = job.step.as_ref().map(super::Text::value).transpose()?;
         if let Some(step) = asked.filter(|step| !(step.is_finite() && *step > 0.0)) {
             bail!("--step {step} s must be a finite number above 0 s");
@@ -52,7 +52,7 @@ impl Course {
         Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
         // Rows are read at communication points, and the last one ends the last step.
         let whole = every.filter(|every| *every > 0.0).unwrap_or(inputs.stop() - inputs.start());
-        let fitting = whole / (whole / longest * (1.0 - SAME)).ceil().max(1.0);
+        let fitting = whole / (whole / longest * (1.0 - SAME_TIME)).ceil().max(1.0);
         let step = asked.filter(|_| job.inputs.is_some()).unwrap_or(fitting);
         let span = Span { start: inputs.start(), stop: inputs.stop(), step };
         span.steps().with_context(|| format!("--step {step} s, with the last time of {source} as the stop time"))?;
