@@ -54,6 +54,7 @@ fn changes(random: &mut Random) -> Vec<(&'static str, f64)> {
         changes.extend(own.into_iter().zip(values));
     }
     changes.extend([
+        ("strip.property_table.points", 0.0),
         ("contact.conductance", one_of(random, &[1e2, 1e4, 1e6, 1e9, 1e11, 1e13])),
         ("contact.friction_coefficient", random.between(0.02, 1.2)),
         ("contact.static_friction_ratio", one_of(random, &[1.0, 1.2, 1.5])),

@@ -38,6 +38,7 @@ impl Case {
             ("contact.friction_coefficient", random.between(0.05, 0.6)),
             ("contact.conductance", 10f64.powf(random.between(3.0, 6.0))),
             ("punch.conductivity", 10f64.powf(random.between(0.0, 2.0))),
+            ("strip.property_table.points", 0.0),
             ("strip.conductivity", 10f64.powf(random.between(0.5, 2.0))),
             ("punch.wear_pressure_exponent", random.between(0.5, 2.0)),
             ("punch.convection", random.between(0.0, 100.0)),
@@ -88,7 +89,7 @@ impl Case {
     }
 
     fn has_table(&self) -> bool {
-        self.changes.iter().any(|(name, _)| *name == "strip.property_table.points")
+        self.changes.iter().any(|(name, points)| *name == "strip.property_table.points" && *points > 0.0)
     }
 
     fn drive(&self) -> Drive {

@@ -104,6 +104,32 @@ fn temperatures_that_look_like_degrees_celsius_are_told() {
     }
 }
 
+/// A table that a scene has replaces its constants and is switched off by its number of points; what an importer sets beside that is told.
+#[test]
+fn properties_without_effect_are_told() {
+    let set = |name: &str, values: Values| {
+        let mut component = Component::new(Arc::new(test_support::scene(name)));
+        component.enter_initialization();
+        values.iter().for_each(|(name, value)| component.set_parameter(reference(name), *value));
+        component.initialise(None).unwrap();
+        let mut told = warnings(&mut component);
+        told.retain(|text| text.contains("property_table"));
+        told
+    };
+    let remedy = "has no effect while strip.property_table.points = 7; set strip.property_table.points = 0";
+    for name in ["disc_brake", "clutch"] {
+        assert_one(&set(name, &[("strip.conductivity", 40.0)]), &[&format!("strip.conductivity = 40 {remedy}")]);
+        assert_one(&set(name, &[("strip.specific_heat", 500.0)]), &[&format!("strip.specific_heat = 500 {remedy}")]);
+        assert_eq!(set(name, &[("strip.conductivity", 40.0), ("strip.property_table.points", 0.0)]), SILENT);
+        assert_eq!(set(name, &[("punch.conductivity", 40.0), ("strip.conductivity", 54.0)]), SILENT);
+    }
+    for (name, point, points) in [("disc_brake", 8, 7), ("pin_on_disk", 1, 0)] {
+        let own = format!("strip.property_table.conductivity[{point}]");
+        let told = format!("{own} = 40 has no effect while strip.property_table.points = {points}");
+        assert_one(&set(name, &[(&own, 40.0)]), &[&told]);
+    }
+}
+
 #[test]
 fn both_velocities_are_told_once_with_their_sum() {
     let both = [("sliding_velocity", 8.0), ("angular_velocity", 10.0), ("normal_load", 2000.0)];

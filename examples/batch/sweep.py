@@ -155,6 +155,11 @@ def prepare(options):
     design = kind.read(options.design, options.scenes, options.seed)
     schedule, step, distance = schedules.of_name(options.schedule, scene, options.interpolation)
     check(options, design, scene, schedule)
+    for body in ("punch", "strip"):
+        table, constants = f"{body}.property_table.points", {f"{body}.conductivity", f"{body}.specific_heat"} & set(design.names)
+        if constants and scene[table] and table not in design.names:
+            print(f"note: {' and '.join(sorted(constants))} vary: {table} = 0, constant properties", file=sys.stderr)
+            scene.set(table, 0)
     if told := left_out(options.scenes, design):
         print(f"note: {told}", file=sys.stderr)
     step = options.step or step

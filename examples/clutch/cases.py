@@ -288,7 +288,7 @@ CARBON = {
         ("youngs_modulus", 2e10), ("poissons_ratio", 0.2), ("density", 1750.0), ("specific_heat", 1200.0),
         ("conductivity", 80.0), ("thermal_expansion", 1e-6), ("height", 0.006),
     )
-} | {"contact.friction_coefficient": 0.25, "contact.static_friction_ratio": 1.0}
+} | {"strip.property_table.points": 0, "contact.friction_coefficient": 0.25, "contact.static_friction_ratio": 1.0}
 
 
 def across_critical_speed(unpacked, seconds=2.0, step=1e-2):

@@ -48,7 +48,9 @@ class Contact:
         self.fmu.setupExperiment(startTime=0.0)
         self.inputs = self.references("angular_velocity", "normal_load")
         self.torque_reference = self.references("friction_torque")
-        self.fmu.setReal(self.references(*parameters), list(parameters.values()))
+        for kind, store in (("Real", self.fmu.setReal), ("Integer", self.fmu.setInteger)):
+            own = {name: value for name, value in parameters.items() if unpacked.variables[name].type == kind}
+            store(self.references(*own), list(own.values()))
         self.set(slip, load)
         self.fmu.enterInitializationMode()
         self.fmu.exitInitializationMode()

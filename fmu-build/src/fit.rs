@@ -58,9 +58,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         }
     }
     let mut file = scenes::load(Some(&arguments.scene))?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     let scene = if scenes::names().contains(&arguments.scene) {
         arguments.scene.clone()
     } else {

@@ -51,6 +51,7 @@ pub struct Forwarded {
 /// # Errors
 /// Where it cannot be started; where it fails this does not return.
 pub fn forward(arguments: &[OsString]) -> Result<()> {
+    project::leave_ctrl_c()?;
     let status = program()?.args(arguments).status().context("starting fmu-lab")?;
     match status.code() {
         Some(0) => Ok(()),

@@ -48,10 +48,29 @@ macro_rules! print_text {
 
 pub use {print_line, print_text};
 
+/// Exit status after Ctrl-C, as in shells: 128 plus the number of SIGINT.
+pub const INTERRUPTED: u8 = 130;
+
+/// Work was ended by Ctrl-C; what is kept of it.
+#[derive(Debug)]
+pub struct Interrupted(pub String);
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Interrupted {}
+
 /// Status of the process that a command ends with; tells the error that it ends with.
 pub fn status(result: Result<()>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<Interrupted>() => {
+            eprintln!("{error}");
+            ExitCode::from(INTERRUPTED)
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE

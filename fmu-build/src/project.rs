@@ -3,8 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, exit};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
+use signal_hook::consts::SIGINT;
+use signal_hook::flag;
 
 /// Root of the source tree: that of the running `cargo fmu`, so that a moved clone is found.
 pub fn root() -> PathBuf {
@@ -50,6 +53,15 @@ pub fn program() -> std::io::Result<PathBuf> {
         Some(replaced) => PathBuf::from(replaced),
         None => path,
     })
+}
+
+/// Leaves Ctrl-C to the program that this process waits for: what it keeps and tells comes before the end of this process.
+///
+/// # Errors
+/// Where the handler is refused.
+pub(crate) fn leave_ctrl_c() -> Result<()> {
+    flag::register(SIGINT, Arc::default())?;
+    Ok(())
 }
 
 /// Ends this process with the status of a program that failed and has told why.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use scene::variables::TOLERANCES;
-pub use scene_file::assign;
 use scene_file::{SceneFile, shipped};
+pub use scene_file::{assign, assign_all};
 
 use crate::project;
 

@@ -125,9 +125,7 @@ type Built = (PathBuf, String);
 
 fn build(level: &str) -> Result<Built> {
     let mut scene = scenes::load(None)?;
-    for change in [format!("solver.fidelity={level}"), format!("solver.cells={CELLS}")] {
-        scenes::assign(&mut scene, &change)?;
-    }
+    scenes::assign_all(&mut scene, &[format!("solver.fidelity={level}"), format!("solver.cells={CELLS}")])?;
     let folder = project::target().join("soak").join(level);
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
     let output = Some(folder.join("SlidingContact.fmu"));

@@ -108,7 +108,7 @@ def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, p
             stop.set()
             if not isinstance(error, KeyboardInterrupt):
                 raise
-            raise Interrupted(f"interrupted; `result` has {len(done)} of {count} scenes", _gathered(scene, design, done)) from None
+            raise Interrupted("interrupted", _gathered(scene, design, done), f"{len(done)} of {count} scenes") from None
     if all(isinstance(own, str) for own in done.values()):
         raise Error(f"every scene failed, the first for: {done[0]}")
     return _gathered(scene, design, done)

@@ -1,4 +1,4 @@
-"""The command line: one table of commands, from which parser, help and completion are made.
+"""The command line: one table of commands, from which parser, help, completion and manual page are made.
 
 An option is an argument of the method of `Scene` that its command calls, under the same name, so what is refused is said in the same words.
 """
@@ -36,8 +36,13 @@ class Option:
     default: Optional[str] = None
     choices: tuple[str, ...] = ()
 
+    @property
+    def text(self) -> str:
+        """What it means, with its default."""
+        return self.help if self.default is None else f"{self.help} [default: {self.default}]"
+
     def add_to(self, parser: argparse.ArgumentParser) -> None:
-        settings: dict[str, Any] = {"help": self.help}
+        settings: dict[str, Any] = {"help": self.text}
         positional = not self.flags[0].startswith("-")
         if not self.value and not positional:
             parser.add_argument(*self.flags, action="store_true", **settings)
@@ -50,7 +55,6 @@ class Option:
             settings.update(action="append", default=[])
         elif self.default is not None:
             settings["default"] = self.default
-            settings["help"] += f" [default: {self.default}]"
             if positional:
                 settings["nargs"] = "?"
         if not positional:
@@ -85,9 +89,18 @@ def _reading(arguments: Arguments) -> dict[str, Any]:
 
 def _print(arguments: Arguments, result: Any) -> None:
     """Prints a result, and draws it where a file is named."""
-    if arguments.plot is not None:
+    if getattr(arguments, "plot", None) is not None:
         result.plot(arguments.plot)
     print(json.dumps(result.record, indent=2) if arguments.json else result)
+
+
+def _print_so_far(arguments: Arguments, work: Callable[[], Any]) -> None:
+    """Prints the result of work, at Ctrl-C what there is of it."""
+    try:
+        _print(arguments, work())
+    except Interrupted as stopped:
+        _print(arguments, stopped.result)
+        raise Interrupted(stopped.reason, None) from None
 
 
 def _progress(part: float) -> None:
@@ -126,6 +139,11 @@ def _simulate(arguments: Arguments) -> None:
             raise
         _write(failed.result, output)
         raise Error(f"{failed}; the rows before it are in {output}") from failed
+    except Interrupted as stopped:
+        if output is not None:
+            _write(stopped.result, output)
+        rows = f"the rows up to there are in {output}" if output is not None else "--output keeps the rows"
+        raise Interrupted(f"{stopped.reason}; {rows}", None) from None
     finally:
         if shown is not None:
             print("\r     \r", end="", file=sys.stderr, flush=True)
@@ -146,8 +164,8 @@ def _simulate(arguments: Arguments) -> None:
 
 
 def _plan(arguments: Arguments) -> None:
-    plan = _scene(arguments).plan(arguments.inputs, tolerance=arguments.tolerance, **_reading(arguments))
-    print(json.dumps(plan.record, indent=2) if arguments.json else plan)
+    scene, reading = _scene(arguments), _reading(arguments)
+    _print_so_far(arguments, lambda: scene.plan(arguments.inputs, tolerance=arguments.tolerance, **reading))
 
 
 def _steady(arguments: Arguments) -> None:
@@ -156,7 +174,7 @@ def _steady(arguments: Arguments) -> None:
 
 def _cycles(arguments: Arguments) -> None:
     scene = _scene(arguments)
-    _print(arguments, scene.cycles(arguments.cycles, tolerance=arguments.tolerance, cells=arguments.cells, cold=arguments.cold))
+    _print_so_far(arguments, lambda: scene.cycles(arguments.cycles, tolerance=arguments.tolerance, cells=arguments.cells, cold=arguments.cold))
 
 
 def _fit(arguments: Arguments) -> None:
@@ -165,8 +183,7 @@ def _fit(arguments: Arguments) -> None:
     try:
         fit = _scene(arguments).fit(arguments.records, parameters, confidence, progress=_told, **_reading(arguments))
     except Interrupted as stopped:
-        _told(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}")
-        raise
+        raise Interrupted(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}", None) from None
     if arguments.plot is not None:
         fit.plot(arguments.plot)
     print(fit)
@@ -184,6 +201,10 @@ def _scenes(_: Arguments) -> None:
 
 def _completion(arguments: Arguments) -> None:
     print(completion(arguments.shell))
+
+
+def _man(_: Arguments) -> None:
+    print(manual())
 
 
 @dataclass(frozen=True)
@@ -270,19 +291,24 @@ COMMANDS = (
         (Option(("shell",), "shell", "SHELL", choices=SHELLS),),
         _completion,
     ),
+    Command("man", "print the manual page of this command, to be read by `man -l -`", (), _man),
 )
 PROGRAM = "sliding-contact"
+ABOUT = "wear and heat of two bodies in sliding contact"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def parser() -> argparse.ArgumentParser:
     from . import __version__
 
-    own = argparse.ArgumentParser(PROGRAM, description="Wear and heat of two bodies in sliding contact.", allow_abbrev=False)
+    own = argparse.ArgumentParser(PROGRAM, description=_sentence(ABOUT), allow_abbrev=False)
     own.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     commands = own.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for command in COMMANDS:
-        sentence = f"{command.help[0].upper()}{command.help[1:]}."
-        sub = commands.add_parser(command.name, help=command.help, description=sentence, allow_abbrev=False)
+        sub = commands.add_parser(command.name, help=command.help, description=_sentence(command.help), allow_abbrev=False)
         for option in command.options:
             option.add_to(sub)
         sub.set_defaults(run=command.run)
@@ -332,6 +358,23 @@ def completion(shell: str) -> str:
     return "\n".join((["autoload -U +X bashcompinit && bashcompinit"] if shell == "zsh" else []) + lines)
 
 
+def manual() -> str:
+    """The manual page in the language of man(7)."""
+    from . import __version__
+
+    def quoted(text: str) -> str:
+        return text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq")
+
+    lines = [f'.TH {PROGRAM.upper()} 1 "" "{PROGRAM} {__version__}"', ".SH NAME", f"{quoted(PROGRAM)} \\- {ABOUT}", ".SH SYNOPSIS"]
+    lines += [f".B {quoted(PROGRAM)}", r"\fICOMMAND\fR [\fIOPTION\fR]...", ".SH COMMANDS"]
+    for command in COMMANDS:
+        lines += [f".SS {command.name}", quoted(_sentence(command.help))]
+        for option in command.options:
+            value = f" \\fI{quoted(option.value)}\\fR" if option.value and option.flags[0].startswith("-") else ""
+            lines += [".TP", f"\\fB{quoted(', '.join(option.flags))}\\fR{value}", quoted(option.text)]
+    return "\n".join(lines)
+
+
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command line and returns its exit status."""
     given = parser().parse_args(arguments)
@@ -346,7 +389,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             # What is left to be written has no reader either.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return NOT_READ
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stopped:
+            _told(str(stopped) or "interrupted")
             return 130
         except (Error, ImportError, OSError) as error:
             print(f"error: {_said(error)}", file=sys.stderr)

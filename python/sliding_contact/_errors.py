@@ -17,11 +17,12 @@ class SceneWarning(UserWarning):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C in work of many runs; `result` holds what is done: of a fit the best values so far, of a batch its finished scenes."""
+    """Ctrl-C in work that keeps what is done; `result` holds it: the run or the cycles up to there, of a plan the levels that were run, of a fit
+    the best values so far, of a batch its finished scenes."""
 
-    def __init__(self, reason: str, result: Any) -> None:
-        super().__init__(reason)
-        self.result = result
+    def __init__(self, reason: str, result: Any, has: str = "") -> None:
+        super().__init__(f"{reason}; `result` has {has}" if has else reason)
+        self.reason, self.result = reason, result
 
 
 @contextmanager

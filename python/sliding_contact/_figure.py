@@ -187,6 +187,8 @@ def over_time(part: Any, courses: list[dict[str, Any]]) -> None:
                 axis.set_xlabel("")
                 axis.tick_params(labelbottom=False)
             if beside:
+                # The ticks are those of all panels of the column, of which this one is narrower.
+                axis.locator_params(axis="x", nbins=5)
                 strokes(part.add_subplot(grid[row, right - beside : right], sharey=axis), panel)
         if axes:
             part.align_ylabels(axes)
@@ -200,7 +202,7 @@ def strokes(axis: Axes, panel: dict[str, Any]) -> None:
     axis.set_xlim(first[0], first[-1])
     axis.tick_params(labelleft=False, labelbottom=False)
     axis.grid(axis="x", visible=False)
-    axis.text(0.5, 1.02, "last two strokes", transform=axis.transAxes, ha="center", va="bottom", fontsize=6).set_in_layout(False)
+    axis.text(1.0, 1.02, "last two strokes", transform=axis.transAxes, ha="right", va="bottom", fontsize=6).set_in_layout(False)
 
 
 def figure_of(content: dict[str, Any]) -> Figure:

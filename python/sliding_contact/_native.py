@@ -14,13 +14,13 @@ from typing import Any, Callable, Optional, TypeVar
 
 import numpy as np
 
-from ._errors import Error
+from ._errors import Error, Interrupted
 
 INTERFACE_VERSION = 2
 FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 FMUS = FOLDER / "fmus"
-STEP_FAILED = 2
+REFUSED = 1
 
 _PAUSE = 0.1  # s, between two looks at a call that lasts
 
@@ -101,11 +101,14 @@ class Answer:
 
 
 def attended(
-    call: Callable[[Control], Result], progress: Optional[Callable[[float], object]] = None
+    call: Callable[[Control], Result],
+    progress: Optional[Callable[[float], object]] = None,
+    kept: Callable[[Result], Optional[BaseException]] = lambda _: None,
 ) -> Result:
     """Makes a native call on a thread of its own and calls `progress` here with the part that is done.
 
-    So handlers of signals run in this thread as in any Python code. What they or `progress` raise ends the call and is raised here.
+    So handlers of signals run in this thread as in any Python code. What they or `progress` raise ends the call and is raised here; instead
+    of Ctrl-C that which `kept` makes of the unfinished result.
     """
     control = Control()
     # Not `Thread.join`: interrupted by a signal, it takes the thread for ended (Python 3.11).
@@ -126,12 +129,15 @@ def attended(
         while not ended.wait(_PAUSE):
             if progress is not None:
                 progress(control.part)
-    except BaseException:
+    except BaseException as error:
         control.stop = True
         # A second signal waits too: what the call uses must not be freed under it.
         while not ended.is_set():
             with suppress(BaseException):
                 ended.wait()
+        partial = kept(results[0]) if results and isinstance(error, KeyboardInterrupt) else None
+        if partial is not None:
+            raise partial from None
         raise
     if failures:
         raise failures[0]
@@ -139,12 +145,19 @@ def attended(
 
 
 def ask(
-    request: dict[str, Any], run: Optional[Answer] = None, progress: Optional[Callable[[float], object]] = None
+    request: dict[str, Any],
+    run: Optional[Answer] = None,
+    progress: Optional[Callable[[float], object]] = None,
+    kept: Optional[Callable[[Answer], Interrupted]] = None,
 ) -> Answer:
-    """Does what the request says; raises `Error` with the library's own text where it refuses."""
+    """Does what the request says; raises `Error` with the library's own text where it refuses, and at Ctrl-C what `kept` makes of the part that is done."""
     text = json.dumps(request).encode()
     handle = run.handle if run else None
-    answer = attended(lambda control: Answer(library().native_analyse(text, handle, ctypes.byref(control))), progress)
-    if answer.status == 1:
+
+    def partial(answer: Answer) -> Optional[BaseException]:
+        return None if kept is None or answer.status == REFUSED or answer.record is None else kept(answer)
+
+    answer = attended(lambda control: Answer(library().native_analyse(text, handle, ctypes.byref(control))), progress, partial)
+    if answer.status == REFUSED:
         raise Error(answer.text)
     return answer

@@ -54,6 +54,7 @@ FEW = 4.0  # values beyond what parameters take up, at least, for a standard dev
 NEAR = 0.25  # steps of a difference: at nearer points the derivatives are the same, to a quarter of what the step itself leaves out
 ALIKE = 0.02  # part of a parameter's effect that others do not have, at least: differences are not more accurate
 WIDEST = 1.5  # half of an interval, in an exponent or a logarithm: beyond it the records say nothing
+WIDE = 10.0  # from there on the size of an interval tells nothing
 ROUNDS = 4  # of the estimate of the standard deviations
 SHORTEST = 8  # values of a history whose residuals may be found to be correlated
 CORRELATED = 0.98  # highest correlation of neighbouring residuals that is counted
@@ -289,7 +290,8 @@ def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
         if half[widest] <= WIDEST:
             break
         name = problem.names[widest]
-        undetermined[name] = f"its {100 * confidence:g} % interval would be {'+-' if is_exponent(name) else 'a factor of '}{half[widest] if is_exponent(name) else np.exp(half[widest]):.3g}"
+        size = f"+-{half[widest]:.3g}" if is_exponent(name) else f"a factor of {np.exp(half[widest]):.3g}" if half[widest] < WIDE else "without bounds"
+        undetermined[name] = f"its {100 * confidence:g} % interval would be {size}"
         problem.drop([name])
     if not problem.names:
         raise Error("the records determine none of the parameters: " + "; ".join(f"{name}: {reason}" for name, reason in undetermined.items()))

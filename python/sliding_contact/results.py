@@ -322,13 +322,17 @@ class LevelComparison:
         self._table: str = record.pop("table")
         self.record = record
         self.tolerance: float = record["tolerance"]
-        self.level: str = record["cheapest"]["fidelity"]
-        self.cells: int = record["cheapest"]["cells"]
-        self.estimated_error: float = record["cheapest"]["estimated_error"]
+        cheapest = record["cheapest"] or {"fidelity": None, "cells": 0, "estimated_error": np.nan}
+        #: `None` where the comparison was interrupted before it named one.
+        self.level: Optional[str] = cheapest["fidelity"]
+        self.cells: int = cheapest["cells"]
+        self.estimated_error: float = cheapest["estimated_error"]
 
     @property
     def settings(self) -> dict[str, Any]:
         """The level with its tolerance for `Scene.set`."""
+        if self.level is None:
+            raise Error("the comparison was interrupted before it named a level")
         return {**_settings(self.level, self.cells), "solver.tolerance": self.tolerance}
 
     def frame(self) -> "pandas.DataFrame":

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import _native
 from ._batch import Batch, batch
-from ._errors import Error, SceneWarning, writing
+from ._errors import Error, Interrupted, SceneWarning, writing
 from ._numbers import flag, number, plain
 from ._records import tests_of
 from ._tables import Columns, Table, source, tell
@@ -238,8 +238,8 @@ class Scene:
         `inputs`: columns by name with a unit, as a dictionary, a table of pandas or a CSV file; a single number holds for all
         times. `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise.
         `columns`: what headers of other names are, as {"Kraft": "normal_load"}; `strict` refuses what is still unknown instead of
-        leaving it out with a warning. `progress` is called with the part that is done. Raises `StepFailed`, which holds the run so far, where a
-        step fails.
+        leaving it out with a warning. `progress` is called with the part that is done. Where a step fails `StepFailed` is raised, at Ctrl-C
+        `Interrupted`: `result` of both holds the run so far.
 
         >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
         >>> result = Scene.load("disc_brake").simulate(stop)
@@ -248,7 +248,12 @@ class Scene:
         """
         moments: Any = [at] if np.ndim(at) == 0 else at
         times = [seconds("at", time) for time in moments]
-        result = self._run(source(inputs, "inputs", columns, strict), step, times, progress=progress)
+
+        def kept(answer: _native.Answer) -> Interrupted:
+            run = Simulation(answer)
+            return Interrupted(f"interrupted at {run.time[-1]:g} s of {run.record['last']:g} s", run, "the run up to there")
+
+        result = self._run(source(inputs, "inputs", columns, strict), step, times, progress=progress, kept=kept)
         tell(result.record["notes"])
         for time, text in result.warnings:
             warnings.warn(f"at {time:g} s: {text}", SceneWarning, stacklevel=2)
@@ -263,11 +268,12 @@ class Scene:
         at: Sequence[float] = (),
         assignments: Sequence[str] = (),
         progress: Optional[Callable[[float], object]] = None,
+        kept: Optional[Callable[[_native.Answer], Interrupted]] = None,
     ) -> Simulation:
         """A run with further assignments, up to a step that fails; it warns of nothing."""
         longest = None if step is None else seconds("step", step)
         request = self._request("simulate", [*self._assignments, *assignments], inputs=inputs, step=longest, at=list(at))
-        return Simulation(_native.ask(request, progress=progress))
+        return Simulation(_native.ask(request, progress=progress, kept=kept))
 
     def steady(
         self, *, cells: Optional[int] = None, return_speed: Optional[float] = None, cold: bool = False
@@ -285,7 +291,7 @@ class Scene:
     def cycles(
         self, cycles: float, *, tolerance: float = 1e-3, cells: Optional[int] = None, cold: bool = False
     ) -> Cycles:
-        """Reciprocating sliding over many cycles, in jumps with an error estimate each.
+        """Reciprocating sliding over many cycles, in jumps with an error estimate each. Ctrl-C raises `Interrupted`, whose `result` has the jumps so far.
 
         >>> worn = Scene.load("reciprocating_punch").cycles(1e6, cells=17, tolerance=1e-2, cold=True)
         >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
@@ -293,12 +299,19 @@ class Scene:
         """
         request = self._request("cycles", cycles=number("cycles", cycles), tolerance=number("tolerance", tolerance), cells=count("cells", cells),
                                 cold=flag("cold", cold))  # fmt: skip
-        return Cycles(self._warn(_native.ask(request).record))
+
+        def kept(answer: _native.Answer) -> Interrupted:
+            course = Cycles(answer.record)
+            passed = course.cycles[-1] if course.cycles.size else 0.0
+            return Interrupted(f"interrupted after {passed:g} of {cycles:g} cycles", course, "the jumps so far")
+
+        return Cycles(self._warn(_native.ask(request, kept=kept).record))
 
     def plan(
         self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None, columns: Optional[Columns] = None, strict: bool = False
     ) -> Union[Plan, LevelComparison]:
-        """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them.
+        """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them. Ctrl-C raises
+        `Interrupted`, whose `result` has the levels that were run.
 
         >>> plan = Scene.load("reciprocating_punch").plan(tolerance=1e-1)
         >>> plan.settings["solver.fidelity"] in ("lumped", "line")
@@ -306,7 +319,12 @@ class Scene:
         """
         wanted = None if tolerance is None else number("tolerance", tolerance)
         request = self._request("plan", inputs=source(inputs, "inputs", columns, strict), tolerance=wanted)
-        record = self._warn(_native.ask(request).record)
+
+        def kept(answer: _native.Answer) -> Interrupted:
+            levels = LevelComparison(answer.record)
+            return Interrupted(f"interrupted after {len(levels.record['levels'])} levels", levels, "what is known of them")
+
+        record = self._warn(_native.ask(request, kept=None if inputs is None else kept).record)
         tell(record.pop("notes"))
         return Plan(record) if inputs is None else LevelComparison(record)
 

@@ -43,6 +43,7 @@ impl Component {
         let external =
             [value!(self.values, "strip.external_temperature"), value!(self.values, "punch.external_temperature")];
         let warnings = scene.warnings().into_iter().chain(scene.warnings_of_external(external));
+        let warnings = warnings.chain(scene::without_effect(&self.values, &self.starts));
         for text in warnings.chain(prepared.operators.warnings()) {
             self.messages.add(Subject::Warning, format_args!("{text}"));
         }

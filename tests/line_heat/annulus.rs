@@ -43,7 +43,7 @@ fn the_account_closes_with_every_cooling() {
         &[("punch.top_thermal", CONVECTING), ("strip.base_thermal", INSULATED), ("strip.cooled_area", 0.05)],
         &[("punch.emissivity", 0.8), ("strip.emissivity", 0.5), ("strip.convection_forced", 30.0), ("depth", 0.3)],
         &[("punch.conductivity", 0.0)],
-        &[("strip.conductivity", 0.0), ("punch.convection", 300.0)],
+        &[("strip.property_table.points", 0.0), ("strip.conductivity", 0.0), ("punch.convection", 300.0)],
         &[("contact.conductance", 0.0), ("holder.stiffness", 1e8)],
         &[("contact.stick_stiffness", 0.0), ("depth", 0.2)],
     ] {
@@ -266,7 +266,11 @@ fn bands_grow_above_the_critical_speed_only() {
         .collect();
     let mut changes: Vec<(&str, f64)> = carbon.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     changes.extend([("contact.friction_coefficient", 0.25), ("contact.static_friction_ratio", 1.0)]);
-    changes.extend([("contact.stick_stiffness", 0.0), ("nominal.velocity", 10.0)]);
+    changes.extend([
+        ("contact.stick_stiffness", 0.0),
+        ("nominal.velocity", 10.0),
+        ("strip.property_table.points", 0.0),
+    ]);
     let unevenness = |ratio: f64| {
         let mut drive = clutch(&changes);
         drive.set("normal_load", 5e3);

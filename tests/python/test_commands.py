@@ -98,14 +98,17 @@ def test_refusals_are_one_line_in_the_words_of_the_scene(tmp_path, arguments, te
     assert "Traceback" not in run.stderr and list(tmp_path.iterdir()) == []
 
 
-def test_help_and_completion_know_every_command_and_option(tmp_path):
+def test_help_completion_and_manual_know_every_command_and_option(tmp_path):
     helped = ran(tmp_path, "--help").stdout
+    page = ran(tmp_path, "man").stdout.replace("\\-", "-")
     scripts = {shell: _commands.completion(shell) for shell in _commands.SHELLS}
     for command in _commands.COMMANDS:
         assert re.search(rf"^    {command.name}\b", helped, re.MULTILINE)
         own = ran(tmp_path, command.name, "--help").stdout
+        section = page.split(f"\n.SS {command.name}\n")[1].split("\n.SS ")[0]
+        shown = {flag for flags in re.findall(r"\\fB(.*?)\\fR", section) for flag in flags.split(", ")}
         for flag in (flag for option in command.options for flag in option.flags):
-            assert flag in own, (command.name, flag)
+            assert flag in own and flag in shown, (command.name, flag)
             if flag.startswith("--"):
                 assert all((flag if shell != "fish" else f"-l {flag[2:]} ") in script for shell, script in scripts.items()), flag
     bash = shutil.which("bash")

@@ -1,7 +1,9 @@
 """Threads, progress, and signals that end what runs for long."""
 
 import os
+import signal
 import subprocess
+import sys
 import threading
 import time
 import warnings
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 
 from conftest import STOP
-from sliding_contact import Scene, SceneWarning, fmu, host
+from sliding_contact import Interrupted, Scene, SceneWarning, fmu, host
 
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
 
@@ -114,10 +116,63 @@ def test_what_a_handler_of_a_signal_raises_ends_any_call_within_a_second(call, s
     assert name == raised and float(seconds) < 1.5, run.stdout
 
 
+def interrupted(work, seconds=None):
+    """What Ctrl-C leaves of work, after `seconds` or when work itself sends it."""
+    if seconds is not None:
+        threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        work()
+    assert isinstance(stopped.value, Interrupted)
+    return stopped.value
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_an_interrupted_run_is_kept_up_to_its_last_step():
+    disc = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 129, "nominal.duration": "3000 s"})
+    sent = []
+
+    def send(part):
+        if part > 2e-4 and not sent:
+            sent.append(os.kill(os.getpid(), signal.SIGINT))
+
+    stopped = interrupted(lambda: disc.simulate(step=0.1, progress=send))
+    run = stopped.result
+    assert 2 < run.time.size < 30000 and str(stopped).startswith(f"interrupted at {run.time[-1]:g} s of 3000 s")
+    # The same numbers as of a run that ends there.
+    held = {"time [s]": [0.0, run.time[-1]], "sliding_velocity [m/s]": run["sliding_velocity"][0], "normal_load [N]": run["normal_load"][0]}
+    whole = disc.simulate(held, step=0.1)
+    assert all(values.size == run.time.size and np.allclose(values, whole[name], rtol=1e-9) for name, values in run.items())
+    assert "friction heat" in str(run)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_interrupted_levels_and_cycles_are_kept():
+    stops = {"time [s]": np.arange(0.0, 3000.0, 5.0), "sliding_velocity [m/s]": [10.0, 0.0] * 300, "normal_load [N]": 4000}
+    stopped = interrupted(lambda: Scene.load("disc_brake").plan(stops, tolerance=1e-5), 8.0)
+    levels = stopped.result
+    assert levels.level is None and levels.record["levels"][0]["fidelity"] == "lumped" and levels.record["levels"][0]["steps"] > 0
+    assert "Interrupted: " in str(levels) and "The cheapest" not in str(levels)
+    with pytest.raises(ValueError, match="before it named a level"):
+        levels.settings
+    stopped = interrupted(lambda: Scene.load("reciprocating_punch").cycles(1e9, cells=33, tolerance=1e-6), 8.0)
+    course = stopped.result
+    assert course.cycles.size > 1 and course.cycles[-1] < 1e9 and course.wear_profile_punch.max() > 0.0
+    assert f"after {course.cycles[-1]:g} of 1e+09 cycles" in str(stopped)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_an_interrupted_command_writes_its_rows(tmp_path):
+    command = [sys.executable, "-m", "sliding_contact", "simulate", "disc_brake", "-s", "solver.fidelity=line", "-s", "solver.cells=129"]
+    with subprocess.Popen([*command, "-s", "nominal.duration=3000 s", "--step", "0.1", "-o", "out.csv"], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as run:
+        time.sleep(10.0)
+        run.send_signal(signal.SIGINT)
+        told = run.stderr.read()
+    rows = (tmp_path / "out.csv").read_text().splitlines()
+    assert run.returncode == 130 and f"interrupted at {float(rows[-1].split(',')[0]):g} s of 3000 s; the rows up to there are in out.csv" in told
+
+
 @pytest.mark.skipif(os.name == "nt", reason="sends a signal")
 def test_a_handler_that_raises_nothing_ends_nothing():
-    import signal
-
     seen = []
     before = signal.signal(signal.SIGUSR1, lambda *_: seen.append(threading.current_thread()))
     try:

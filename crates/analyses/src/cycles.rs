@@ -9,6 +9,7 @@ use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, Progress, TrackedCycles};
 use model::line::heat::bodies::is_resolved;
 use model::line::operators::{LineOperators, StripWear};
+use numerics::interruption::part;
 use scene::{Path, Scene};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
@@ -62,6 +63,8 @@ pub struct CycleHistory {
     pub strip_depth: Option<Vec<f64>>,
     /// Positions of the cells, m.
     pub x: Vec<f64>,
+    /// Whether it was ended on request ([`numerics::interruption`]): it goes to its last jump.
+    pub interrupted: bool,
 }
 
 /// Advances a scene; `progress` is called with the cycles passed and those computed.
@@ -128,19 +131,22 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
     let mut stations = Vec::new();
     let mut depth = vec![0.0; x.len()];
     let mut jumps = Jumps::new(&mut map, start, jump_options);
-    jumps.carry_to(options.cycles, |jump| {
-        progress(jump.progress.cycles, jump.progress.computed);
-        let pressure = &jump.passage.strokes[0].pressure;
-        depth.copy_from_slice(&jump.memory[punch.clone()]);
-        stations.push(Station {
-            jump: jump.progress,
-            highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
-            worn: jump.totals.volume.map(|volume| volume / width),
-            temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
-        });
-    })?;
+    let carry = || {
+        jumps.carry_to(options.cycles, |jump| {
+            progress(jump.progress.cycles, jump.progress.computed);
+            let pressure = &jump.passage.strokes[0].pressure;
+            depth.copy_from_slice(&jump.memory[punch.clone()]);
+            stations.push(Station {
+                jump: jump.progress,
+                highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
+                worn: jump.totals.volume.map(|volume| volume / width),
+                temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
+            });
+        })
+    };
+    let interrupted = part(carry).transpose()?.is_none();
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(CycleHistory { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x })
+    Ok(CycleHistory { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x, interrupted })
 }
 
 /// Advances a scene whose strip keeps its worn track.
@@ -155,21 +161,25 @@ fn on_track(
     let (x, width) = (operators.cells.centres().to_vec(), operators.weights.iter().sum::<f64>());
     let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
     let mut cycles = TrackedCycles::new(operators, half_strokes, jump_options)?;
-    let mut stations = Vec::new();
-    cycles.carry_to(options.cycles, |jump, line| {
-        progress(jump.cycles, jump.computed);
-        let state = line.state();
-        stations.push(Station {
-            jump: *jump,
-            highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
-            worn: state.volume.map(|volume| volume / width),
-            temperature: scene.ambient_temperature,
-        });
-    })?;
-    let state = cycles.line().state();
-    let (depth, strip_depth) = (state.punch.clone(), Some(state.strip.clone()));
+    let (mut stations, mut depths) = (Vec::new(), [vec![0.0; x.len()], vec![0.0; x.len()]]);
+    let carry = || {
+        cycles.carry_to(options.cycles, |jump, line| {
+            progress(jump.cycles, jump.computed);
+            let state = line.state();
+            depths = [state.punch.clone(), state.strip.clone()];
+            stations.push(Station {
+                jump: *jump,
+                highest_pressure: state.pressure.iter().copied().fold(0.0, f64::max),
+                worn: state.volume.map(|volume| volume / width),
+                temperature: scene.ambient_temperature,
+            });
+        })
+    };
+    let interrupted = part(carry).transpose()?.is_none();
+    let [depth, strip_depth] = depths;
     let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(CycleHistory { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x })
+    let strip_depth = Some(strip_depth);
+    Ok(CycleHistory { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x, interrupted })
 }
 
 impl CycleHistory {
@@ -235,6 +245,7 @@ impl CycleHistory {
             "x": self.x,
             "wear_profile_punch": self.depth,
             "warning": self.warning,
+            "interrupted": self.interrupted,
             "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
         });
         if let Some(depth) = &self.strip_depth {

@@ -317,9 +317,19 @@ fn everything_of_a_steady_cycle_is_that_of_time_integration_and_of_its_own_sums(
     }
 }
 
+/// Also where conductivity falls by two fifths and specific heat doubles over the rise: jumps have the properties of the steady cycle.
 #[test]
 fn everything_of_many_cycles_is_that_of_every_cycle() {
-    let file = small(&[]);
+    let table = "property_table={temperature=[293.15, 300], conductivity=[50, 30], specific_heat=[460, 920]}";
+    let tables = ["punch", "strip"].map(|body| format!("{body}.{table}"));
+    let [constant, tabulated] = [&[][..], &[&*tables[0], &*tables[1]]].map(many_cycles);
+    println!("rise {constant} K, with tables {tabulated} K");
+    assert!(tabulated > 1.1 * constant, "{tabulated} {constant}");
+}
+
+/// Rise of the contact temperature (K) in many cycles of the small scene with changes, which its jumps must give.
+fn many_cycles(changes: &[&str]) -> f64 {
+    let file = small(changes);
     let mut stepped = Stepped::new(&file);
     let cycles = 60_u32;
     let moments = moments();
@@ -345,6 +355,7 @@ fn everything_of_many_cycles_is_that_of_every_cycle() {
     agree("pressure", &[number(&station["pressure_max"])], &[highest], 5e-3, highest);
     agree("profile", &numbers(&record["wear_profile_punch"]), &worn, 1e-2, spread(&worn));
     assert_eq!(number(&station["wear_depth_strip"]), 0.0);
+    rise
 }
 
 /// Above the critical speed, here the FMU's output of that name, a steady state says so, and so does a run-in shape that starts a run.

@@ -63,7 +63,7 @@ pub struct Iterations {
     pub line_stage: f64,
     /// Lumped stage, over the rise.
     pub lumped_stage: f64,
-    /// Flux by radiation on the fast path of the lumped step, over the rise.
+    /// Flux by radiation in the common form of the lumped step, over the rise.
     pub lumped_radiation: f64,
 }
 

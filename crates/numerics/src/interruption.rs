@@ -43,6 +43,14 @@ pub fn interruptible<T>(flag: Flag, work: impl FnOnce() -> T) -> Option<T> {
     }
 }
 
+/// Result of a part of this thread's work; `None` where the work is to end within it: the caller ends it with the parts before.
+pub fn part<T>(work: impl FnOnce() -> T) -> Option<T> {
+    match current() {
+        Some(flag) => interruptible(flag, work),
+        None => Some(work()),
+    }
+}
+
 /// Ends the work here if that was requested.
 #[inline]
 pub fn checkpoint() {
@@ -71,6 +79,17 @@ mod tests {
             (counted, done.is_some())
         };
         assert_eq!([count(4), count(10)], [(4, true), (5, false)]);
+        // Work in parts keeps those before the request.
+        let mut kept = 0;
+        let done = interruptible(&FLAG, || {
+            let ended = (1..9).find(|&number| {
+                FLAG.store(number == 5, Ordering::Relaxed);
+                part(|| checkpoint()).map(|()| kept = number).is_none()
+            });
+            (ended, kept)
+        });
+        assert_eq!(done, Some((Some(5), 4)));
+        assert_eq!(part(|| 7), Some(7));
         // Outside the flag is nobody's, and a panic of the work stays one.
         FLAG.store(true, Ordering::Relaxed);
         checkpoint();

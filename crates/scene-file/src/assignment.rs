@@ -1,10 +1,23 @@
 //! Assignments to variables of a scene that has been read.
 
-use crate::{SceneFile, nearest, parse, quantity};
+use crate::{SceneFile, lines, nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
 use scene::message::{Clipped, Quoted};
 use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
+use scene::without_effect;
 use toml::de::DeTable;
+
+/// Makes assignments to variables of a scene, each as of [`assign`].
+///
+/// # Errors
+/// As [`assign`], and where one of them has no effect in the scene that they make.
+pub fn assign_all(scene: &mut SceneFile, assignments: &[impl AsRef<str>]) -> Result<()> {
+    let before = scene.packaged.starts;
+    for assignment in assignments {
+        assign(scene, assignment.as_ref())?;
+    }
+    without_effect(&scene.packaged.starts, &before).map_or(Ok(()), |text| Err(anyhow!(text)))
+}
 
 /// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
 /// text may stand without its quotes (`holder.pivot_height = 30 mm`, or `holder.pivot_height [mm] = 30`), of one element of an
@@ -39,7 +52,7 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     if key == "name" {
         bail!("{} is no variable of the scene", Clipped(key));
     }
-    let line = parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name)).with_context(setting)?;
+    let (line, _) = lines(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name)).with_context(setting)?;
     if line.given.is_empty() {
         bail!("{} is no variable of the scene", Clipped(key));
     }

@@ -12,7 +12,7 @@
 //! material = "brake_lining"
 //! width = "55 mm"         # a display unit of the variable, or its SI unit
 //! conductivity = 0.9      # a plain number is in the SI unit; explicit keys override the material
-//! property_table.material = "structural_steel"  # conductivity and specific heat over temperature, of a standard
+//! property_table.material = "structural_steel"  # conductivity and specific heat over temperature, published
 //! body = "elastic"        # an enumeration by the name of the item
 //!
 //! [contact]
@@ -40,7 +40,7 @@ pub mod shipped;
 mod suggest;
 pub mod unit_names;
 
-pub use assignment::assign;
+pub use assignment::{assign, assign_all};
 pub use suggest::nearest;
 
 use std::collections::BTreeMap;
@@ -139,6 +139,15 @@ pub fn read(path: &Path) -> Result<SceneFile, Problems> {
 /// All [`Problems`] together: text that is not TOML, unknown, repeated or missing keys, values of the
 /// wrong type, unit, range or number, unknown materials and items.
 pub fn parse(text: &str) -> Result<SceneFile, Problems> {
+    let (scene, preset) = lines(text)?;
+    match scene::without_effect(&scene.packaged.starts, &preset) {
+        Some(reason) => Err(Problems(vec![Problem { line: 0, column: 0, key: String::new(), reason }])),
+        None => Ok(scene),
+    }
+}
+
+/// A scene from some lines of a file, and the start values with its presets alone.
+fn lines(text: &str) -> Result<(SceneFile, [f64; COUNT]), Problems> {
     let mut reader = Reader { text, leaves: BTreeMap::new(), arrays: Vec::new(), problems: Vec::new() };
     match DeTable::parse(text) {
         Ok(table) => reader.flatten("", table.get_ref()),
@@ -207,7 +216,7 @@ impl<'text> Reader<'text> {
         }
     }
 
-    fn scene(&mut self) -> SceneFile {
+    fn scene(&mut self) -> (SceneFile, [f64; COUNT]) {
         let named = self.leaves.contains_key("name");
         let name = self.take("name", text_of);
         if !named {
@@ -238,6 +247,7 @@ impl<'text> Reader<'text> {
                 }
             }
         }
+        let preset = starts;
         let experiment = self.experiment(&mut starts, &mut given);
         for (key, leaf) in std::mem::take(&mut self.leaves) {
             self.variable(&key, &leaf, &mut starts, &mut given);
@@ -251,7 +261,7 @@ impl<'text> Reader<'text> {
         {
             self.problems.push(Problem { line: 0, column: 0, key: String::new(), reason });
         }
-        SceneFile { packaged, description, given }
+        (SceneFile { packaged, description, given }, preset)
     }
 
     fn experiment(&mut self, starts: &mut [f64; COUNT], given: &mut Vec<ValueReference>) -> Experiment {

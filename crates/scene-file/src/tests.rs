@@ -275,6 +275,37 @@ fn tables_are_as_long_as_they_are_given() {
     }
 }
 
+#[test]
+fn values_without_effect_are_refused_with_the_remedy() {
+    let table = "name = \"a\"\n[strip]\nmaterial = \"grey_cast_iron\"\nproperty_table.material = \"grey_cast_iron\"\n";
+    let scene = parse(table).unwrap();
+    let made = |assignments: &[&str]| {
+        let mut scene = scene.clone();
+        assign_all(&mut scene, assignments).map(|()| scene).map_err(|error| format!("{error:#}"))
+    };
+    let remedy = "has no effect while strip.property_table.points = 7; set strip.property_table.points = 0";
+    for (assignment, name) in [
+        ("strip.conductivity=40", "strip.conductivity = 40"),
+        ("strip.specific_heat=500", "strip.specific_heat = 500"),
+        ("strip.material=bronze", "strip.conductivity = 67"),
+    ] {
+        let told = made(&[assignment]).unwrap_err();
+        assert!(told.contains(name) && told.contains(remedy), "{told}");
+        // In any order.
+        for both in [[assignment, "strip.property_table.points=0"], ["strip.property_table.points=0", assignment]] {
+            made(&both).unwrap();
+        }
+    }
+    let told = made(&["strip.property_table.points=0", "strip.property_table.conductivity[2]=40"]).unwrap_err();
+    assert!(told.contains("conductivity[2] = 40 has no effect while strip.property_table.points = 0"), "{told}");
+    let told = parse(&format!("{table}conductivity = 40\n")).unwrap_err().to_string();
+    assert!(told.contains(remedy), "{told}");
+    parse(&format!("{table}conductivity = 40\nproperty_table.points = 0\n")).unwrap();
+    // A shorter table leaves what the scene has behind its last point.
+    let other = made(&["strip.property_table.material=aluminium_6061"]).unwrap();
+    assert_eq!(scene::Scene::new(&other.packaged.starts, None).unwrap().strip.properties.unwrap().points, 2);
+}
+
 /// Numbers as engineers type them, which TOML would not read.
 #[test]
 fn assigned_numbers_may_begin_and_end_with_their_point_or_begin_with_a_sign() {
@@ -391,6 +422,10 @@ fn the_stock_brake_is_that_of_the_example_without_its_tables_radiation_limits_an
         "solver.fidelity",
         "strip.airborne_fraction",
         "strip.emissivity",
+        "strip.property_table.conductivity",
+        "strip.property_table.points",
+        "strip.property_table.specific_heat",
+        "strip.property_table.temperature",
         "strip.wear_limit",
     ];
     assert_eq!(names.into_iter().collect::<Vec<_>>(), expected);

@@ -12,10 +12,11 @@ pub mod slot;
 pub mod variables;
 mod warnings;
 
-pub use fade::FadeTable;
+pub use fade::{FadeLine, FadeTable};
 pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use property_table::{PROPERTY_POINTS, PropertyTable};
 pub(crate) use rules::BrokenRule;
+pub use rules::without_effect;
 
 use crate::variables::{COUNT, TOLERANCES, ValueReference, reference};
 

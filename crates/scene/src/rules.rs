@@ -2,7 +2,7 @@
 //! parameters in any order.
 
 use super::message::{self, Number, Quantity};
-use super::variables::{STARTS, find};
+use super::variables::{COUNT, STARTS, ValueReference, find, lookup};
 use super::{
     Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, PROPERTY_POINTS, Path, Scene,
 };
@@ -28,7 +28,7 @@ const FEWEST_CELLS: usize = 3;
 pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     check_chosen(values)?;
     friction_table(scene, values)?;
-    property_tables(scene, values)?;
+    property_tables(scene)?;
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
@@ -292,21 +292,8 @@ fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
 }
 
 /// Rules of the tables of conductivity and specific heat over temperature.
-fn property_tables(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+fn property_tables(scene: &Scene) -> Result<(), BrokenRule> {
     for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
-        let points = body.properties.map_or(0, |table| table.points);
-        for row in ["temperature", "conductivity", "specific_heat"] {
-            let first = find(&format!("{name}.property_table.{row}[1]")).map(|reference| reference as usize);
-            let Some(first) = first else { continue };
-            if let Some(point) = (points..PROPERTY_POINTS).find(|point| values[first + point] != STARTS[first + point])
-            {
-                return broken(format!(
-                    "{name}.property_table.{row}[{}] = {} has no effect while {name}.property_table.points = {points}",
-                    point + 1,
-                    Number(values[first + point])
-                ));
-            }
-        }
         let Some(table) = &body.properties else { continue };
         if table.points < 2 {
             return broken(format!(
@@ -323,6 +310,26 @@ fn property_tables(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
         }
     }
     Ok(())
+}
+
+/// The first value that differs from `base` without effect, and what to set instead: a constant of a body with a property table, a
+/// value behind the last point of one. `base` is what the scene gives by itself, whose table `points` = 0 switches off.
+pub fn without_effect(values: &[f64; COUNT], base: &[f64; COUNT]) -> Option<String> {
+    ["punch", "strip"].into_iter().find_map(|body| {
+        let of = |name: &str| find(&format!("{body}.{name}")).map(|reference| reference as usize);
+        let points = values[of("property_table.points")?];
+        let differs = |at: &usize| values[*at] != base[*at];
+        let constant =
+            ["conductivity", "specific_heat"].into_iter().filter_map(of).find(differs).filter(|_| points > 0.0);
+        let behind = |row| of(row).and_then(|first| (first + points as usize..first + PROPERTY_POINTS).find(differs));
+        let rows =
+            ["property_table.temperature[1]", "property_table.conductivity[1]", "property_table.specific_heat[1]"];
+        let at = constant.or_else(|| rows.into_iter().find_map(behind))?;
+        let (row, element) = lookup(at as ValueReference)?;
+        let remedy = constant.map_or(String::new(), |_| format!("; set {body}.property_table.points = 0"));
+        let (name, value) = (row.element_name(element), Number(values[at]));
+        Some(format!("{name} = {value} has no effect while {body}.property_table.points = {points}{remedy}"))
+    })
 }
 
 fn level(scene: &Scene) -> Result<(), BrokenRule> {

@@ -550,6 +550,7 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
             ("solver.fidelity", level),
             ("solver.cells", 9.0),
             ("strip.base_thermal", HELD),
+            ("strip.property_table.points", 0.0),
             ("strip.conductivity", 50.0),
             ("nominal.load", 1e4),
             ("nominal.velocity", 3.8),

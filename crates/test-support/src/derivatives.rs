@@ -85,12 +85,13 @@ pub fn assert_derivatives(
                 let second = (4.0 * finest[output] - narrow[output]) / 3.0;
                 let numeric = (16.0 * second - first) / 15.0;
                 compared += 1;
-                // Where a cell lifts off, or another one carries the largest pressure, there is a derivative on each side.
+                // Where a cell lifts off, or another one carries the largest pressure, there is a derivative on each side. Rounding of the
+                // values, tens of units in the last place, over the least differences is none.
                 let size_of = numeric.abs().max(exact[output].abs() * size);
-                let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of
-                    || (second - first).abs() > 1e-4 * size_of;
-                // Outputs independent of the input differ by rounding.
-                if on_line && at_kink && size_of > 1e-11 * middle[output].abs() {
+                let rounding = 5e-11 * middle[output].abs();
+                let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of + rounding
+                    || (second - first).abs() > 1e-4 * size_of + 0.1 * rounding;
+                if on_line && at_kink {
                     kinks += 1;
                     entries[output][index] = (numeric, numeric);
                     continue;

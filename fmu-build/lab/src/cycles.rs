@@ -1,10 +1,10 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
 use crate::figure::{self, Drawn};
-use crate::output::{self, print_line, print_text};
-use crate::{arguments, scenes};
+use crate::output::{self, Interrupted, print_line, print_text};
+use crate::{arguments, ctrl_c, scenes};
 use analyses::cycles::{CycleHistory, Options, advance};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
 use std::path::PathBuf;
 
@@ -66,20 +66,24 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(warning) = &history.warning {
         eprintln!("warning: {warning}");
     }
+    if history.interrupted {
+        let passed = history.stations.last().map_or(0.0, |station| station.jump.cycles);
+        bail!(Interrupted(format!("interrupted after {passed} of {} cycles", arguments.cycles)));
+    }
     Ok(())
 }
 
 fn history(arguments: &Arguments) -> Result<CycleHistory> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let mut progress = Progress::default();
-    advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
-        let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
-        progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+    ctrl_c::attended(|| {
+        advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
+            let part = (1.0 + passed).ln() / (1.0 + cycles).ln();
+            progress.reached(part, || format!("{passed} cycles, {computed} computed"));
+        })
     })
 }
 

@@ -7,6 +7,7 @@
 
 mod bench;
 mod chart;
+mod ctrl_c;
 mod cycles;
 mod figure;
 mod fuzz;

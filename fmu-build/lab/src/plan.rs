@@ -43,9 +43,7 @@ pub(crate) struct Arguments {
 /// Where the scene is refused, or a level cannot be built.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     scenes::warn(&file);
     if let (true, Some(name)) = (arguments.write, arguments.scene.as_deref().filter(|name| !Path::new(name).is_file()))
     {

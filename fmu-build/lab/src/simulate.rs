@@ -4,8 +4,9 @@ mod write;
 
 use crate::arguments;
 use crate::columns::{self, Column, Table};
+use crate::ctrl_c;
 use crate::figure::{self, Drawn};
-use crate::output::{self, print_line, print_text};
+use crate::output::{self, Interrupted, print_line, print_text};
 use crate::scenes;
 use analyses::simulation::quantity::rounded;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
@@ -87,9 +88,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         refuse_to_replace(option, path, arguments)?;
     }
     let mut file = scenes::load(Some(&arguments.scene))?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut file, assignment)?;
-    }
+    scenes::assign_all(&mut file, &arguments.set)?;
     let packaged = &file.packaged;
     let (inputs, record) = read(arguments)?;
     let mut trajectory = Trajectory::new(&file, inputs, arguments.step)?;
@@ -98,10 +97,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     }
     let (first, last) = trajectory.span();
     let mut progress = Progress::default();
-    let recording = run(&file, &trajectory, &arguments.at, &mut |time| {
-        progress.reached((time - first) / (last - first), || format!("{} s of {last} s", rounded(time)));
-    })?;
+    let recording = ctrl_c::attended(|| {
+        run(&file, &trajectory, &arguments.at, &mut |time| {
+            progress.reached((time - first) / (last - first), || format!("{} s of {last} s", rounded(time)));
+        })
+    });
     drop(progress);
+    let recording = recording?;
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         output::make_above(path)?;
@@ -120,6 +122,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(reason) = &recording.failure {
         let kept = files.first().map_or(String::new(), |file| format!("; the rows before it are in {file}"));
         bail!("the scene {}: {reason}{kept}", packaged.name);
+    }
+    if recording.interrupted {
+        let reached = recording.times.last().copied().unwrap_or(first);
+        let kept = files
+            .first()
+            .map_or("; --output keeps the rows".into(), |file| format!("; the rows up to there are in {file}"));
+        bail!(Interrupted(format!("interrupted at {} s of {last} s{kept}", rounded(reached))));
     }
     let deviations = match &record {
         Some(record) => measured::compare(record, &recording)?,

@@ -91,9 +91,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
 /// The scene with what the command sets.
 fn read(arguments: &Arguments) -> Result<SceneFile> {
     let mut scene = scenes::load(arguments.scene.as_deref())?;
-    for assignment in &arguments.set {
-        scenes::assign(&mut scene, assignment)?;
-    }
+    scenes::assign_all(&mut scene, &arguments.set)?;
     scenes::warn(&scene);
     Ok(scene)
 }

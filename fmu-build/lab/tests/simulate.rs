@@ -530,3 +530,42 @@ fn plan_reads_columns_as_simulate_does() {
     let (_, _, named) = folder.command("plan", &[&plan[..], &["--strict", "--column", "Kraft=normal_load"]].concat());
     assert!(!named.contains("Kraft"), "{named}");
 }
+
+/// What a command leaves that Ctrl-C ends after `seconds`: status, output and what it tells.
+#[cfg(unix)]
+fn interrupted(folder: &Folder, seconds: f64, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-lab"));
+    command.args(arguments).current_dir(&folder.0).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = command.spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_secs_f64(seconds));
+    assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+    let Output { status, stdout, stderr } = run.wait_with_output().unwrap();
+    (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+}
+
+#[test]
+#[cfg(unix)]
+fn what_is_interrupted_keeps_what_is_done() {
+    let folder = Folder::new("interrupted");
+    let long = ["--set", "nominal.duration=3000 s", "--set", "solver.fidelity=line", "--set", "solver.cells=129"];
+    let run = ["simulate", "disc_brake", "--step", "0.1", "-o", "out.csv"];
+    let (status, printed, told) = interrupted(&folder, 10.0, &[&run[..], &long].concat());
+    assert_eq!((status, printed.as_str()), (Some(130), ""), "{told}");
+    let columns = columns(&folder.0.join("out.csv"));
+    let last = *columns[0].1.last().unwrap();
+    assert!(last > 0.1 && last < 3000.0 && columns.iter().all(|(_, values)| values.iter().all(|v| v.is_finite())));
+    assert!(told.contains(" s of 3000 s; the rows up to there are in out.csv"), "{told}");
+    let rows = (0..600).map(|row| format!("{},{},4\n", 5 * row, 10 * (row % 2)));
+    folder
+        .file("stops.csv", &format!("time [s],sliding_velocity [m/s],normal_load [kN]\n{}", rows.collect::<String>()));
+    let plan = ["plan", "disc_brake", "--inputs", "stops.csv", "--tolerance", "1e-5"];
+    let (status, printed, told) = interrupted(&folder, 10.0, &plan);
+    assert_eq!(status, Some(130), "{told}");
+    let lumped = printed.lines().find(|line| line.starts_with("lumped")).expect("a row");
+    assert!(lumped.split_whitespace().count() == 6 && !printed.contains("The cheapest"), "{printed}");
+    assert!(printed.contains("Interrupted: ") && told.contains("interrupted after "), "{printed}{told}");
+    let cycles = ["cycles", "reciprocating_punch", "--cycles", "1e12", "--tolerance", "1e-6", "--cells", "33"];
+    let (status, printed, told) = interrupted(&folder, 10.0, &cycles);
+    assert_eq!(status, Some(130), "{told}");
+    assert!(printed.lines().count() > 2 && told.contains(" of 1000000000000 cycles"), "{printed}{told}");
+}

@@ -49,6 +49,7 @@ pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
         .env("MPLCONFIGDIR", project::target().join("python-batch").join("matplotlib"))
         .env("PYTHONDONTWRITEBYTECODE", "1");
+    project::leave_ctrl_c()?;
     let status = command.status().with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
         project::leave(status, file)?;

@@ -352,6 +352,9 @@ fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
                 factors()
             );
         }
+        if let Some(reason) = replaced(column, description, &job.columns) {
+            bail!("{}: {reason}", place());
+        }
         let driven = match column.as_str() {
             "nominal.load" => "normal_load",
             "nominal.velocity" => "sliding_velocity",
@@ -397,6 +400,15 @@ fn idle(inputs: &Inputs, description: &Description, design: &[String]) -> Option
         .then(|| format!("angular_velocity has no effect: {RADIUS} = 0 m"))
 }
 
+/// Why a column of constants has no effect: the table that replaces them.
+fn replaced(column: &str, description: &Description, design: &[String]) -> Option<String> {
+    let (body, "conductivity" | "specific_heat") = column.split_once('.')? else { return None };
+    let points = format!("{body}.property_table.points");
+    let given = &description.find(&points).ok()?.start;
+    (given != "0" && !design.contains(&points))
+        .then(|| format!("it has no effect while {points} = {given}; give a column {points} of 0 with it"))
+}
+
 /// Ratio to the nominal value above which an input is implausible: the model is not valid so far beyond it.
 const FAR_BEYOND: f64 = 10.0;
 
@@ -428,21 +440,38 @@ fn implausible(inputs: &Inputs, description: &Description, design: &[String]) ->
 mod tests {
     use super::*;
 
+    /// Of an FMU with one parameter.
+    fn description(name: &str, start: &str) -> Description {
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
+             <ModelVariables><ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\"><Real start=\"{start}\"/>\
+             </ScalarVariable></ModelVariables></fmiModelDescription>"
+        );
+        Description::parse(&text).unwrap()
+    }
+
+    #[test]
+    fn a_column_that_a_table_replaces_is_refused() {
+        const POINTS: &str = "strip.property_table.points";
+        let told = |column, start, design: &[&str]| {
+            let design: Vec<String> = design.iter().map(|name| (*name).to_owned()).collect();
+            replaced(column, &description(POINTS, start), &design)
+        };
+        let reason = told("strip.conductivity", "7", &["strip.conductivity"]).unwrap();
+        assert!(
+            reason.contains("strip.property_table.points = 7; give a column strip.property_table.points"),
+            "{reason}"
+        );
+        assert!(told("strip.specific_heat", "7", &[]).is_some());
+        assert_eq!(told("strip.conductivity", "7", &["strip.conductivity", POINTS]), None);
+        assert_eq!(told("strip.conductivity", "0", &[]), None);
+        assert_eq!(told("punch.conductivity", "7", &[]), None);
+        assert_eq!(told("strip.density", "7", &[]), None);
+    }
+
     #[test]
     fn a_rotation_that_moves_nothing_is_told() {
-        let description = |radius: &str| {
-            let real = |name: &str, start: &str| {
-                format!(
-                    "<ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\"><Real start=\"{start}\"/></ScalarVariable>"
-                )
-            };
-            let text = format!(
-                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
-                 <ModelVariables>{}</ModelVariables></fmiModelDescription>",
-                real("contact.mean_radius", radius)
-            );
-            Description::parse(&text).unwrap()
-        };
+        let description = |radius: &str| description("contact.mean_radius", radius);
         let inputs = |velocity: f64| Inputs {
             source: "in.csv".into(),
             names: vec!["normal_load".into(), "angular_velocity".into()],

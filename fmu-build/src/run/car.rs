@@ -40,14 +40,11 @@ const PROPERTIES: [Property; 9] = [
 /// # Errors
 /// Everything wrong with an assignment; a car where the example has none.
 pub(crate) fn apply(example: Example, assignments: &[String], scene: &mut SceneFile) -> Result<Vec<String>> {
-    let mut car = Vec::new();
-    for assignment in assignments {
-        match assignment.trim_start().strip_prefix("car.") {
-            Some(own) => car.push(property(example, own)?),
-            None => scenes::assign(scene, assignment)?,
-        }
-    }
-    Ok(car)
+    let of_car = |assignment: &&String| assignment.trim_start().starts_with("car.");
+    let (car, others): (Vec<&String>, Vec<&String>) = assignments.iter().partition(of_car);
+    scenes::assign_all(scene, &others)?;
+    let own = |assignment: &String| property(example, assignment.trim_start().trim_start_matches("car."));
+    car.into_iter().map(own).collect()
 }
 
 /// An assignment of a property, `mass=1800 kg`, in its SI unit.

@@ -6,7 +6,7 @@
 //! uint32_t      native_interface_version(void);
 //! Answer       *native_analyse(const char *request, const Answer *run, Control *control);
 //! uint32_t      native_status(const Answer *answer);   // 0 success, 1 refused, 2 a step failed, 3 stopped
-//! const char   *native_text(const Answer *answer);     // JSON; of status 1 the reason
+//! const char   *native_text(const Answer *answer);     // JSON; of status 1 the reason; of status 3 what was done, or null
 //! size_t        native_arrays(const Answer *answer);
 //! const double *native_array(const Answer *answer, size_t index, size_t *length);
 //! void          native_free(Answer *answer);
@@ -59,7 +59,7 @@ pub enum Status {
     Refused = 1,
     /// A run up to the step that failed.
     StepFailed = 2,
-    /// The work was ended as [`Control`] requests it.
+    /// The work was ended as [`Control`] requests it; what it had done is kept where it goes on in steps, levels or jumps.
     Stopped = 3,
 }
 
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn native_analyse(
             Err(reason) => Answer::refused(&format!("{reason:#}")),
         }
     };
-    let stopped = || Answer { status: Status::Stopped, ..Answer::refused("stopped") };
+    let stopped = || Answer { status: Status::Stopped, ..Answer::refused("null") };
     let answer = catch_unwind(AssertUnwindSafe(|| interruptible(&control.stop, work).unwrap_or_else(stopped)))
         .unwrap_or_else(|_| Answer::refused("the library itself failed; please report this scene"));
     Box::into_raw(Box::new(answer))

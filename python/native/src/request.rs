@@ -5,6 +5,7 @@ use analyses::convergence::Convergence;
 use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
 use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
+use numerics::interruption::checkpoint;
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
 use scene_file::columns::{self, Column, Reading, Table};
@@ -29,9 +30,7 @@ pub(crate) struct Selection {
 impl Selection {
     fn load(&self) -> Result<SceneFile> {
         let mut file = shipped::load(self.scene.as_deref(), &self.scenes)?;
-        for assignment in &self.set {
-            scene_file::assign(&mut file, assignment)?;
-        }
+        scene_file::assign_all(&mut file, &self.set)?;
         Ok(file)
     }
 }
@@ -203,6 +202,12 @@ impl Request {
     /// As the analyses.
     pub fn answer(self, run: Option<&Run>, control: &Control) -> Result<Answer> {
         let run = || run.context("no simulation is given");
+        let mut status = Status::Success;
+        let mut ended = |interrupted: bool| {
+            if interrupted {
+                status = Status::Stopped;
+            }
+        };
         let value = match self {
             Self::Names { scenes } => json!(shipped::names(&scenes)),
             Self::Unit { name, unit } => conversion(&name, &unit)?,
@@ -251,6 +256,7 @@ impl Request {
                 let course = cycles::advance(&file, &options, &mut |passed, _| {
                     control.reached((1.0 + passed).ln() / (1.0 + cycles).ln());
                 })?;
+                ended(course.interrupted);
                 let warnings: Vec<String> =
                     shipped::warnings(&file).into_iter().chain(course.warning.clone()).collect();
                 with_text(course.record(), course.table(), &warnings)
@@ -271,7 +277,10 @@ impl Request {
                         let levels = plan::inputs::compare(&file, &trajectory, tolerance, &mut |number, part| {
                             control.reached((number as f64 + part) / count);
                         })?;
-                        levels.cheapest()?;
+                        ended(levels.interrupted);
+                        if !levels.interrupted {
+                            levels.cheapest()?;
+                        }
                         (plan::inputs::record(&levels), levels.table(&file.packaged.name, &trajectory))
                     }
                 };
@@ -287,7 +296,7 @@ impl Request {
                 json!(file.packaged.name)
             }
         };
-        Ok(Answer { status: Status::Success, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })
+        Ok(Answer { status, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })
     }
 }
 
@@ -351,6 +360,9 @@ fn simulate(
     if let Some(reason) = failure.as_ref().filter(|_| recording.times.is_empty()) {
         bail!("{reason}");
     }
+    if recording.times.is_empty() {
+        checkpoint();
+    }
     let summary =
         Summary { scene: name, inputs: &trajectory.description, recording: &recording, measured: &[], files: &[] };
     let mut record = with_warnings(summary.record(), &shipped::warnings(file));
@@ -360,6 +372,7 @@ fn simulate(
     record["energy_residual"] = json!(energy_residual(&recording));
     record["failure"] = json!(failure);
     record["notes"] = json!(notes);
+    record["last"] = json!(last);
     record["profiles"] = Value::Null;
     let mut arrays = vec![recording.times.clone()];
     arrays.extend(recording.channels.iter().map(|channel| channel.values.clone()));
@@ -369,7 +382,11 @@ fn simulate(
     arrays.push(profiles.iter().flat_map(|own| own.pressure).collect());
     arrays.push(profiles.iter().flat_map(|own| own.temperature).collect());
     arrays.push(profiles.iter().flat_map(|own| own.worn.concat()).collect());
-    let status = if failure.is_some() { Status::StepFailed } else { Status::Success };
+    let status = match (&failure, recording.interrupted) {
+        (None, false) => Status::Success,
+        (None, true) => Status::Stopped,
+        (Some(_), _) => Status::StepFailed,
+    };
     let run = Run { scene: name.clone(), recording };
     Ok(Answer { status, text: c_text(&record.to_string()), arrays, run: Some(run) })
 }

@@ -94,7 +94,7 @@ def test_the_host_gives_the_trajectory_of_fmpy(fmus, brake, cycle, interpolation
         ("request", {"parameters": {"punch.width": float("nan")}}),
         ("request", {"points": [0.05]}),
         ("initialisation", {"parameters": {"punch.width": -0.1}}),
-        ("initialisation", {"parameters": {"punch.conductivity": 0.0, "strip.conductivity": 0.0}}),
+        ("initialisation", {"parameters": {"punch.conductivity": 0.0, "strip.conductivity": 0.0, "strip.property_table.points": 0.0}}),
         ("stepping", {"factors": {"sliding_velocity": 1e308}}),
     ],
 )
@@ -103,7 +103,7 @@ def test_a_scene_that_fails_says_why_and_leaves_no_trace(brake, cycle, stage, ch
     with pytest.raises(host.Failure) as failure:
         run(brake, cycle, **change)
     assert failure.value.stage == stage
-    named = {"punch.widht": "did you mean punch.width", "points": "0.05 s", "factors": "sliding_velocity"}
+    named = {"punch.widht": "did you mean punch.width", "points": "0.05 s", "factors": "sliding_velocity", "strip.property_table.points": ""}
     for name in (*change, *change.get("parameters", {})):
         assert named.get(name, "" if name == "parameters" else name) in failure.value.reason
     assert np.array_equal(run(brake, cycle), before)

@@ -7,6 +7,7 @@ use crate::simulation::{Recording, Trajectory, run};
 use anyhow::{Result, bail};
 use model::plan::ModelLevel;
 use model::plan::distance::{Distance, Main, largest};
+use numerics::interruption::part;
 use scene::slot::LARGEST_TOLERANCE;
 use scene::variables::{find, reference};
 use scene_file::SceneFile;
@@ -33,7 +34,7 @@ const ENOUGH: f64 = 0.1;
 pub struct Candidate {
     /// The level.
     pub level: ModelLevel,
-    /// Errors of the main outputs.
+    /// Errors of the main outputs; not numbers where fewer than two lines were run before an interruption.
     pub errors: Main,
     /// Internal steps.
     pub steps: u64,
@@ -52,6 +53,8 @@ pub struct Levels {
     pub failed: Vec<String>,
     /// Difference of the two finest lines, below which errors are not told apart.
     pub resolution: f64,
+    /// Whether the comparison was ended on request ([`numerics::interruption`]): errors are against the finest line that was run.
+    pub interrupted: bool,
 }
 
 impl Levels {
@@ -72,14 +75,19 @@ impl Levels {
         );
         for Candidate { level, errors, steps, seconds } in &self.candidates {
             let level = level.to_string();
-            let [wear, temperature, force] = errors.map(|error| format!("{error:.1e}"));
+            let shown = |error: f64| if error.is_nan() { "-".into() } else { format!("{error:.1e}") };
+            let [wear, temperature, force] = errors.map(shown);
             text += &format!("{level:16} {wear:>10} {temperature:>12} {force:>10} {steps:10} {seconds:10.4}\n");
         }
-        text += &format!("The two finest lines differ by {:.1e}, which is part of every error.\n", self.resolution);
+        if self.resolution.is_finite() {
+            text += &format!("The two finest lines differ by {:.1e}, which is part of every error.\n", self.resolution);
+        }
         for reason in &self.failed {
             text += &format!("not run: {reason}\n");
         }
-        if let Ok(cheapest) = self.cheapest() {
+        if self.interrupted {
+            text += "Interrupted: errors are against the finest line above, with its own steps.\n";
+        } else if let Ok(cheapest) = self.cheapest() {
             text += &format!(
                 "The cheapest that meets it: {}, solver.tolerance = {:e}; error {:.1e}, {:.4} s\n",
                 settings_text(cheapest.level),
@@ -176,11 +184,15 @@ pub fn compare(
     };
     let mut runs: Vec<(ModelLevel, Recording, Vec<Main>)> = Vec::new();
     let mut failed = Vec::new();
-    let mut resolution = f64::INFINITY;
+    let (mut resolution, mut interrupted) = (f64::INFINITY, false);
     for (number, level) in LEVELS.into_iter().enumerate() {
-        let recording = match on(number, level, tolerance) {
-            Ok(recording) => recording,
-            Err(reason) => {
+        let recording = match part(|| on(number, level, tolerance)).filter(is_whole) {
+            None => {
+                interrupted = true;
+                break;
+            }
+            Some(Ok(recording)) => recording,
+            Some(Err(reason)) => {
                 failed.push(format!("{level}: {reason:#}"));
                 continue;
             }
@@ -198,20 +210,33 @@ pub fn compare(
             break;
         }
     }
-    let Some((finest, _, _)) = runs.last().filter(|_| resolution.is_finite()) else {
-        bail!("fewer than two contact lines can be run: {}", failed.join("; "));
-    };
-    let truth = history(&on(runs.len(), *finest, FINER_STEPS * tolerance)?, ambient);
+    let mut truth = None;
+    match runs.last().filter(|_| resolution.is_finite()) {
+        Some((_, _, main)) if interrupted => truth = Some(main.clone()),
+        None if interrupted => {}
+        Some((finest, _, main)) => {
+            let finer = part(|| on(runs.len(), *finest, FINER_STEPS * tolerance)).filter(is_whole);
+            interrupted = finer.is_none();
+            truth = Some(finer.transpose()?.map_or_else(|| main.clone(), |finer| history(&finer, ambient)));
+        }
+        None => bail!("fewer than two contact lines can be run: {}", failed.join("; ")),
+    }
     let candidates = runs.iter().map(|(level, recording, main)| {
         let (accepted, rejected) = recording.internal_steps;
+        let errors = truth.as_ref().map(|truth| Distance::of(truth, main).relative().map(|apart| apart + resolution));
         Candidate {
             level: *level,
-            errors: Distance::of(&truth, main).relative().map(|apart| apart + resolution),
+            errors: errors.unwrap_or([f64::NAN; 3]),
             steps: accepted + rejected,
             seconds: recording.seconds[1],
         }
     });
-    Ok(Levels { tolerance, candidates: candidates.collect(), failed, resolution })
+    Ok(Levels { tolerance, candidates: candidates.collect(), failed, resolution, interrupted })
+}
+
+/// Whether a run was not ended on request.
+fn is_whole(run: &Result<Recording>) -> bool {
+    run.as_ref().map_or(true, |recording| !recording.interrupted)
 }
 
 /// All levels as JSON.
@@ -232,7 +257,7 @@ pub fn record(levels: &Levels) -> Value {
             "seconds": known.seconds,
         })
     });
-    let cheapest = levels.cheapest().ok().map(|known| {
+    let cheapest = levels.cheapest().ok().filter(|_| !levels.interrupted).map(|known| {
         let (fidelity, cells) = settings(known.level);
         json!({ "fidelity": fidelity, "cells": cells.max(1), "estimated_error": largest(known.errors) })
     });
@@ -242,6 +267,7 @@ pub fn record(levels: &Levels) -> Value {
         "levels": candidates.collect::<Vec<_>>(),
         "failed": levels.failed,
         "cheapest": cheapest,
+        "interrupted": levels.interrupted,
     })
 }
 
@@ -295,7 +321,8 @@ mod tests {
     fn where_no_level_meets_the_tolerance_the_smallest_error_is_named() {
         let known = |level, error| Candidate { level, errors: [error; 3], steps: 1, seconds: 1.0 };
         let candidates = vec![known(ModelLevel::Lumped, 0.2), known(ModelLevel::Line(9), 3e-3)];
-        let mut levels = Levels { tolerance: 1e-2, candidates, failed: Vec::new(), resolution: 1e-3 };
+        let mut levels =
+            Levels { tolerance: 1e-2, candidates, failed: Vec::new(), resolution: 1e-3, interrupted: false };
         assert_eq!(levels.cheapest().unwrap().level, ModelLevel::Line(9));
         levels.tolerance = 1e-3;
         let told = levels.cheapest().unwrap_err().to_string();

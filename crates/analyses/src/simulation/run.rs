@@ -5,6 +5,7 @@ use super::trajectory::{Trajectory, unit_of};
 use crate::largest;
 use anyhow::{Result, anyhow, bail};
 use model::levels::ModelOperators;
+use numerics::interruption::part;
 use scene::message::{Number, Quantity};
 use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use scene::{Geometry, STATIONS, Scene};
@@ -71,6 +72,8 @@ pub struct Recording {
     pub neglected_slip: Option<NeglectedSlip>,
     /// The reason why the run ended early.
     pub failure: Option<String>,
+    /// Whether it was ended early on request ([`numerics::interruption`]).
+    pub interrupted: bool,
 }
 
 impl Recording {
@@ -89,13 +92,13 @@ impl Recording {
 
     fn record(&mut self, time: f64, component: &mut Component) -> Result<(), String> {
         // Nothing of a point is recorded unless all of it can be.
-        for channel in &self.channels {
-            let value = component.get(channel.reference);
+        let values: Vec<f64> = self.channels.iter().map(|channel| component.get(channel.reference)).collect();
+        for (channel, value) in self.channels.iter().zip(&values) {
             if !value.is_finite() {
                 return Err(format!("at {} s {} = {value} is not a finite number", Number(time), channel.name));
             }
         }
-        self.channels.iter_mut().for_each(|channel| channel.values.push(component.get(channel.reference)));
+        self.channels.iter_mut().zip(values).for_each(|(channel, value)| channel.values.push(value));
         self.times.push(time);
         Ok(())
     }
@@ -159,7 +162,13 @@ fn without_effect(file: &SceneFile, trajectory: &Trajectory, scene: &Scene) -> V
             row.name
         ))
     });
-    let given = |name: &str| trajectory.inputs.iter().any(|(input, _)| Some(*input) == find(name));
+    // As in what a run writes, whose inputs are all there.
+    let is_start = |input: ValueReference, values: &[f64]| {
+        values.iter().all(|value| *value == file.packaged.starts[input as usize])
+    };
+    let given = |name: &str| {
+        trajectory.inputs.iter().any(|(input, values)| Some(*input) == find(name) && !is_start(*input, values))
+    };
     let bodies = [("strip", "base", &scene.strip), ("punch", "top", &scene.punch)].into_iter();
     let idle = bodies.filter(|(name, _, body)| given(&format!("{name}.external_temperature")) && !body.has_neighbour());
     let idle = idle.map(|(name, face, _)| {
@@ -175,7 +184,7 @@ fn without_effect(file: &SceneFile, trajectory: &Trajectory, scene: &Scene) -> V
 ///
 /// # Errors
 /// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
-/// fails ends the recording.
+/// fails, or within which the run is to end, ends the recording.
 pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Progress) -> Result<Recording> {
     let points = trajectory.points(at)?;
     let begin = Instant::now();
@@ -216,30 +225,37 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         trips: trajectory.trips.clone(),
         neglected_slip: None,
         failure: None,
+        interrupted: false,
     };
     let (begin, mut displacement) = (Instant::now(), 0.0);
     for (count, &time) in points.iter().enumerate() {
-        let stepped = match count {
-            0 => Ok(0.0),
-            _ => step(&mut component, trajectory, points[count - 1], time),
-        };
-        recording.take_warnings(time, &mut component);
-        let recorded = stepped.and_then(|moved| {
-            displacement += moved;
-            recording.record(time, &mut component)
+        let point = part(|| {
+            let stepped = match count {
+                0 => Ok(0.0),
+                _ => step(&mut component, trajectory, points[count - 1], time),
+            };
+            recording.take_warnings(time, &mut component);
+            displacement += stepped?;
+            let profiles = (has_profiles && wanted.contains(&time)).then(|| profiles(time, &mut component));
+            recording.record(time, &mut component)?;
+            Ok::<_, String>(profiles)
         });
-        if let Err(reason) = recorded {
-            recording.failure = Some(reason);
-            break;
+        match point {
+            None => {
+                recording.interrupted = true;
+                break;
+            }
+            Some(Err(reason)) => {
+                recording.failure = Some(reason);
+                break;
+            }
+            Some(Ok(profiles)) => recording.profiles.extend(profiles),
         }
         recording.displacement.push(displacement);
-        if has_profiles && wanted.contains(&time) {
-            recording.profiles.push(profiles(time, &mut component));
-        }
         progress(time);
     }
-    component.conclude();
-    if let Some(&last) = recording.times.last() {
+    if let Some(&last) = recording.times.last().filter(|_| !recording.interrupted) {
+        component.conclude();
         recording.take_warnings(last, &mut component);
     }
     recording.neglected_slip =

@@ -125,7 +125,8 @@ Whatever is wrong is reported together, each with line, column, key and what is 
 
 `material` of `[punch]` or `[strip]` sets six properties to typical values at room temperature. A casting or a lining in use may differ by 10 % in the
 elastic and by 30 % in the thermal ones. Wear and friction belong to a pair of materials and are not among them.
-`property_table.material` gives conductivity and specific heat over temperature, of a standard, for those in the last column.
+`property_table.material` gives conductivity and specific heat over temperature for those in the last column.
+For bronze no two sources over temperature were found.
 
 "#;
 

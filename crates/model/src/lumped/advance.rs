@@ -1,4 +1,4 @@
-//! One communication step of the lumped level: a single-step attempt on the fast path where possible, otherwise pieces between
+//! One communication step of the lumped level: a single-step attempt in the common form where possible, otherwise pieces between
 //! events, subdivided by error control.
 //!
 //! Theory: docs/theory.md, sections 5.1, 7.3.
@@ -38,7 +38,7 @@ impl InputTrajectory<'_> {
     }
 }
 
-/// Single-step attempt on the fast path, compiled for every vector unit; no operation is fused, so all give the same bits.
+/// Single-step attempt in the common form, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct SingleStepAttempt<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
     state: &'a mut LumpedState,
@@ -56,7 +56,7 @@ impl<const CONSTANT: bool> NullaryFnOnce for SingleStepAttempt<'_, CONSTANT> {
             let speed = self.at[0].velocity.abs();
             self.stepper.flash.prepare_steady(operators, propagators, speed);
         }
-        self.stepper.fast_path::<CONSTANT>(self.state, self.at)
+        self.stepper.attempt::<true>(self.state, self.at, CONSTANT)
     }
 }
 
@@ -69,7 +69,7 @@ impl Lumped {
     pub fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         self.frozen_is_current = false;
         let mut is_too_long = false;
-        if slopes.is_none() && self.state.refinement == 0 && self.operators.fast_path {
+        if slopes.is_none() && self.state.refinement == 0 && self.operators.has_common_form {
             match self.attempt_single_step(inputs, step) {
                 Some(attempt) if attempt.error <= 1.0 => return self.conclude(inputs, step, &attempt),
                 attempt => is_too_long = attempt.is_some(),
@@ -78,7 +78,7 @@ impl Lumped {
         self.general_step(inputs, slopes, step, is_too_long)
     }
 
-    /// Tries the whole communication step at constant inputs on the fast path; `None` where that does not apply. Unless the error
+    /// Tries the whole communication step at constant inputs in the common form; `None` where that does not apply. Unless the error
     /// of the attempt is at most 1, the state is unchanged.
     #[inline]
     fn attempt_single_step(&mut self, inputs: &Inputs, step: f64) -> Option<Attempt> {
@@ -102,9 +102,6 @@ impl Lumped {
             if attempt < ATTEMPTS && self.repeats() {
                 continue;
             }
-            if outcome.as_ref().is_some_and(|attempt| attempt.error <= 1.0) {
-                self.settle(step);
-            }
             return outcome;
         }
     }
@@ -124,18 +121,10 @@ impl Lumped {
         self.property_step.as_ref().is_some_and(PropertyStep::repeats)
     }
 
-    /// Completes an accepted step of `step` (s) where properties follow temperatures.
-    #[inline]
-    fn settle(&mut self, step: f64) {
-        if let Some(own) = &self.property_step {
-            own.settle(&self.operators, &mut self.state, step);
-        }
-    }
-
-    /// Completes a step taken on the fast path.
+    /// Completes a step taken in the common form.
     #[inline]
     fn conclude(&mut self, inputs: &Inputs, step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
-        let (state, within) = (&mut self.state, &self.operators.fast_path_bounds);
+        let (state, within) = (&mut self.state, &self.operators.common_bounds);
         state.steps += 1;
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
         let velocity = inputs.velocity(self.operators.scene.mean_radius);
@@ -271,8 +260,8 @@ impl Lumped {
                 let propagators = self.propagators.get(&self.operators, step, temperatures);
                 self.flash.prepare(&self.operators, &propagators, speeds);
                 let mut attempt = None;
-                for by_fast_path in [true, false] {
-                    if by_fast_path && !self.operators.fast_path {
+                for common in [true, false] {
+                    if common && !self.operators.has_common_form {
                         continue;
                     }
                     let mut stepper = Stepper {
@@ -286,13 +275,13 @@ impl Lumped {
                         properties: self.property_step.as_mut(),
                     };
                     let state = &mut self.state;
-                    attempt = match (by_fast_path, &varying) {
+                    attempt = match (common, &varying) {
                         (true, Some(at)) => {
                             self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at.each_ref() })
                         }
                         (true, None) => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: [&now; 4] }),
-                        (false, Some(at)) => Some(stepper.attempt(state, at, false)),
-                        (false, None) => Some(stepper.attempt(state, &[now; 4], true)),
+                        (false, Some(at)) => Some(stepper.attempt_any(state, at.each_ref(), false)),
+                        (false, None) => Some(stepper.attempt_any(state, [&now; 4], true)),
                     };
                     if attempt.is_some() {
                         break;
@@ -304,7 +293,6 @@ impl Lumped {
                 }
             };
             if attempt.error <= 1.0 {
-                self.settle(step);
                 self.state.steps += 1;
                 self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);

@@ -66,7 +66,13 @@ impl Air {
     /// Whether there is a flux, in proportion to the temperature above the ambient and to nothing that changes from step to step.
     #[inline]
     pub fn is_linear(&self) -> bool {
-        self.within > 0.0 && self.forced == 0.0 && self.emissivity == 0.0 && self.path == 0.0
+        self.acts() && self.forced == 0.0 && self.emissivity == 0.0 && self.path == 0.0
+    }
+
+    /// Whether there is a flux that the stages are solved for.
+    #[inline]
+    pub fn is_nonlinear(&self) -> bool {
+        self.acts() && !self.is_linear()
     }
 
     /// Whether the air takes more than by the heat transfer within the states.

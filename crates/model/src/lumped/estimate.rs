@@ -1,4 +1,4 @@
-//! Parts of the error estimate shared by the fast path and the general form of the step.
+//! Parts of the error estimate of a step.
 //!
 //! Theory: docs/theory.md, section 7.2.
 
@@ -11,41 +11,54 @@ use numerics::maximum::maximum;
 /// constant conditions. There it belongs to the thermal layer of the last jump of the inputs, which hardly outlasts the step: the
 /// relevant measure is the temperature across `resistance` (K m2/W) relative to the largest rise so far.
 #[inline]
-pub fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) -> f64 {
+pub(crate) fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) -> f64 {
     (state.peak_rise / (resistance * scale)).max(1.0)
 }
 
 /// Least temperature rise to which errors of the cooling are relative, K.
-pub const LEAST_RISE: f64 = 1e-3;
-
-/// Part of the stiffness of a law of cooling by which the residual at the point 2/3 overstates the error at the end of the step: the
-/// largest for which the error of a single decaying temperature is never understated (test).
-const STIFF: f64 = 0.1;
+pub(crate) const LEAST_RISE: f64 = 1e-3;
 
 /// Error of the temperatures at the end of a step, K, by a flux into a cooled face that is not linear between the stages, from the
-/// `residual` of its law at the point 2/3, W/m2. `fall` is the decrease of the law with the temperature; `own`, that of the face,
-/// and `others`: temperature per flux that is constant over the step, K m2/W. What reaches the face changes the flux in return.
+/// `residual` of its law at the point 2/3, W/m2. `fall` is the decrease of the law with the temperature; `gains`, the temperatures of
+/// the face, of the contact and of the body's mean per flux that is constant over the step, K m2/W. What reaches the face changes the
+/// flux in return.
 #[inline]
-pub fn cooling_error(residual: f64, fall: f64, own: f64, others: [f64; 2]) -> f64 {
+pub(crate) fn cooling_error(residual: f64, fall: f64, gains: [f64; 3]) -> f64 {
+    let own = gains[0];
     let damped = |x: f64| {
         let through = 1.0 + fall * (own - x).max(0.0);
-        x * through / (through + STIFF * fall * x)
+        // Part of the stiffness of a law of cooling by which the residual at the point 2/3 overstates the error at the end of the step: the
+        // largest for which the error of a single decaying temperature is never understated (test).
+        x * through / (through + 0.1 * fall * x)
     };
-    let most = maximum(damped(own), maximum(damped(others[0]), damped(others[1])));
+    let most = maximum(damped(own), maximum(damped(gains[1]), damped(gains[2])));
     residual.abs() / (1.0 + fall * own) * most
 }
 
 impl Stepper<'_> {
     /// Whether the piece begins at touch-down. Its heat rises from zero, without the layer of a jump, so that [`layer_allowance`]
     /// does not apply.
-    pub fn touches_down(&self) -> bool {
+    pub(crate) fn touches_down(&self) -> bool {
         self.ends.is_some_and(|ends| ends[0].load <= 1e-6 * ends[1].load && ends[1].load > 0.0)
+    }
+
+    /// Wear rate of a body, m/s, at a pressure (Pa), a speed (m/s), a kinetic friction coefficient and a temperature (K).
+    #[inline(always)]
+    pub(crate) fn wear_rate(
+        &self,
+        body: &BodyOperators,
+        pressure: f64,
+        speed: f64,
+        friction: f64,
+        temperature: f64,
+    ) -> f64 {
+        body.wear.rate(pressure, speed, friction, temperature) * (body.wear_factor * self.tunables.wear_acceleration)
     }
 
     /// Third difference of the wear rate over the start and the three points, which is the quadrature error, in units of the
     /// tolerance: `rates` at the stages, `others` at the start and at the point 2/3, m/s; `uneven`, an additional error; friction
     /// coefficient and temperature (K) at the end of the step; the highest rate so far.
-    pub fn wear_error(
+    pub(crate) fn wear_error(
         &self,
         body: &BodyOperators,
         rates: &[f64; 2],
@@ -61,9 +74,7 @@ impl Stepper<'_> {
         let whole = self.ends.map_or(0.0, |ends| {
             let load = ends[0].load.max(ends[1].load);
             let slip = ends[0].slip.max(ends[1].slip);
-            0.1 * self.cut
-                * body.wear.rate(load / self.operators.area, slip, end.0, end.1)
-                * (body.wear_factor * self.tunables.wear_acceleration)
+            0.1 * self.cut * self.wear_rate(body, load / self.operators.area, slip, end.0, end.1)
         });
         let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
         if third == 0.0 { 0.0 } else { third / (self.operators.budget.steps.lumped_wear * scale) }
@@ -86,7 +97,7 @@ mod tests {
             let stages = [(d - b) / (a * d - b * c), (a - c) / (a * d - b * c)];
             let at_middle = 1.0 - z * (middle[0] * stages[0] + middle[1] * stages[1]);
             let residual = z * (at_middle - BASIS[1][0] * stages[0] - BASIS[1][1] * stages[1]);
-            let (estimate, error) = (cooling_error(residual, z, 1.0, [1.0; 2]), (stages[1] - (-z).exp()).abs());
+            let (estimate, error) = (cooling_error(residual, z, [1.0; 3]), (stages[1] - (-z).exp()).abs());
             assert!(estimate >= 0.99 * error, "{z}: {estimate:e} for {error:e}");
             if z > 1.0 {
                 waste = waste.max(estimate / error);

@@ -299,12 +299,6 @@ impl FlashStep {
         total(&left)
     }
 
-    /// [`FlashStep::homogeneous`] at both stages.
-    #[inline(always)]
-    pub fn homogeneous_at_stages(&self, states: &Row) -> [f64; 2] {
-        [self.homogeneous(0, states), self.homogeneous(2, states)]
-    }
-
     /// States at the end of the step under the stage fluxes `flux` into the strip.
     #[inline(always)]
     pub(crate) fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {

@@ -101,12 +101,6 @@ impl BodyOperators {
         self.uniform_mean = products.map(|(mean, stored)| mean * stored).sum();
     }
 
-    /// Whether the face beside the contact has cooling that the fast path solves for: more than a linear one.
-    #[inline]
-    pub fn cools_beside(&self) -> bool {
-        self.air[BESIDE].acts() && !self.air[BESIDE].is_linear()
-    }
-
     /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
     /// prescribed. The states hold all of it but the stationary field of that face beyond them, as in the stored heat.
     pub fn mean_rise(&self, heat: &ReducedBody, states: &[f64; MAX_STATES], far: f64) -> f64 {
@@ -126,9 +120,9 @@ impl BodyOperators {
     }
 }
 
-/// Bounds of the fast path: within them a step reaches no limit and cannot fail by wear.
+/// Bounds of the common form of a step: within them a step reaches no limit and cannot fail by wear.
 #[derive(Clone, PartialEq, Debug)]
-pub struct FastPathBounds {
+pub struct CommonBounds {
     /// Worn depths of punch and strip (m) below which no limit is reached.
     pub depth: [f64; 2],
     /// Worn depths (m) that a step may reach without a check for a body worn through.
@@ -141,8 +135,8 @@ pub struct FastPathBounds {
     pub temperature: f64,
 }
 
-impl FastPathBounds {
-    fn new(scene: &Scene) -> FastPathBounds {
+impl CommonBounds {
+    fn new(scene: &Scene) -> CommonBounds {
         let bodies = [&scene.punch, &scene.strip];
         let limited = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
         let mut depth = bodies
@@ -151,7 +145,7 @@ impl FastPathBounds {
             // The wear limit of the strip is checked on its track.
             depth[1] = f64::NEG_INFINITY;
         }
-        FastPathBounds {
+        CommonBounds {
             depth,
             depth_before_step: bodies.map(|body| super::NEAR_END * body.height - body.initial_wear),
             speed: super::NOMINAL_MARGIN * limited(scene.nominal_velocity),
@@ -193,12 +187,10 @@ pub struct LumpedOperators {
     pub tracked: bool,
     /// Friction heat flux below which errors are neglected, W/m2: a millionth of the nominal one.
     pub least_flux: f64,
-    /// The fast path is possible: see [`super::fast_path`].
-    pub fast_path: bool,
-    /// A face has a flux that the fast path eliminates: see [`Air::is_linear`].
-    pub has_linear_faces: bool,
-    /// Bounds of the fast path.
-    pub fast_path_bounds: FastPathBounds,
+    /// The common form of a step is possible: see [`super::stepper::Stepper::attempt`].
+    pub has_common_form: bool,
+    /// Bounds of the common form.
+    pub common_bounds: CommonBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
     pub half_resistance: f64,
     /// Fraction of a closed path covered by the punches.
@@ -281,12 +273,11 @@ impl LumpedOperators {
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let growth = known.map_or_else(|| PerturbationGrowth::new(scene), |known| known.growth.clone());
         let mut operators = LumpedOperators {
-            fast_path: false,
+            has_common_form: false,
             wear_follows_temperature: false,
-            fast_path_bounds: FastPathBounds::new(scene),
+            common_bounds: CommonBounds::new(scene),
             half_resistance: 0.0,
             strip_coverage: scene.coverage(),
-            has_linear_faces: false,
             punch,
             strip,
             flash,
@@ -329,8 +320,7 @@ impl LumpedOperators {
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         self.wear_follows_temperature = follows(&self.punch) || follows(&self.strip);
         self.half_resistance = if self.scene.conductance > 0.0 { 0.5 / self.scene.conductance } else { 0.0 };
-        self.has_linear_faces = self.punch.air.iter().chain(&self.strip.air).any(Air::is_linear);
-        self.fast_path = self.allows_fast_path();
+        self.has_common_form = self.allows_common_form();
     }
 
     /// Punch and strip.
@@ -338,15 +328,15 @@ impl LumpedOperators {
         [&self.punch, &self.strip]
     }
 
-    /// Whether the scene can be in the regime of [`super::fast_path`] at all.
-    fn allows_fast_path(&self) -> bool {
+    /// Whether the scene can be in the common regime at all.
+    fn allows_common_form(&self) -> bool {
         self.punch.heat.is_some()
             && self.strip.heat.is_some()
             && self.scene.conductance > 0.0
             && self.series_stiffness == 0.0
             && !self.has_bristle()
-            && self.punch.air.iter().chain([&self.strip.air[FAR]]).all(|air| !air.acts() || air.is_linear())
-            && (!self.strip.cools_beside() || self.strip.cooled_is_contact)
+            && self.punch.air.iter().chain([&self.strip.air[FAR]]).all(|air| !air.is_nonlinear())
+            && (!self.strip.air[BESIDE].is_nonlinear() || self.strip.cooled_is_contact)
     }
 }
 

@@ -14,7 +14,7 @@ use conduction::reduced::{MAX_STATES, ReducedBody};
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
 use scene::variables::{COUNT, ValueReference, reference};
-use scene::{STATIONS, value};
+use scene::{STATIONS, ThermalBoundary, value};
 
 macro_rules! emit {
     ($emit:ident, $($name:literal = $value:expr),* $(,)?) => {
@@ -305,9 +305,9 @@ impl Lumped {
         account
     }
 
-    /// [`Lumped::flows`] where the properties follow the temperature: the heat stored is the enthalpy of the mean temperature, that to the
-    /// air is counted step by step, and where the states pass heat on, the far face closes the account. `initial`: rise at initialisation,
-    /// K; `received`: heat through the contact, J.
+    /// [`Lumped::flows`] where the properties follow the temperature: the heat stored is the enthalpy of the mean temperature. With an
+    /// insulated far face the rest went to the air; otherwise the heat to the air is counted step by step, and the rest passed the far
+    /// face. `initial`: rise at initialisation, K; `received`: heat through the contact, J.
     fn flows_by_enthalpy(
         &self,
         body: &BodyOperators,
@@ -325,8 +325,12 @@ impl Lumped {
         let [from, to] = rises.map(|(heats, far)| self.state.reference + body.mean_rise(heat, &heats, far));
         let stored = mass * properties.table.heat_between(from, to);
         let [_, cooling, _, base] = state.received;
-        let far = if body.passes_heat { received / all + cooling - state.lost - stored } else { -base };
-        Account { received, ambient: (state.lost - cooling) * all, far: far * all, stored: stored * all }
+        let scene = &self.operators.scene;
+        let (ambient, far) = match [&scene.punch, &scene.strip][side].far_thermal {
+            ThermalBoundary::Insulated => (received / all + base - stored, -base),
+            _ => (state.lost - cooling, received / all + cooling - state.lost - stored),
+        };
+        Account { received, ambient: ambient * all, far: far * all, stored: stored * all }
     }
 
     /// States at a uniform rise above the reference, K.

@@ -7,17 +7,15 @@
 //! Properties are constant over parts of the temperature ([`Properties::part`]), so that the propagators of a step stay cached.
 //!
 //! After the step the mean temperature is set to that by its enthalpy, with a uniform change of temperature that is of third order in the
-//! step: the body has taken up exactly the heat of its fluxes. Where the states pass heat on (constant heat transfer, prescribed
-//! temperature), that of the air is the integral of the flow, and that of the far face closes the account.
+//! step: the body has taken up exactly the heat of its fluxes.
 //!
 //! Theory: docs/theory.md, section 4.15.
 
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
-use conduction::properties::{Properties, Scales};
-use conduction::reduced::{MAX_STATES, PORTS, Port, ReducedBody};
+use conduction::properties::Scales;
+use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
-use scene::ThermalBoundary;
 
 /// Attempts of a step with other temperatures in its middle.
 pub const ATTEMPTS: usize = 3;
@@ -37,11 +35,10 @@ pub struct PropertyStep {
     scales: [Scales; 2],
     /// The step is to be repeated with the temperatures that it leads to.
     repeats: bool,
-    /// At its start: mean temperatures, and states of the bodies.
+    /// Mean temperatures at its start, K.
     start: [f64; 2],
     /// Mean temperatures at its end by the equations of the step, K.
     ends: [f64; 2],
-    before: [([f64; MAX_STATES], [f64; PORTS]); 2],
     tolerance: f64,
 }
 
@@ -57,7 +54,6 @@ impl PropertyStep {
             scales: [Scales::ONE; 2],
             repeats: false,
             start: [0.0; 2],
-            before: [([0.0; MAX_STATES], [0.0; PORTS]); 2],
             tolerance: operators.scene.tolerance,
         })
     }
@@ -66,10 +62,6 @@ impl PropertyStep {
     pub fn predict(&mut self, operators: &LumpedOperators, state: &LumpedState, step: f64) -> [f64; 2] {
         for (side, (body, own)) in operators.bodies().into_iter().zip([&state.punch, &state.strip]).enumerate() {
             if let (Some(_), Some(heat)) = (&body.properties, &body.heat) {
-                self.before[side].1 = own.received;
-                if body.loses_to_air {
-                    self.before[side].0 = own.heat;
-                }
                 let start = state.reference + body.mean_rise(heat, &own.heat, state.far[side]);
                 self.start[side] = start;
                 self.middle[side] = start + (0.5 * step * own.trend).clamp(-FARTHEST, FARTHEST);
@@ -133,38 +125,12 @@ impl PropertyStep {
         maximum(missed, curved)
     }
 
-    /// After an accepted step of `step` (s): sets the mean temperatures to those by enthalpy, and counts the heat to the air.
-    pub fn settle(&self, operators: &LumpedOperators, state: &mut LumpedState, step: f64) {
-        for (side, (body, own)) in operators.bodies().into_iter().zip([&mut state.punch, &mut state.strip]).enumerate()
-        {
-            if let (Some(properties), Some(heat)) = (&body.properties, &body.heat) {
-                self.settle_body(side, body, (properties, heat), own, step);
-            }
-        }
-    }
-
-    fn settle_body(
-        &self,
-        side: usize,
-        body: &BodyOperators,
-        (properties, heat): (&Properties, &ReducedBody),
-        state: &mut BodyState,
-        step: f64,
-    ) {
+    /// After an accepted step of `step` (s): sets the mean temperature of a body with a table to that by enthalpy. `passed`: heat through
+    /// the ports, J/m2.
+    #[inline(always)]
+    pub fn settle(&self, side: usize, body: &BodyOperators, state: &mut BodyState, passed: &[f64; PORTS], step: f64) {
+        let (Some(properties), Some(heat)) = (&body.properties, &body.heat) else { return };
         let (scales, start, mean) = (self.scales[side], self.start[side], self.ends[side]);
-        let (states, received) = &self.before[side];
-        let passed: [f64; PORTS] = std::array::from_fn(|port| state.received[port] - received[port]);
-        if body.loses_to_air {
-            let held = matches!(body.far, ThermalBoundary::Held | ThermalBoundary::External);
-            let is_flux = [true, true, false, !held];
-            let weighted: [f64; PORTS] =
-                std::array::from_fn(|port| if is_flux[port] { passed[port] } else { passed[port] / scales.flux });
-            // Integral of the flow: that of a state is (input - gain of the state)/rate, as the propagation is exact.
-            let (by_state, by_port) = &body.lost_over_step;
-            let entered: f64 = by_port.iter().zip(weighted).map(|(lost, input)| lost * input).sum();
-            let kept: f64 = (0..heat.count).map(|k| by_state[k] * (state.heat[k] - states[k])).sum();
-            state.lost += entered - scales.capacity() * kept;
-        }
         let taken = if body.passes_heat {
             scales.capacity() * body.heat_capacity * (mean - start)
         } else {
@@ -175,8 +141,8 @@ impl PropertyStep {
         let mass = body.heat_capacity / properties.specific_heat();
         let end = properties.table.after(start, taken / mass);
         let uniform = (end - mean) / body.uniform_mean;
-        for k in 0..heat.count {
-            state.heat[k] += heat.stored.states[k] * uniform;
+        for (state, stored) in state.heat.iter_mut().zip(&heat.stored.states).take(heat.count) {
+            *state += stored * uniform;
         }
         state.trend = (end - start) / step;
     }

@@ -16,7 +16,6 @@
 //! Theory: docs/theory.md, section 5.3.
 
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
-use super::estimate::cooling_error;
 use super::operators::BodyOperators;
 use conduction::properties::Scales;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
@@ -32,6 +31,38 @@ pub const BASIS: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
 
 /// Weights of the two stages in the integral over the step.
 pub const QUADRATURE: [f64; 2] = [0.75, 0.25];
+
+/// Values at both stages.
+pub type Pair = [f64; 2];
+
+/// Matrix between values at both stages, by rows.
+pub type Matrix = [Pair; 2];
+
+/// Product of a matrix with the values at both stages.
+#[inline(always)]
+pub fn apply(matrix: &Matrix, values: Pair) -> Pair {
+    [matrix[0][0] * values[0] + matrix[0][1] * values[1], matrix[1][0] * values[0] + matrix[1][1] * values[1]]
+}
+
+/// Product of two matrices.
+#[inline(always)]
+pub fn product(left: &Matrix, right: &Matrix) -> Matrix {
+    let columns = [apply(left, [right[0][0], right[1][0]]), apply(left, [right[0][1], right[1][1]])];
+    [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
+}
+
+/// Inverse of a matrix.
+#[inline(always)]
+pub fn inverse(matrix: &Matrix) -> Matrix {
+    let factor = 1.0 / (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]);
+    [[matrix[1][1] * factor, -matrix[0][1] * factor], [-matrix[1][0] * factor, matrix[0][0] * factor]]
+}
+
+/// Sum of the values at both stages.
+#[inline(always)]
+pub fn sum(left: Pair, right: Pair) -> Pair {
+    [left[0] + right[0], left[1] + right[1]]
+}
 
 /// (1 - exp(-z))/z and one minus that, over z, given `decay` = exp(-z).
 #[inline]
@@ -116,13 +147,19 @@ impl Observed {
     }
 
     /// Observation at `point` from the initial states alone.
-    #[inline]
+    #[inline(always)]
     pub fn of_states(&self, point: usize, states: &[f64; MAX_STATES], count: usize) -> f64 {
         dot(&self.homogeneous[point], states, count)
     }
 
+    /// Gain matrix from the stage fluxes of `port` to the observation at the stages.
+    #[inline(always)]
+    pub fn gain_at_stages(&self, port: usize) -> Matrix {
+        [self.gain[port][0], self.gain[port][2]]
+    }
+
     /// Response to the stage fluxes `u` of `port` at `point`.
-    #[inline]
+    #[inline(always)]
     pub fn of_flux(&self, port: usize, point: usize, u: [f64; 2]) -> f64 {
         self.gain[port][point][0] * u[0] + self.gain[port][point][1] * u[1]
     }
@@ -133,15 +170,14 @@ type Decay = [[f64; MAX_STATES]; 3];
 /// Weights of the stage fluxes in every state at the three points.
 type Driven = [[[f64; 2]; MAX_STATES]; 3];
 
-/// Faces whose fluxes are linear in their temperatures and in nothing else ([`Air::is_linear`]), eliminated from a step whose only other
-/// fluxes are those of contact and cooling, at no ambient temperature.
+/// Faces whose fluxes are linear in their temperatures ([`Air::is_linear`]), eliminated from a step.
 #[derive(Clone, Debug)]
 struct LinearFaces {
     acts: [bool; FACES],
     /// Stage fluxes per initial state: `[face][stage][state]`.
     by_state: [[[f64; MAX_STATES]; 2]; FACES],
-    /// Stage fluxes per stage flux of contact and cooling: `[port][face][stage][stage]`.
-    by_flux: [[[[f64; 2]; 2]; FACES]; 2],
+    /// Stage fluxes per stage value of every other port: `[port][face][stage][stage]`.
+    by_port: [[Matrix; FACES]; PORTS],
 }
 
 impl LinearFaces {
@@ -149,32 +185,32 @@ impl LinearFaces {
         const UNKNOWNS: usize = 2 * FACES;
         let acts = air.each_ref().map(Air::is_linear);
         let mut faces =
-            LinearFaces { acts, by_state: [[[0.0; MAX_STATES]; 2]; FACES], by_flux: [[[[0.0; 2]; 2]; FACES]; 2] };
+            LinearFaces { acts, by_state: [[[0.0; MAX_STATES]; 2]; FACES], by_port: [[[[0.0; 2]; 2]; FACES]; PORTS] };
         if acts == [false; FACES] {
             return faces;
         }
-        let unknowns = || (0..UNKNOWNS).map(|k| (k, k / 2, k % 2));
+        let unknowns = || (0..UNKNOWNS).map(|k| (k, k / 2, k % 2)).filter(|(_, face, _)| acts[*face]);
         let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity();
-        for (k, face, stage) in unknowns().filter(|(_, face, _)| acts[*face]) {
-            for (l, other, at) in unknowns().filter(|(_, face, _)| acts[*face]) {
+        for (k, face, stage) in unknowns() {
+            for (l, other, at) in unknowns() {
                 matrix[(k, l)] += air[face].rest * cooled[face].gain[PORTS_OF_FACES[other]][2 * stage][at];
             }
         }
-        // Columns of the inverse.
-        let columns: [SVector<f64, UNKNOWNS>; UNKNOWNS] = std::array::from_fn(|k| {
-            let unit = SVector::from_fn(|l, _| if l == k { 1.0 } else { 0.0 });
-            factorization::solve(&matrix, &unit).unwrap_or_else(|_| SVector::repeat(f64::NAN))
-        });
-        for (k, face, stage) in unknowns().filter(|(_, face, _)| acts[*face]) {
-            let (rest, observed, point) = (-air[face].rest, &cooled[face], 2 * stage);
-            for (l, to, at) in unknowns().filter(|(_, face, _)| acts[*face]) {
-                let weight = columns[k][l] * rest;
+        let driven = |port: usize| PORTS_OF_FACES.iter().zip(acts).all(|(own, acts)| !acts || *own != port);
+        for (k, face, stage) in unknowns() {
+            let unit = SVector::<f64, UNKNOWNS>::from_fn(|l, _| if l == k { 1.0 } else { 0.0 });
+            let column = factorization::solve(&matrix, &unit).unwrap_or_else(|_| SVector::repeat(f64::NAN));
+            let (observed, point) = (&cooled[face], 2 * stage);
+            for (l, to, at) in unknowns() {
+                let weight = -column[l] * air[face].rest;
                 for (flux, state) in faces.by_state[to][at].iter_mut().zip(&observed.homogeneous[point]) {
                     *flux += weight * state;
                 }
-                for port in 0..2 {
+                for port in (0..PORTS).filter(|&port| driven(port)) {
                     for driver in 0..2 {
-                        faces.by_flux[port][to][at][driver] += weight * observed.gain[port][point][driver];
+                        // The law is that of the temperature above the ambient.
+                        let ambient = f64::from(u8::from(port == Port::Ambient as usize && driver == stage));
+                        faces.by_port[port][to][at][driver] += weight * (observed.gain[port][point][driver] - ambient);
                     }
                 }
             }
@@ -182,28 +218,27 @@ impl LinearFaces {
         faces
     }
 
-    /// What is observed with these faces.
-    fn observed(&self, without: &Observed) -> Observed {
-        let mut with = without.clone();
+    /// Eliminates these faces from what is observed.
+    fn eliminate(&self, observed: &mut Observed) {
         for face in (0..FACES).filter(|&face| self.acts[face]) {
-            for (point, gain) in without.gain[PORTS_OF_FACES[face]].iter().enumerate() {
+            let gains = std::mem::take(&mut observed.gain[PORTS_OF_FACES[face]]);
+            for (point, gain) in gains.iter().enumerate() {
                 for (stage, gain) in gain.iter().enumerate() {
-                    for (with, flux) in with.homogeneous[point].iter_mut().zip(&self.by_state[face][stage]) {
+                    for (with, flux) in observed.homogeneous[point].iter_mut().zip(&self.by_state[face][stage]) {
                         *with += gain * flux;
                     }
-                    for port in 0..2 {
+                    for port in 0..PORTS {
                         for at in 0..2 {
-                            with.gain[port][point][at] += gain * self.by_flux[port][face][stage][at];
+                            observed.gain[port][point][at] += gain * self.by_port[port][face][stage][at];
                         }
                     }
                 }
             }
         }
-        with
     }
 }
 
-/// Exact propagator of a reduced body over one step size.
+/// Exact propagator of a reduced body over one step size, with its linear faces eliminated.
 #[derive(Clone, Debug)]
 pub struct Propagator {
     /// Temperature of the contact surface.
@@ -212,20 +247,23 @@ pub struct Propagator {
     pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
-    /// Contact and mean temperature for the fast path: with the linear faces.
-    pub fast: [Observed; 2],
+    /// Temperatures of the face itself, of the contact and of the body's mean at the end, per flux into a face that is constant over the
+    /// step, K m2/W.
+    pub by_face: [[f64; 3]; FACES],
     linear: LinearFaces,
+    /// Heat (J/m2) that leaves by the constant heat transfer over the step, per initial state and per stage value of every port.
+    lost: ([f64; MAX_STATES], [Pair; PORTS]),
     /// Cooling of the faces beyond the heat transfer within the states.
     pub air: [Air; FACES],
-    decay: [f64; MAX_STATES],
-    update: [[[f64; MAX_STATES]; 2]; PORTS],
-    surface: [Group; MAX_STATES / LANES],
+    groups: [Group; MAX_STATES / LANES],
+    /// Gain of the states from the stage values of the ports beyond contact and cooling.
+    update: [[[f64; MAX_STATES]; 2]; PORTS - 2],
 }
 
 /// Number of states per vector.
 const LANES: usize = 4;
 
-/// Entries of the fast path for some neighbouring states, contiguous in memory: the same numbers as in the rows above.
+/// Entries of every step for some neighbouring states, contiguous in memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Group {
@@ -256,6 +294,7 @@ impl Propagator {
     /// is observed where its cooling acts.
     pub fn new(of: &BodyOperators, step: f64, scales: Scales) -> Option<Propagator> {
         let body = of.heat.as_ref()?;
+        let duration = step;
         let step = step * scales.pace;
         let air = of.air.each_ref().map(|air| air.at(scales));
         let cools = air.each_ref().map(Air::acts);
@@ -277,131 +316,95 @@ impl Propagator {
                 *weight = weights(body.rate[k], decay[point][k], POINTS[point], POINTS[point] * step);
             }
         }
-        let mut update = [[[0.0; MAX_STATES]; 2]; PORTS];
-        for k in 0..body.count {
-            let by_stage = driven[2][k];
-            for port in 0..PORTS {
-                for stage in 0..2 {
-                    update[port][stage][k] = body.input[port][k] * by_stage[stage] * weight[port];
-                }
-            }
-        }
         let observed = |observation: &Observation| Observed::new(body, observation, &decay, &driven, &weight);
-        let [contact, mean] = [&body.contact_temperature, &body.mean_temperature].map(observed);
-        let cooled = [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])]
+        let [mut contact, mut mean] = [&body.contact_temperature, &body.mean_temperature].map(observed);
+        let mut cooled = [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])]
             .map(|(observation, asked)| if asked { observed(observation) } else { Observed::none() });
+        let by_face = [BESIDE, FAR].map(|face| {
+            [&cooled[face], &contact, &mean].map(|one| one.gain[PORTS_OF_FACES[face]][2].iter().sum::<f64>())
+        });
         let linear = LinearFaces::new(&cooled, &air);
-        let fast = [&contact, &mean].map(|without| linear.observed(without));
-        let surface = std::array::from_fn(|group| {
+        let [beside, far] = &mut cooled;
+        for observed in [&mut contact, &mut mean, beside, far] {
+            linear.eliminate(observed);
+        }
+        let update = |port: usize, stage: usize, k: usize| body.input[port][k] * driven[2][k][stage] * weight[port];
+        // The flow of a state is (input - gain of the state)/rate, as the propagation is exact.
+        let (by_state, by_port) = &of.lost_over_step;
+        let by_state: [f64; MAX_STATES] = std::array::from_fn(|k| scales.capacity() * by_state[k]);
+        let lost_by = |port: usize, stage: usize| {
+            let kept: f64 = (0..body.count).map(|k| by_state[k] * update(port, stage, k)).sum();
+            by_port[port] * (weight[port] / scales.flux) * (duration * QUADRATURE[stage]) - kept
+        };
+        let lost = (
+            std::array::from_fn(|k| by_state[k] * (1.0 - decay[2][k])),
+            std::array::from_fn(|port| [lost_by(port, 0), lost_by(port, 1)]),
+        );
+        let groups = std::array::from_fn(|group| {
             let of = |row: &[f64; MAX_STATES]| std::array::from_fn(|lane| row[LANES * group + lane]);
+            let by = |port: Port| {
+                [0, 1].map(|stage| std::array::from_fn(|lane| update(port as usize, stage, LANES * group + lane)))
+            };
             Group {
-                contact: fast[0].homogeneous.each_ref().map(of),
+                contact: contact.homogeneous.each_ref().map(of),
                 decay: of(&decay[2]),
-                update: update[Port::Contact as usize].each_ref().map(of),
-                cooling: update[Port::Cooling as usize].each_ref().map(of),
+                update: by(Port::Contact),
+                cooling: by(Port::Cooling),
             }
         });
-        Some(Propagator { contact, cooled, mean, fast, linear, air, decay: decay[2], update, surface })
+        let update = [Port::Ambient, Port::Base]
+            .map(|port| [0, 1].map(|stage| std::array::from_fn(|k| update(port as usize, stage, k))));
+        Some(Propagator { contact, cooled, mean, by_face, linear, lost, air, groups, update })
     }
 
-    /// Stage fluxes into the linear faces from the initial states and the stage fluxes of contact and cooling; `None` where there are no
-    /// such faces.
+    /// Whether a face is linear.
     #[inline(always)]
-    pub fn linear_fluxes(
-        &self,
-        states: &[f64; MAX_STATES],
-        count: usize,
-        fluxes: [[f64; 2]; 2],
-    ) -> [Option<[f64; 2]>; FACES] {
-        let LinearFaces { acts, by_state, by_flux } = &self.linear;
-        let flux = |face: usize, stage: usize| {
-            let driven = |port: usize| {
-                let gain = &by_flux[port][face][stage];
-                gain[0] * fluxes[port][0] + gain[1] * fluxes[port][1]
-            };
-            dot(&by_state[face][stage], states, count) + (driven(0) + driven(1))
-        };
-        [BESIDE, FAR].map(|face| acts[face].then(|| [flux(face, 0), flux(face, 1)]))
+    pub fn is_linear(&self, face: usize) -> bool {
+        self.linear.acts[face]
     }
 
-    /// Temperature of the contact surface at both stages from the initial states alone.
+    /// Stage fluxes into a linear face from the initial states and the stage values of the other ports.
     #[inline(always)]
-    pub fn contact_at_stages(&self, states: &[f64; MAX_STATES], count: usize) -> [f64; 2] {
-        let (mut first, mut last) = ([0.0; LANES], [0.0; LANES]);
-        let groups = self.surface.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES));
-        for (weights, states) in groups {
+    pub fn linear_flux(&self, face: usize, states: &[f64; MAX_STATES], count: usize, values: &[Pair]) -> Pair {
+        let LinearFaces { by_state, by_port, .. } = &self.linear;
+        let mut flux = [dot(&by_state[face][0], states, count), dot(&by_state[face][1], states, count)];
+        for (value, by) in values.iter().zip(by_port) {
+            flux = sum(flux, apply(&by[face], *value));
+        }
+        flux
+    }
+
+    /// Heat that leaves by the constant heat transfer over the step, J/m2.
+    #[inline(always)]
+    pub fn lost(&self, states: &[f64; MAX_STATES], count: usize, values: &[Pair; PORTS]) -> f64 {
+        let (by_state, by_port) = &self.lost;
+        let driven = |port: usize| by_port[port][0] * values[port][0] + by_port[port][1] * values[port][1];
+        dot(by_state, states, count) + ((driven(0) + driven(1)) + (driven(2) + driven(3)))
+    }
+
+    /// Temperature of the contact surface at `points` from the initial states alone.
+    #[inline(always)]
+    pub fn contact_at<const N: usize>(&self, points: [usize; N], states: &[f64; MAX_STATES], count: usize) -> [f64; N] {
+        let mut sums = [[0.0; LANES]; N];
+        for (weights, states) in self.groups.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES)) {
             let states = *states;
-            accumulate(&mut first, &weights.contact[0], &states);
-            accumulate(&mut last, &weights.contact[2], &states);
-        }
-        [total(first), total(last)]
-    }
-
-    /// Temperature of the contact surface at the point 2/3 from the initial states alone.
-    #[inline(always)]
-    pub fn contact_at_middle(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
-        let mut sum = [0.0; LANES];
-        for (weights, states) in self.surface.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES)) {
-            accumulate(&mut sum, &weights.contact[1], states);
-        }
-        total(sum)
-    }
-
-    /// Bound of [`Propagator::linear_error`] at constant conditions, where a flux relaxes: it deviates from the line through both stages by
-    /// at most half their difference.
-    #[inline(always)]
-    pub fn bound_of_linear(&self, faces: &[Option<[f64; 2]>; FACES]) -> f64 {
-        let mut bound = 0.0;
-        for (face, port) in PORTS_OF_FACES.into_iter().enumerate() {
-            if let Some(flux) = faces[face] {
-                bound += self.error_of(face, port, 0.5 * (flux[1] - flux[0]));
+            for n in 0..N {
+                accumulate(&mut sums[n], &weights.contact[points[n]], &states);
             }
         }
-        bound
-    }
-
-    /// Error of the temperatures at the end of the step by a `residual` of a linear face, K.
-    #[inline(always)]
-    fn error_of(&self, face: usize, port: usize, residual: f64) -> f64 {
-        let [own, contact, mean] =
-            [&self.cooled[face], &self.contact, &self.mean].map(|one| one.gain[port][2][0] + one.gain[port][2][1]);
-        cooling_error(residual, self.air[face].rest, own, [contact, mean])
-    }
-
-    /// Error of the temperatures at the end of the step by the linear faces, K: see [`cooling_error`]. `fluxes` as in
-    /// [`Propagator::linear_fluxes`], which gives `faces`.
-    #[inline(never)]
-    pub fn linear_error(
-        &self,
-        states: &[f64; MAX_STATES],
-        count: usize,
-        fluxes: [[f64; 2]; 2],
-        faces: &[Option<[f64; 2]>; FACES],
-    ) -> f64 {
-        let mut error = 0.0;
-        for (face, port) in PORTS_OF_FACES.into_iter().enumerate() {
-            let (Some(flux), observed, rest) = (faces[face], &self.cooled[face], self.air[face].rest) else { continue };
-            let by_faces = PORTS_OF_FACES.into_iter().zip(faces).filter_map(|(port, flux)| Some((port, (*flux)?)));
-            let driven =
-                fluxes.into_iter().enumerate().chain(by_faces).map(|(port, flux)| observed.of_flux(port, 1, flux));
-            let t = observed.of_states(1, states, count) + driven.sum::<f64>();
-            let residual = -rest * t - (BASIS[1][0] * flux[0] + BASIS[1][1] * flux[1]);
-            error += self.error_of(face, port, residual);
+        // Not by `map`, which is compiled without the vector unit.
+        let mut found = [0.0; N];
+        for n in 0..N {
+            found[n] = total(sums[n]);
         }
-        error
+        found
     }
 
-    /// [`Propagator::advance`] where only the contact and the faces `faces` have fluxes.
+    /// Advances `states` over the step under the stage fluxes of every port; that of the contact is always active.
     #[inline(always)]
-    pub fn advance_surface(
-        &self,
-        states: &mut [f64; MAX_STATES],
-        count: usize,
-        contact: [f64; 2],
-        [cooling, far]: [Option<[f64; 2]>; FACES],
-    ) {
-        for (weights, states) in self.surface.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES))
-        {
+    pub fn advance(&self, states: &mut [f64; MAX_STATES], count: usize, fluxes: &[Pair; PORTS], active: [bool; PORTS]) {
+        let [contact, cooling, ..] = fluxes;
+        for (weights, states) in self.groups.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES)) {
             // In a local copy, stored at the end: the compiler then need not prove that nothing overlaps.
             let mut new = *states;
             for lane in 0..LANES {
@@ -409,41 +412,17 @@ impl Propagator {
                     + weights.update[0][lane] * contact[0]
                     + weights.update[1][lane] * contact[1];
             }
-            if let Some(cooling) = cooling {
+            if active[Port::Cooling as usize] {
                 accumulate(&mut new, &weights.cooling[0], &[cooling[0]; LANES]);
                 accumulate(&mut new, &weights.cooling[1], &[cooling[1]; LANES]);
             }
             *states = new;
         }
-        if let Some(far) = far {
-            let [first, last] = &self.update[PORTS_OF_FACES[FAR]];
-            for k in 0..LANES * count.div_ceil(LANES) {
-                states[k] += first[k] * far[0] + last[k] * far[1];
-            }
-        }
-    }
-
-    /// Advances `states` over the step under the stage fluxes of every port.
-    #[inline]
-    pub fn advance(
-        &self,
-        states: &mut [f64; MAX_STATES],
-        count: usize,
-        fluxes: &[[f64; 2]; PORTS],
-        active: [bool; PORTS],
-    ) {
-        // Whole groups of four, as in `dot`: entries beyond the last state stay 0.
-        let count = 4 * count.div_ceil(4);
-        let states = &mut states[..count];
-        let row = |port: usize, stage: usize| &self.update[port][stage][..count];
-        let contact = row(0, 0).iter().zip(row(0, 1));
-        for ((state, decay), (first, second)) in states.iter_mut().zip(&self.decay[..count]).zip(contact) {
-            *state = decay * *state + first * fluxes[0][0] + second * fluxes[0][1];
-        }
-        for port in 1..PORTS {
+        for port in [Port::Ambient as usize, Port::Base as usize] {
             if active[port] {
-                for (state, (first, second)) in states.iter_mut().zip(row(port, 0).iter().zip(row(port, 1))) {
-                    *state += first * fluxes[port][0] + second * fluxes[port][1];
+                let [first, second] = &self.update[port - 2];
+                for k in 0..count {
+                    states[k] += first[k] * fluxes[port][0] + second[k] * fluxes[port][1];
                 }
             }
         }

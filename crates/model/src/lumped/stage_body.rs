@@ -6,186 +6,404 @@ use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::estimate::cooling_error;
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_flux, cooling_slope};
-use super::stage::{BASIS, Observed, Propagator, QUADRATURE};
-use super::state::{BodyState, NewHeat};
+use super::property_step::PropertyStep;
+use super::stage::{BASIS, Matrix, Observed, Pair, Propagator, QUADRATURE, apply, inverse, product, sum};
+use super::stage_partition::Response;
+use super::state::BodyState;
 use conduction::reduced::{PORTS, Port};
-use numerics::maximum::maximum;
+use numerics::maximum::{all_finite, maximum};
 
-/// Contribution of one body to the stage equations.
-pub struct StageBody<'a> {
+/// Contribution of one body to the stage equations; `COMMON` as in [`super::stepper::Stepper::attempt`].
+pub(crate) struct StageBody<'a, const COMMON: bool> {
     pub body: &'a BodyOperators,
-    pub propagator: Option<&'a Propagator>,
-    /// Contact temperature at the three points without contact and cooling flux.
-    pub level: [f64; 3],
-    /// Temperatures of the cooled faces at both stages without contact and cooling flux.
-    pub cooled: [[f64; 2]; FACES],
+    /// Propagator and number of states; `None` for an insulator.
+    own: Option<(&'a Propagator, usize)>,
+    /// Contact temperature without contact flux and cooling, K above the reference; also of the cooled faces.
+    free: Pair,
+    free_of_faces: [Pair; FACES],
+    /// Temperature at which the contact enters, with the response of its moving source.
+    source: Response,
+    /// Contact temperature with the cooling.
+    pub contact: Response,
+    /// Likewise of the cooled faces.
+    faces: [Response; FACES],
+    /// Linearised laws of cooling: the flux into a face of the temperature T is `offset - slope T`.
+    offset: [Pair; FACES],
+    slope: [Pair; FACES],
     /// Stage fluxes through every port.
-    pub flux: [[f64; 2]; PORTS],
-    pub active: [bool; PORTS],
-    /// Faces with cooling that depends on their temperature.
-    pub cools: [bool; FACES],
+    pub flux: [Pair; PORTS],
+    active: [bool; PORTS],
+    /// Faces whose cooling is solved for: not in proportion to their temperature alone.
+    cools: [bool; FACES],
 }
 
-impl<'a> StageBody<'a> {
+pub const NONE: Response = Response { level: [0.0; 2], gain: [[0.0; 2]; 2] };
+
+/// Product of a matrix and a diagonal one.
+#[inline(always)]
+fn columns(matrix: &Matrix, by: Pair) -> Matrix {
+    [[matrix[0][0] * by[0], matrix[0][1] * by[1]], [matrix[1][0] * by[0], matrix[1][1] * by[1]]]
+}
+
+/// `(I + G S)^-1` for the gain G of a face from its own flux and the slope S of its law.
+#[inline(always)]
+fn settling(by_own: &Matrix, slope: Pair) -> Matrix {
+    let through = columns(by_own, slope);
+    inverse(&[[1.0 + through[0][0], through[0][1]], [through[1][0], 1.0 + through[1][1]]])
+}
+
+/// Response of a face with its own law.
+#[inline(always)]
+fn settled(settle: &Matrix, bare: &Response, by_own: &Matrix, offset: Pair) -> Response {
+    Response { level: apply(settle, sum(bare.level, apply(by_own, offset))), gain: product(settle, &bare.gain) }
+}
+
+#[inline(always)]
+fn less(left: &Matrix, right: &Matrix) -> Matrix {
+    [[left[0][0] - right[0][0], left[0][1] - right[0][1]], [left[1][0] - right[1][0], left[1][1] - right[1][1]]]
+}
+
+impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
+    /// Number of faces that may be cooled.
+    const COOLED: usize = if COMMON { 1 } else { FACES };
+
+    /// Body in this state between the prescribed temperatures at both stages; `cools` and `source` as in the fields.
+    #[inline(always)]
     pub fn new(
         body: &'a BodyOperators,
-        propagator: Option<&'a Propagator>,
+        own: Option<(&'a Propagator, usize)>,
         state: &BodyState,
-        ambient: [f64; 2],
-        far: [f64; 2],
+        ambient: Pair,
+        far: Pair,
+        cools: [bool; FACES],
+        source: Response,
     ) -> Self {
         let mut stage = StageBody {
             body,
-            propagator,
-            level: [ambient[0], 0.0, ambient[1]],
-            cooled: [[0.0; 2]; FACES],
-            flux: [[0.0; 2]; PORTS],
+            own,
+            free: ambient,
+            free_of_faces: [[0.0; 2]; FACES],
+            source,
+            contact: NONE,
+            faces: [NONE; FACES],
+            offset: [[0.0; 2]; FACES],
+            slope: [[0.0; 2]; FACES],
+            flux: [[0.0; 2], [0.0; 2], ambient, far],
             active: [true, false, ambient != [0.0; 2], far != [0.0; 2]],
-            cools: body.air.each_ref().map(|face| face.acts()),
+            cools,
         };
-        stage.flux[Port::Ambient as usize] = ambient;
-        stage.flux[Port::Base as usize] = far;
-        if let (Some(propagator), Some(heat)) = (propagator, &body.heat) {
-            for point in [0, 2] {
-                stage.level[point] = stage.observe(&propagator.contact, point, state, heat.count);
-                for face in 0..FACES {
-                    if stage.cools[face] {
-                        stage.cooled[face][point / 2] = if face == BESIDE && body.cooled_is_contact {
-                            stage.level[point]
-                        } else {
-                            stage.observe(&propagator.cooled[face], point, state, heat.count)
-                        };
-                    }
+        let mut bare = NONE;
+        if let Some((own, count)) = own {
+            let contact = own.contact_at([0, 2], &state.heat, count);
+            stage.free = sum(contact, [stage.prescribed(&own.contact, 0), stage.prescribed(&own.contact, 2)]);
+            bare.gain = own.contact.gain_at_stages(Port::Contact as usize);
+            for face in 0..Self::COOLED {
+                if cools[face] {
+                    let observed = stage.observed(own, face);
+                    let free = |point: usize| {
+                        observed.of_states(point, &state.heat, count) + stage.prescribed(observed, point)
+                    };
+                    let level = if stage.is_contact(face) { stage.free } else { [free(0), free(2)] };
+                    stage.free_of_faces[face] = level;
+                    stage.faces[face] = Response { level, gain: observed.gain_at_stages(Port::Contact as usize) };
                 }
             }
-            for (port, cools) in PORTS_OF_FACES.into_iter().zip(stage.cools) {
-                stage.active[port] |= cools;
+            // A flux into the far face takes the place of its prescribed temperature.
+            for face in 0..Self::COOLED {
+                stage.active[PORTS_OF_FACES[face]] |= cools[face];
             }
         }
+        bare.level = stage.free;
+        stage.join(bare);
         stage
     }
 
-    /// Free response at `point`: by states and prescribed temperatures.
-    #[inline]
-    fn observe(&self, observed: &Observed, point: usize, state: &BodyState, count: usize) -> f64 {
-        let mut sum = observed.of_states(point, &state.heat, count);
+    #[inline(always)]
+    fn join(&mut self, own: Response) {
+        let Response { level, gain } = self.source;
+        self.contact =
+            Response { level: sum(own.level, level), gain: [sum(own.gain[0], gain[0]), sum(own.gain[1], gain[1])] };
+    }
+
+    /// Whether the temperature of a cooled face is that of the contact without moving source.
+    #[inline(always)]
+    fn is_contact(&self, face: usize) -> bool {
+        face == BESIDE && (COMMON || self.body.cooled_is_contact)
+    }
+
+    #[inline(always)]
+    fn observed(&self, own: &'a Propagator, face: usize) -> &'a Observed {
+        if COMMON && face == BESIDE { &own.contact } else { &own.cooled[face] }
+    }
+
+    /// Part of an observation at `point` by prescribed temperatures.
+    #[inline(always)]
+    fn prescribed(&self, observed: &Observed, point: usize) -> f64 {
+        let mut sum = 0.0;
         for (port, found) in [(Port::Ambient as usize, false), (Port::Base as usize, self.cools[FAR])] {
-            if self.active[port] && !found {
+            if !COMMON && self.active[port] && !found {
                 sum += observed.of_flux(port, point, self.flux[port]);
             }
         }
         sum
     }
 
-    /// Contact temperature at the point 2/3 without contact flux and cooling, for the error estimate only.
-    pub fn middle_level(&self, state: &BodyState) -> f64 {
-        match (self.propagator, &self.body.heat) {
-            (Some(propagator), Some(heat)) => self.observe(&propagator.contact, 1, state, heat.count),
-            _ => 0.5 * (self.level[0] + self.level[2]),
-        }
-    }
-
-    /// Contact temperature at `point` under the current stage fluxes.
-    pub fn contact(&self, point: usize) -> f64 {
-        self.level[point] + self.add(|propagator| &propagator.contact, point)
-    }
-
-    /// Contact temperature at `point` without contact flux, with cooling.
-    pub fn contact_level(&self, point: usize) -> f64 {
-        match self.propagator {
-            Some(propagator) => self.add_cooling(self.level[point], &propagator.contact, point),
-            None => self.level[point],
-        }
+    /// Whether the body conducts.
+    #[inline(always)]
+    pub fn conducts(&self) -> bool {
+        self.own.is_some()
     }
 
     /// Whether any cooling depends on temperatures still to be solved for.
+    #[inline(always)]
     pub fn cools(&self) -> bool {
-        self.cools.contains(&true)
+        self.cools[BESIDE] || !COMMON && self.cools[FAR]
     }
 
-    /// Response of an observation to contact and cooling fluxes at `point`.
-    pub fn add(&self, of: impl Fn(&Propagator) -> &Observed, point: usize) -> f64 {
-        self.propagator.map_or(0.0, |propagator| self.add_to(of(propagator), point))
+    /// Eliminates the cooling: [`StageBody::contact`] becomes the response with it. The laws are linear at the temperatures of the faces
+    /// under the contact flux of the last solution.
+    #[inline(always)]
+    pub fn cool(&mut self, reference: f64, around: &Around) {
+        let Some((own, _)) = self.own else { return };
+        for face in 0..Self::COOLED {
+            if self.cools[face] {
+                let (t, air) = (self.faces[face].at(self.flux[0]), &own.air[face]);
+                let law = |i: usize| {
+                    let (ambient, forced) = (around.ambient[i], around.forced[i]);
+                    let slope = cooling_slope(air, reference, t[i], forced);
+                    let flux = cooling_flux(air, reference, t[i], ambient, forced, around.neighbour[i]);
+                    (slope, flux + slope * t[i])
+                };
+                let (first, last) = (law(0), law(1));
+                (self.slope[face], self.offset[face]) = ([first.0, last.0], [first.1, last.1]);
+            }
+        }
+        if COMMON {
+            let observed = &own.contact;
+            let bare = Response { level: self.free, gain: observed.gain_at_stages(Port::Contact as usize) };
+            let by_own = observed.gain_at_stages(PORTS_OF_FACES[BESIDE]);
+            let settle = settling(&by_own, self.slope[BESIDE]);
+            self.faces[BESIDE] = settled(&settle, &bare, &by_own, self.offset[BESIDE]);
+            self.join(self.faces[BESIDE]);
+        } else {
+            self.cool_faces(own);
+        }
     }
 
-    fn add_to(&self, observed: &Observed, point: usize) -> f64 {
-        self.add_cooling(observed.of_flux(0, point, self.flux[0]), observed, point)
+    /// Eliminates the linearised cooling face by face.
+    #[inline(never)]
+    fn cool_faces(&mut self, own: &Propagator) {
+        // Responses of the faces and, last, of the contact to the contact flux and to those into the faces.
+        let observed = [&own.cooled[BESIDE], &own.cooled[FAR], &own.contact];
+        let gain = |observed: &Observed| observed.gain_at_stages(Port::Contact as usize);
+        let level = [self.free_of_faces[BESIDE], self.free_of_faces[FAR], self.free];
+        let mut rows: [_; FACES + 1] =
+            std::array::from_fn(|row| Response { level: level[row], gain: gain(observed[row]) });
+        let mut by_face = observed.map(|observed| PORTS_OF_FACES.map(|port| observed.gain_at_stages(port)));
+        for face in (0..FACES).filter(|&face| self.cools[face]) {
+            let (slope, offset) = (self.slope[face], self.offset[face]);
+            let settle = settling(&by_face[face][face], slope);
+            rows[face] = settled(&settle, &rows[face], &by_face[face][face], offset);
+            by_face[face] = by_face[face].map(|gain| product(&settle, &gain));
+            for row in (0..=FACES).filter(|&row| row != face) {
+                let by = by_face[row][face];
+                let through = columns(&by, slope);
+                let (flux, fall) = (apply(&by, offset), apply(&through, rows[face].level));
+                rows[row].level = sum(rows[row].level, [flux[0] - fall[0], flux[1] - fall[1]]);
+                rows[row].gain = less(&rows[row].gain, &product(&through, &rows[face].gain));
+                for other in (0..FACES).filter(|&other| other != face) {
+                    by_face[row][other] = less(&by_face[row][other], &product(&through, &by_face[face][other]));
+                }
+            }
+        }
+        let [beside, far, contact] = rows;
+        self.faces = [beside, far];
+        self.join(contact);
     }
 
+    /// Sets the contact fluxes at both stages, and those of the cooling with them.
+    #[inline(always)]
+    pub fn take(&mut self, into: Pair) {
+        self.flux[0] = into;
+        for face in 0..Self::COOLED {
+            if self.cools[face] {
+                let (t, offset, slope) = (self.faces[face].at(into), self.offset[face], self.slope[face]);
+                self.flux[PORTS_OF_FACES[face]] = [offset[0] - slope[0] * t[0], offset[1] - slope[1] * t[1]];
+            }
+        }
+    }
+
+    /// Largest linearisation error of the cooling at either stage, as the temperature (K) that it causes at the end of the step.
+    #[inline(always)]
+    pub fn left(&self, reference: f64, around: &Around) -> f64 {
+        let mut most = 0.0;
+        let Some((own, _)) = self.own else { return most };
+        for face in 0..Self::COOLED {
+            let (air, port) = (&own.air[face], PORTS_OF_FACES[face]);
+            if self.cools[face] && air.emissivity > 0.0 {
+                let (t, gain) = (self.face(face), self.observed(own, face).gain[port][2]);
+                let left = |i: usize| {
+                    let flux =
+                        cooling_flux(air, reference, t[i], around.ambient[i], around.forced[i], around.neighbour[i]);
+                    ((flux - self.flux[port][i]) * gain[i]).abs()
+                };
+                most = maximum(most, maximum(left(0), left(1)));
+            }
+        }
+        most
+    }
+
+    /// Temperatures of a cooled face at both stages.
+    #[inline(always)]
+    fn face(&self, face: usize) -> Pair {
+        self.faces[face].at(self.flux[0])
+    }
+
+    /// Contact temperature at the point 2/3 under the stage fluxes, and its gain from the contact's, for the error estimate; `source`
+    /// is the response of the moving source there.
+    #[inline(always)]
+    pub(crate) fn contact_in_middle(&self, state: &BodyState, source: (f64, Pair)) -> (f64, Pair) {
+        let Some((own, count)) = self.own else {
+            return (0.5 * (self.contact.level[0] + self.contact.level[1]), [0.0; 2]);
+        };
+        let [free] = own.contact_at([1], &state.heat, count);
+        let level = free + self.prescribed(&own.contact, 1) + source.0;
+        let level = self.add_cooling(level, &own.contact, 1);
+        let gain = sum(own.contact.gain[0][1], source.1);
+        (level + (gain[0] * self.flux[0][0] + gain[1] * self.flux[0][1]), gain)
+    }
+
+    #[inline(always)]
     fn add_cooling(&self, mut sum: f64, observed: &Observed, point: usize) -> f64 {
-        for (port, cools) in PORTS_OF_FACES.into_iter().zip(self.cools) {
-            if cools {
+        for face in 0..Self::COOLED {
+            if self.cools[face] {
+                let port = PORTS_OF_FACES[face];
                 sum += observed.of_flux(port, point, self.flux[port]);
             }
         }
         sum
     }
 
-    pub fn gain(&self, point: usize) -> [f64; 2] {
-        self.propagator.map_or([0.0; 2], |propagator| propagator.contact.gain[0][point])
+    #[inline(always)]
+    fn add_fluxes(&self, level: f64, observed: &Observed, point: usize) -> f64 {
+        self.add_cooling(level + observed.of_flux(0, point, self.flux[0]), observed, point)
     }
 
-    /// Temperature of a cooled face at a stage.
-    pub fn face(&self, face: usize, stage: usize) -> f64 {
-        let observed = self.propagator.map_or(0.0, |own| self.add_to(&own.cooled[face], 2 * stage));
-        self.cooled[face][stage] + observed
+    /// Whether a face is linear: eliminated in the propagator.
+    #[inline(always)]
+    pub(crate) fn has_linear_faces(&self) -> bool {
+        self.own.is_some_and(|(own, _)| own.is_linear(BESIDE) || own.is_linear(FAR))
+    }
+
+    /// Sets the fluxes into the linear faces to those under the others.
+    #[inline(always)]
+    pub(crate) fn take_linear(&mut self, state: &BodyState) {
+        let Some((own, count)) = self.own else { return };
+        let ports = if COMMON { 2 } else { PORTS };
+        for face in 0..FACES {
+            if own.is_linear(face) {
+                // No linear flux is among those that drive it.
+                let (flux, port) =
+                    (own.linear_flux(face, &state.heat, count, &self.flux[..ports]), PORTS_OF_FACES[face]);
+                (self.flux[port], self.active[port]) = (flux, true);
+            }
+        }
     }
 
     /// Error of the step by the cooling, in K, from the residuals of its laws at the point 2/3 with the conditions `middle`, and the
-    /// largest temperature of a cooled face, K.
-    pub fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around) -> [f64; 2] {
+    /// largest temperature of a face that is solved for, K.
+    #[inline(always)]
+    pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around) -> [f64; 2] {
         let (mut error, mut rise) = (0.0, 0.0);
-        let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) else { return [0.0; 2] };
+        let Some((own, count)) = self.own else { return [0.0; 2] };
         let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
-        for face in (0..FACES).filter(|&face| self.cools[face]) {
-            let (air, observed, port) = (&propagator.air[face], &propagator.cooled[face], PORTS_OF_FACES[face]);
-            let t = self.observe(observed, 1, state, heat.count) + self.add_to(observed, 1);
+        for face in 0..FACES {
+            if !self.cools[face] && !own.is_linear(face) {
+                continue;
+            }
+            let (air, port, is_contact) = (&own.air[face], PORTS_OF_FACES[face], COMMON && self.cools[face]);
+            let observed = if is_contact { &own.contact } else { &own.cooled[face] };
+            let free = if is_contact {
+                own.contact_at([1], &state.heat, count)[0]
+            } else {
+                observed.of_states(1, &state.heat, count) + self.prescribed(observed, 1)
+            };
+            let t = self.add_fluxes(free, observed, 1);
             let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
             let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
-            let [own, contact, mean] = [observed, &propagator.contact, &propagator.mean]
-                .map(|observed| observed.gain[port][2][0] + observed.gain[port][2][1]);
-            error += cooling_error(residual, cooling_slope(air, reference, t, forced), own, [contact, mean]);
-            rise = maximum(rise, maximum(self.face(face, 0).abs(), self.face(face, 1).abs()));
+            error += cooling_error(residual, cooling_slope(air, reference, t, forced), own.by_face[face]);
+            if self.cools[face] {
+                let [first, last] = self.face(face);
+                rise = maximum(rise, maximum(first.abs(), last.abs()));
+            }
         }
         [error, rise]
     }
 
-    /// Mean temperature of the body at the end of the step under the current stage fluxes, K above the reference; 0 for an insulator.
-    pub fn mean_at_end(&self, state: &BodyState) -> f64 {
-        let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) else { return 0.0 };
-        self.observe(&propagator.mean, 2, state, heat.count) + self.add_to(&propagator.mean, 2)
+    /// Mean temperature of a body with a table of properties at the end of the step, K above the reference; 0 for another.
+    #[inline(always)]
+    pub(crate) fn mean_at_end(&self, state: &BodyState) -> f64 {
+        let (Some((own, count)), Some(_)) = (self.own, &self.body.properties) else { return 0.0 };
+        let free = own.mean.of_states(2, &state.heat, count) + self.prescribed(&own.mean, 2);
+        self.add_fluxes(free, &own.mean, 2)
     }
 
-    /// Thermal states and received heat of the ports at the end of the step.
-    pub fn advanced(&self, state: &BodyState, reference: f64, around: &Around, step: f64) -> NewHeat {
-        let mut new = NewHeat { heat: state.heat, received: state.received, external: state.external };
-        if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
-            propagator.advance(&mut new.heat, heat.count, &self.flux, self.active);
-            for port in 0..PORTS {
-                if port == 0 || self.active[port] {
-                    new.received[port] +=
-                        step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
-                }
-            }
-            let air = &propagator.air[FAR];
-            if air.path > 0.0 {
-                for stage in 0..2 {
-                    let t = self.face(FAR, stage);
-                    let by_air = air_flux(air, reference, t, around.ambient[stage], around.forced[stage]);
-                    new.external += step * QUADRATURE[stage] * (by_air - self.flux[PORTS_OF_FACES[FAR]][stage]);
-                }
+    /// Approach by the thermal expansion of the body at a stage, m.
+    pub fn expansion(&self, state: &BodyState, stage: usize) -> f64 {
+        let Some((own, count)) = self.own else { return 0.0 };
+        let free = own.mean.of_states(2 * stage, &state.heat, count) + self.prescribed(&own.mean, 2 * stage);
+        self.body.expansion * self.add_fluxes(free, &own.mean, 2 * stage)
+    }
+
+    /// Whether all fluxes are finite.
+    #[inline(always)]
+    pub fn is_finite(&self) -> bool {
+        let [contact, cooling, ambient, far] = self.flux;
+        all_finite(&[contact[0], contact[1], cooling[0], cooling[1], ambient[0], ambient[1], far[0], far[1]])
+    }
+
+    /// Advances the thermal states and the received heat of the ports over the step; `table`: properties of both bodies, and which of
+    /// them this one is.
+    #[inline(always)]
+    pub fn advance(
+        &self,
+        state: &mut BodyState,
+        reference: f64,
+        around: &Around,
+        step: f64,
+        table: Option<(&PropertyStep, usize)>,
+    ) {
+        let Some((own, count)) = self.own else { return };
+        let table = table.filter(|_| self.body.properties.is_some());
+        if table.is_some() && self.body.loses_to_air {
+            state.lost += own.lost(&state.heat, count, &self.flux);
+        }
+        own.advance(&mut state.heat, count, &self.flux, self.active);
+        let mut passed = [0.0; PORTS];
+        for port in 0..PORTS {
+            passed[port] = step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
+            state.received[port] += passed[port];
+        }
+        if let Some((properties, side)) = table {
+            properties.settle(side, self.body, state, &passed, step);
+        }
+        let air = &own.air[FAR];
+        if !COMMON && air.path > 0.0 {
+            let t = self.face(FAR);
+            for stage in 0..2 {
+                let by_air = air_flux(air, reference, t[stage], around.ambient[stage], around.forced[stage]);
+                state.external += step * QUADRATURE[stage] * (by_air - self.flux[PORTS_OF_FACES[FAR]][stage]);
             }
         }
-        new
     }
 }
 
 /// Conditions around a body at both stages, or twice at one point.
-pub struct Around {
+pub(crate) struct Around {
     /// Ambient temperature, K above the reference.
-    pub ambient: [f64; 2],
+    pub ambient: Pair,
     /// Velocity factor of forced convection.
-    pub forced: [f64; 2],
+    pub forced: Pair,
     /// Temperature of the neighbour behind the heat path, K above the reference.
-    pub neighbour: [f64; 2],
+    pub neighbour: Pair,
 }

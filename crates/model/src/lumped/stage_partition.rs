@@ -2,123 +2,100 @@
 //!
 //! Theory: docs/theory.md, sections 6.8, 2.4.
 
-use super::stage_body::StageBody;
+use super::stage::{Matrix, Pair, apply, inverse, product, sum};
+
+/// Contact temperature of a body at both stages under the contact's stage fluxes q into it: `level + gain q`.
+#[derive(Clone, Copy)]
+pub struct Response {
+    /// Without these fluxes, K above the reference.
+    pub level: Pair,
+    /// K m2/W.
+    pub gain: Matrix,
+}
+
+impl Response {
+    /// Temperature under the fluxes `into`, K above the reference.
+    #[inline(always)]
+    pub fn at(&self, into: Pair) -> Pair {
+        sum(self.level, apply(&self.gain, into))
+    }
+}
 
 /// Linear map from the friction heats of both stages to the fluxes and the contact temperatures.
 #[derive(Clone, Copy)]
 pub(super) struct StageHeatPartition {
-    punch_level: [f64; 2],
-    strip_level: [f64; 2],
-    punch_gain: [[f64; 2]; 2],
-    strip_gain: [[f64; 2]; 2],
-    inverse: [[f64; 2]; 2],
+    /// Punch and strip.
+    contact: [Response; 2],
+    conducts: [bool; 2],
+    /// Fluxes into the punch for the friction heats h: `level + gain h`.
+    into_punch: Response,
     half_resistance: f64,
-    conducts: (bool, bool),
-    pub conductance: f64,
-    pub closed: bool,
 }
 
 impl StageHeatPartition {
-    /// Map for bodies with these responses; `strip_gain` is that of the strip with the moving source.
-    pub fn new(
-        punch: &StageBody,
-        strip: &StageBody,
-        strip_gain: &[[f64; 2]; 3],
-        conductance: f64,
-        closed: bool,
-    ) -> Self {
-        let punch_gain = [punch.gain(0), punch.gain(2)];
-        let strip_gain = [strip_gain[0], strip_gain[2]];
-        let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
-        let mut matrix = [[0.0; 2]; 2];
-        for i in 0..2 {
-            for j in 0..2 {
-                let own = if i == j { 2.0 * half_resistance } else { 0.0 };
-                matrix[i][j] = if closed {
-                    punch_gain[i][j] + strip_gain[i][j] + own
-                } else {
-                    // Open contact: no exchange, the flux into the punch is half of the heat that a bristle leaves.
-                    f64::from(u8::from(i == j))
-                };
+    /// Map for punch and strip with these responses.
+    #[inline(always)]
+    pub fn new(contact: [Response; 2], conducts: [bool; 2], half_resistance: f64, closed: bool) -> Self {
+        let [punch, strip] = &contact;
+        let share = |part: f64| Response { level: [0.0; 2], gain: [[part, 0.0], [0.0, part]] };
+        let into_punch = match conducts {
+            [true, true] if closed && half_resistance > 0.0 => {
+                let with = |gain: &Matrix, own: f64| [[gain[0][0] + own, gain[0][1]], [gain[1][0], gain[1][1] + own]];
+                let both = [sum(punch.gain[0], strip.gain[0]), sum(punch.gain[1], strip.gain[1])];
+                let exchange = inverse(&with(&both, 2.0 * half_resistance));
+                let above = [strip.level[0] - punch.level[0], strip.level[1] - punch.level[1]];
+                let gain = product(&exchange, &with(&strip.gain, half_resistance));
+                Response { level: apply(&exchange, above), gain }
             }
-        }
-        let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
-        let inverse = [
-            [matrix[1][1] / determinant, -matrix[0][1] / determinant],
-            [-matrix[1][0] / determinant, matrix[0][0] / determinant],
-        ];
-        StageHeatPartition {
-            punch_level: [0.0; 2],
-            strip_level: [0.0; 2],
-            punch_gain,
-            strip_gain,
-            inverse,
-            half_resistance,
-            conducts: (punch.propagator.is_some(), strip.propagator.is_some()),
-            conductance,
-            closed,
-        }
-    }
-
-    /// Sets the temperatures without contact flux, which change with the cooling from iteration to iteration.
-    pub fn levels(&mut self, punch: &StageBody, strip: &StageBody) {
-        self.punch_level = [punch.contact_level(0), punch.contact_level(2)];
-        self.strip_level = [strip.contact_level(0), strip.contact_level(2)];
+            [true, true] => share(0.5),
+            [true, false] => share(1.0),
+            [false, _] => share(0.0),
+        };
+        StageHeatPartition { contact, conducts, into_punch, half_resistance }
     }
 
     /// Fluxes into punch and strip at both stages for the friction heats `heat`.
-    pub fn fluxes(&self, heat: [f64; 2]) -> [(f64, f64); 2] {
-        match self.conducts {
-            (true, true) if self.conductance > 0.0 => {
-                let mut right = [0.0; 2];
-                for i in 0..2 {
-                    right[i] = if self.closed {
-                        self.strip_level[i] - self.punch_level[i]
-                            + self.strip_gain[i][0] * heat[0]
-                            + self.strip_gain[i][1] * heat[1]
-                            + self.half_resistance * heat[i]
-                    } else {
-                        0.5 * heat[i]
-                    };
-                }
-                [0, 1].map(|i| {
-                    let into_punch = self.inverse[i][0] * right[0] + self.inverse[i][1] * right[1];
-                    (into_punch, heat[i] - into_punch)
-                })
-            }
-            (true, true) => heat.map(|heat| (0.5 * heat, 0.5 * heat)),
-            (true, false) => heat.map(|heat| (heat, 0.0)),
-            (false, true) => heat.map(|heat| (0.0, heat)),
-            (false, false) => [(0.0, 0.0); 2],
+    #[inline(always)]
+    pub fn fluxes(&self, heat: Pair) -> [Pair; 2] {
+        self.both(self.into_punch.at(heat), heat)
+    }
+
+    #[inline(always)]
+    fn both(&self, punch: Pair, heat: Pair) -> [Pair; 2] {
+        [punch, if self.conducts[1] { [heat[0] - punch[0], heat[1] - punch[1]] } else { [0.0; 2] }]
+    }
+
+    /// Contact temperatures at both stages without friction heat, K above the reference, and their gain from it, K m2/W.
+    #[inline(always)]
+    pub(crate) fn temperature_by_heat(&self) -> Response {
+        let Response { level, gain } = self.into_punch;
+        let mean = |[punch, strip]: [Pair; 2]| [0.5 * (punch[0] + strip[0]), 0.5 * (punch[1] + strip[1])];
+        let mut alone = *self;
+        (alone.contact[0].level, alone.contact[1].level) = ([0.0; 2], [0.0; 2]);
+        let column = |punch: Pair, heat: Pair| mean(alone.surfaces(&alone.both(punch, heat)));
+        let (first, last) =
+            (column([gain[0][0], gain[1][0]], [1.0, 0.0]), column([gain[0][1], gain[1][1]], [0.0, 1.0]));
+        Response {
+            level: mean(self.surfaces(&self.both(level, [0.0; 2]))),
+            gain: [[first[0], last[0]], [first[1], last[1]]],
         }
     }
 
-    /// Change of the fluxes into the punch at both stages per temperature of the strip above the punch, W/(m2 K); `None` where the
-    /// bodies do not exchange heat.
-    pub fn exchange(&self) -> Option<[[f64; 2]; 2]> {
-        (self.conducts == (true, true) && self.conductance > 0.0 && self.closed).then_some(self.inverse)
-    }
-
-    /// Contact temperatures at both stages, K above the reference.
-    pub fn temperatures(&self, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let [punch, strip] = self.surfaces(i, fluxes);
-            0.5 * (punch + strip)
-        })
-    }
-
-    /// Temperatures of punch and strip at a stage, K above the reference.
-    pub fn surfaces(&self, i: usize, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
-        let punch = self.punch_level[i] + self.punch_gain[i][0] * fluxes[0].0 + self.punch_gain[i][1] * fluxes[1].0;
-        let strip = self.strip_level[i] + self.strip_gain[i][0] * fluxes[0].1 + self.strip_gain[i][1] * fluxes[1].1;
-        self.beside_insulator([punch, strip], fluxes[i])
+    /// Temperatures of punch and strip at both stages under these fluxes, K above the reference.
+    #[inline(always)]
+    pub fn surfaces(&self, [punch, strip]: &[Pair; 2]) -> [Pair; 2] {
+        let of = [self.contact[0].at(*punch), self.contact[1].at(*strip)];
+        let stage = |i: usize| self.beside_insulator([of[0][i], of[1][i]], [punch[i], strip[i]]);
+        let (first, last) = (stage(0), stage(1));
+        [[first[0], last[0]], [first[1], last[1]]]
     }
 
     /// Surface temperature of an insulator: that of the other surface and the jump across the contact resistance.
-    pub fn beside_insulator(&self, [punch, strip]: [f64; 2], into: (f64, f64)) -> [f64; 2] {
+    #[inline(always)]
+    pub(crate) fn beside_insulator(&self, [punch, strip]: [f64; 2], into: [f64; 2]) -> [f64; 2] {
         match self.conducts {
-            (true, false) => [punch, punch + self.half_resistance * into.0],
-            (false, true) => [strip + self.half_resistance * into.1, strip],
+            [true, false] => [punch, punch + self.half_resistance * into[0]],
+            [false, true] => [strip + self.half_resistance * into[1], strip],
             _ => [punch, strip],
         }
     }

@@ -5,84 +5,80 @@
 use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
-use super::flash_step::FlashStep;
 use super::interface::agree;
 use super::operators::BodyOperators;
-use super::stage::{BASIS, QUADRATURE};
+use super::stage::{BASIS, Matrix, Pair, QUADRATURE, apply, inverse};
 use super::stage_body::StageBody;
-use super::stage_partition::StageHeatPartition;
-use super::state::{BodyState, LumpedState};
+use super::stage_partition::{Response, StageHeatPartition};
+use super::state::LumpedState;
 use super::stepper::Stepper;
 use numerics::maximum::maximum;
+use scene::FadeLine;
 
-/// Unknowns of the two stages.
-pub struct Stages {
-    pub pressure: [f64; 2],
+/// Unknowns of the two stages; `COMMON` as in [`Stepper::attempt`].
+#[derive(Clone, Copy)]
+pub(crate) struct Stages<const COMMON: bool> {
+    pub pressure: Pair,
     /// Friction heat flux.
-    pub heat: [f64; 2],
+    pub heat: Pair,
     /// Mean contact temperature, K above the reference.
-    pub temperature: [f64; 2],
-    pub kinetic_coefficient: [f64; 2],
+    pub temperature: Pair,
+    pub kinetic_coefficient: Pair,
     /// Wear rates of punch and strip at the stages.
-    pub rates: [[f64; 2]; 2],
+    pub rates: [Pair; 2],
     /// Wear depths by the slip that a bristle without damper releases at the start of the step, m.
     pub released_wear: [f64; 2],
-    /// Gain of the strip's contact temperature including its moving source.
-    strip_gain: [[f64; 2]; 3],
-    pub partition: StageHeatPartition,
+    /// Surface temperatures of punch and strip at the stages, K above the reference.
+    pub surfaces: [Pair; 2],
+    pub closed: bool,
+    partition: StageHeatPartition,
+    /// Fade table on the piece of the last temperature.
+    fade: FadeLine,
     /// s v Stribeck at the stages: heat per kinetic friction coefficient and pressure.
-    driver: [f64; 2],
+    driver: Pair,
     /// Sliding speed in the wear law, without what a bristle releases.
-    speed: [f64; 2],
+    speed: Pair,
     pub bristle: Option<Bristle>,
     deflection_at_start: f64,
     /// Result of the bristle over the step.
     pub moved: Moved,
     velocity: Line,
-    stribeck: [f64; 2],
-    given_load: [f64; 2],
+    stribeck: Pair,
+    given_load: Pair,
     reference: f64,
 }
 
-impl Stages {
-    pub fn new(
-        stepper: &Stepper,
-        state: &LumpedState,
-        conditions: &[Conditions; 4],
-        punch: &StageBody,
-        strip: &StageBody,
-    ) -> Stages {
+impl<const COMMON: bool> Stages<COMMON> {
+    #[inline(always)]
+    pub fn new(stepper: &Stepper, state: &LumpedState, conditions: [&Conditions; 4]) -> Self {
         let operators = stepper.operators;
-        let mut strip_gain = stepper.propagators.strip.map_or([[0.0; 2]; 3], |propagator| propagator.contact.gain[0]);
-        if operators.flash.is_some() {
-            for (gain, extra) in strip_gain.iter_mut().zip(&stepper.flash.gain) {
-                gain[0] += extra[0];
-                gain[1] += extra[1];
-            }
-        }
-        let (first, last) = (&conditions[1], &conditions[3]);
+        let [start, first, middle, last] = conditions;
         // The load does not change its sign within a piece: its middle determines whether the contact is closed.
-        let closed = conditions[2].load > 0.0;
-        let partition = StageHeatPartition::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
+        let closed = middle.load > 0.0;
         let loads = [first.load, last.load];
         let power = operators.power_factor;
+        let temperature = state.end_temperature + state.reference;
+        let fade = stepper.friction.fade.line(temperature);
+        let open = Response { level: [0.0; 2], gain: [[0.0; 2]; 2] };
         Stages {
-            pressure: if closed { loads.map(|load| load / operators.area) } else { [0.0; 2] },
+            pressure: if closed { [loads[0] / operators.area, loads[1] / operators.area] } else { [0.0; 2] },
             heat: [0.0; 2],
             temperature: [0.0; 2],
-            kinetic_coefficient: [stepper.friction.kinetic_coefficient(state.end_temperature + state.reference); 2],
+            kinetic_coefficient: [stepper.friction.coefficient * fade.factor(temperature); 2],
             rates: [[0.0; 2]; 2],
             released_wear: [0.0; 2],
-            strip_gain,
-            partition,
+            surfaces: [[0.0; 2]; 2],
+            closed,
+            partition: StageHeatPartition::new([open; 2], [false; 2], 0.0, false),
+            fade,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
             speed: [first.slip, last.slip],
-            bristle: operators.bristle(state.stiffness),
+            bristle: if COMMON { None } else { operators.bristle(state.stiffness) },
             deflection_at_start: state.bristle,
             moved: Moved::none(state.bristle),
             velocity: Line {
-                start: conditions[0].velocity,
-                rate: (conditions[3].velocity - conditions[0].velocity) / stepper.propagators.step,
+                start: start.velocity,
+                rate: if COMMON { 0.0 } else { (last.velocity - start.velocity) / stepper.propagators.step },
             },
             stribeck: [first.stribeck, last.stribeck],
             given_load: if closed { loads } else { [0.0; 2] },
@@ -90,32 +86,46 @@ impl Stages {
         }
     }
 
+    /// Whether wear and expansion change the load.
+    #[inline(always)]
+    pub(crate) fn has_caliper(stepper: &Stepper) -> bool {
+        !COMMON && stepper.operators.series_stiffness > 0.0
+    }
+
+    /// Whether there is a bristle; a constant in the common form, in which the compiler then keeps no unknown in memory.
+    #[inline(always)]
+    pub fn has_bristle(&self) -> bool {
+        !COMMON && self.bristle.is_some()
+    }
+
+    /// Friction heats (W/m2) at the friction coefficients known so far.
+    #[inline(always)]
+    pub(crate) fn expected_heat(&self) -> Pair {
+        let at = |stage: usize| self.kinetic_coefficient[stage] * self.driver[stage] * self.pressure[stage];
+        [at(0), at(1)]
+    }
+
     /// Contact load behind a caliper: wear reduces it, expansion increases it.
-    pub fn loads(&mut self, stepper: &Stepper, state: &LumpedState, punch: &StageBody, strip: &StageBody) {
-        let operators = stepper.operators;
-        if operators.series_stiffness == 0.0 {
-            return;
-        }
-        let step = stepper.propagators.step;
+    #[inline(never)]
+    pub fn loads(
+        &mut self,
+        stepper: &Stepper,
+        state: &LumpedState,
+        punch: &StageBody<COMMON>,
+        strip: &StageBody<COMMON>,
+    ) {
+        let (operators, step) = (stepper.operators, stepper.propagators.step);
         // Radau IIA coefficients: integrals of the stage rates up to the stage points.
-        const STAGE: [[f64; 2]; 2] = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
+        const STAGE: Matrix = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
         let coverage = operators.scene.coverage();
         for stage in 0..2 {
             let worn = |body: usize| {
                 step * (STAGE[stage][0] * self.rates[body][0] + STAGE[stage][1] * self.rates[body][1])
                     + self.released_wear[body]
             };
-            let expansion = |body: &StageBody, state: &BodyState| match (body.propagator, &body.body.heat) {
-                (Some(propagator), Some(heat)) => {
-                    body.body.expansion
-                        * (propagator.mean.of_states(2 * stage, &state.heat, heat.count)
-                            + body.add(|propagator| &propagator.mean, 2 * stage))
-                }
-                _ => 0.0,
-            };
             let closed = state.punch.depth + worn(0) + state.strip.depth + coverage * worn(1)
-                - expansion(punch, &state.punch)
-                - expansion(strip, &state.strip);
+                - punch.expansion(&state.punch, stage)
+                - strip.expansion(&state.strip, stage);
             let load = if self.given_load[stage] > 0.0 {
                 (self.given_load[stage] - operators.series_stiffness * closed).max(0.0)
             } else {
@@ -126,57 +136,43 @@ impl Stages {
     }
 
     /// One iteration of heat, its partition and friction at both stages for the current cooling and pressure; returns the largest
-    /// change of temperature, 0 where no further iteration is needed.
-    pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody, strip: &mut StageBody) -> f64 {
-        let conductance = stepper.operators.scene.conductance;
-        let closed = if stepper.operators.series_stiffness > 0.0 {
-            self.pressure[0] + self.pressure[1] > 0.0
-        } else {
-            self.partition.closed
-        };
+    /// change of temperature, 0 where no further iteration is needed. In the common form NaN where friction leaves the piece of its
+    /// fade table.
+    #[inline(always)]
+    pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody<COMMON>, strip: &mut StageBody<COMMON>) -> f64 {
+        let caliper = Self::has_caliper(stepper);
+        if caliper {
+            self.closed = self.pressure[0] + self.pressure[1] > 0.0;
+        }
         let before = self.temperature;
-        if closed != self.partition.closed {
-            self.partition = StageHeatPartition::new(punch, strip, &self.strip_gain, conductance, closed);
-        }
-        self.partition.levels(punch, strip);
-        if self.bristle.is_some() {
-            self.slide_bristle(stepper);
-        } else if stepper.friction.fade.flat {
-            for stage in 0..2 {
-                self.heat[stage] = self.kinetic_coefficient[stage] * self.driver[stage] * self.pressure[stage];
-            }
-        } else {
-            let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
-            // The temperature is affine in the heats: columns of its gain, then the consistent friction stage by stage.
-            let columns =
-                [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.partition.temperatures(&self.partition.fluxes(unit)));
-            for _ in 0..60 {
-                let old = self.heat;
-                for stage in 0..2 {
-                    let other = 1 - stage;
-                    let power = self.driver[stage] * self.pressure[stage];
-                    let level = none[stage] + (columns[other][stage] - none[stage]) * self.heat[other];
-                    let gain = (columns[stage][stage] - none[stage]).max(0.0) * power;
-                    let temperature = agree(stepper.friction, level + self.reference, gain);
-                    self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
-                    self.heat[stage] = self.kinetic_coefficient[stage] * power;
-                }
-                if (0..2).all(|stage| (self.heat[stage] - old[stage]).abs() <= 1e-13 * self.heat[stage].abs()) {
-                    break;
-                }
-            }
-        }
-        let fluxes = self.partition.fluxes(self.heat);
-        self.temperature = self.partition.temperatures(&fluxes);
-        punch.flux[0] = fluxes.map(|flux| flux.0);
-        strip.flux[0] = fluxes.map(|flux| flux.1);
+        let conducts = [punch.conducts(), strip.conducts()];
+        let half_resistance = stepper.operators.half_resistance;
+        self.partition =
+            StageHeatPartition::new([punch.contact, strip.contact], conducts, half_resistance, self.closed);
         let fades = !stepper.friction.fade.flat;
-        if self.bristle.is_some() && fades {
+        if self.has_bristle() {
+            self.slide_bristle(stepper);
+            self.exchange(punch, strip);
+        } else {
+            let is_linear = self.heat_on_piece(stepper);
+            self.exchange(punch, strip);
+            let temperature = [self.temperature[0] + self.reference, self.temperature[1] + self.reference];
+            let holds = is_linear && self.fade.holds(temperature[0]) && self.fade.holds(temperature[1]);
+            if holds {
+                let at = |t: f64| stepper.friction.coefficient * self.fade.factor(t);
+                self.kinetic_coefficient = [at(temperature[0]), at(temperature[1])];
+            } else if COMMON {
+                return f64::NAN;
+            } else if fades {
+                self.sweep(stepper);
+                self.exchange(punch, strip);
+            }
+        }
+        if self.has_bristle() && fades {
             // In slip the heat of a stage is proportional to its friction coefficient: the consistent one of both is the next iterate.
-            let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
+            let by_heat = self.partition.temperature_by_heat();
             for stage in 0..2 {
-                let unit = [0, 1].map(|other| f64::from(u8::from(other == stage)));
-                let gain = (self.partition.temperatures(&self.partition.fluxes(unit))[stage] - none[stage]).max(0.0);
+                let gain = by_heat.gain[stage][stage].max(0.0);
                 let (heat, coefficient) = (self.heat[stage], self.kinetic_coefficient[stage]);
                 let per_coefficient = if coefficient > 0.0 { gain * heat / coefficient } else { 0.0 };
                 let level = self.temperature[stage] + self.reference - per_coefficient * coefficient;
@@ -184,21 +180,91 @@ impl Stages {
                 self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
             }
         }
-        let caliper = stepper.operators.series_stiffness > 0.0;
         if caliper {
-            self.wear(stepper);
+            self.wear(stepper, false);
         }
         // The change by cooling is returned separately; caliper and bristle depend on this solution.
-        let feeds_back = caliper || self.bristle.is_some() && fades;
+        let feeds_back = caliper || self.has_bristle() && fades;
         if !feeds_back {
             return 0.0;
         }
         maximum((self.temperature[0] - before[0]).abs(), (self.temperature[1] - before[1]).abs())
     }
 
+    /// Fluxes into both bodies and temperatures under the heats.
+    #[inline(always)]
+    fn exchange(&mut self, punch: &mut StageBody<COMMON>, strip: &mut StageBody<COMMON>) {
+        let fluxes = self.partition.fluxes(self.heat);
+        self.surfaces = self.partition.surfaces(&fluxes);
+        let [of_punch, of_strip] = self.surfaces;
+        self.temperature = [0.5 * (of_punch[0] + of_strip[0]), 0.5 * (of_punch[1] + of_strip[1])];
+        punch.take(fluxes[0]);
+        strip.take(fluxes[1]);
+    }
+
+    /// Heats on one piece of the fade table, where temperature and friction coefficient are linear in them: `h = P mu(T(h))`. `false`
+    /// where friction rises so steeply with its own heat that there may be several solutions.
+    #[inline(always)]
+    fn heat_on_piece(&mut self, stepper: &Stepper) -> bool {
+        let (coefficient, fade) = (stepper.friction.coefficient, &self.fade);
+        let power = |stage: usize| self.driver[stage] * coefficient * self.pressure[stage];
+        let power = [power(0), power(1)];
+        if fade.slope == 0.0 {
+            self.heat = [power[0] * fade.value, power[1] * fade.value];
+            return true;
+        }
+        let Response { level, gain } = self.partition.temperature_by_heat();
+        let feedback = [power[0] * fade.slope, power[1] * fade.slope];
+        let steepness = |i: usize| feedback[i] * (gain[i][0].abs() + gain[i][1].abs());
+        if steepness(0) > 0.5 || steepness(1) > 0.5 {
+            return false;
+        }
+        let agree = inverse(&[
+            [1.0 - feedback[0] * gain[0][0], -feedback[0] * gain[0][1]],
+            [-feedback[1] * gain[1][0], 1.0 - feedback[1] * gain[1][1]],
+        ]);
+        let alone = |i: usize| power[i] * fade.factor(level[i] + self.reference);
+        self.heat = apply(&agree, [alone(0), alone(1)]);
+        true
+    }
+
+    /// Heats over the whole fade table, stage by stage.
+    #[inline(never)]
+    fn sweep(&mut self, stepper: &Stepper) {
+        let Response { level, gain } = self.partition.temperature_by_heat();
+        self.heat = [0.0; 2];
+        for _ in 0..60 {
+            let old = self.heat;
+            for stage in 0..2 {
+                let other = 1 - stage;
+                let power = self.driver[stage] * self.pressure[stage];
+                let level = level[stage] + gain[stage][other] * self.heat[other];
+                let gain = gain[stage][stage].max(0.0) * power;
+                let temperature = agree(stepper.friction, level + self.reference, gain);
+                self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
+                self.heat[stage] = self.kinetic_coefficient[stage] * power;
+            }
+            if (0..2).all(|stage| (self.heat[stage] - old[stage]).abs() <= 1e-13 * self.heat[stage].abs()) {
+                break;
+            }
+        }
+    }
+
+    /// Kinetic friction coefficient at a temperature, K.
+    #[inline(always)]
+    fn kinetic_coefficient_at(&self, stepper: &Stepper, temperature: f64) -> f64 {
+        let friction = stepper.friction;
+        if self.fade.holds(temperature) {
+            friction.coefficient * self.fade.factor(temperature)
+        } else {
+            friction.kinetic_coefficient(temperature)
+        }
+    }
+
     /// Advances the bristle over the whole step, with its limit linear through both stages: in continuous sliding its heat equals
     /// that of the friction law without a bristle. Heat and slip speed at the stages are those of the instants, scaled to the
     /// heat and the slip over the step; what is released at once is spread over the step.
+    #[inline(never)]
     fn slide_bristle(&mut self, stepper: &Stepper) {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
@@ -222,8 +288,9 @@ impl Stages {
 
     /// Deviation of the bristle's heat from the quadrature of its powers at the stages, as a flux (W/m2): by transitions between
     /// sticking and slipping, and by what is released at the start of the step.
+    #[inline(always)]
     fn unevenness(&self, stepper: &Stepper) -> [f64; 2] {
-        let Some(bristle) = &self.bristle else { return [0.0; 2] };
+        let (false, Some(bristle)) = (COMMON, &self.bristle) else { return [0.0; 2] };
         let operators = stepper.operators;
         let (moved, step) = (&self.moved, stepper.propagators.step);
         let mean = (moved.heat - moved.released.heat) / step;
@@ -236,74 +303,87 @@ impl Stages {
 
     /// Largest friction heat flux of the stages, W/m2. What is released at the start counts as spread over the whole piece: in a short
     /// step its flux is large, and says nothing about the heat of the piece.
-    pub fn largest_heat(&self, stepper: &Stepper) -> f64 {
-        let [_, released] = self.unevenness(stepper);
+    #[inline(always)]
+    pub(crate) fn largest_heat(&self, stepper: &Stepper) -> f64 {
         let largest = maximum(self.heat[0].abs(), self.heat[1].abs());
+        if !self.has_bristle() {
+            return largest;
+        }
+        let [_, released] = self.unevenness(stepper);
         largest - released + released / stepper.cut
     }
 
     /// Wear rates at the stages. The slip that a bristle releases at once wears as if it took the whole piece: the law knows no wear
-    /// at infinite speed.
-    pub fn wear(&mut self, stepper: &Stepper) {
+    /// at infinite speed. Under `constant` conditions one rate is valid for both stages unless the law depends on the temperature.
+    #[inline(always)]
+    pub fn wear(&mut self, stepper: &Stepper, constant: bool) {
         let operators = stepper.operators;
-        let released = self.moved.released.slipped;
-        if self.bristle.is_some() {
+        let bodies = [&operators.punch, &operators.strip];
+        if self.has_bristle() {
             let length = stepper.cut * stepper.propagators.step;
+            let speed = self.moved.released.slipped / length;
             let pressure = (1.5 * self.pressure[0] - 0.5 * self.pressure[1]).max(0.0);
-            self.released_wear = [&operators.punch, &operators.strip].map(|body| {
-                let temperature = self.temperature[0] + self.reference;
-                let rate = body.wear.rate(pressure, released / length, self.kinetic_coefficient[0], temperature);
-                length * rate * (body.wear_factor * stepper.tunables.wear_acceleration)
+            let temperature = self.temperature[0] + self.reference;
+            self.released_wear = bodies.map(|body| {
+                length * stepper.wear_rate(body, pressure, speed, self.kinetic_coefficient[0], temperature)
             });
         }
-        // Where all arguments agree one rate is valid for both stages.
-        let same = self.pressure[0] == self.pressure[1]
-            && self.speed[0] == self.speed[1]
-            && self.kinetic_coefficient[0] == self.kinetic_coefficient[1]
-            && !operators.wear_follows_temperature;
-        for stage in 0..2 {
-            if stage == 1 && same {
-                for rates in &mut self.rates {
-                    rates[1] = rates[0];
-                }
-                return;
-            }
-            for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut self.rates) {
-                rates[stage] = body.wear.rate(
-                    self.pressure[stage],
-                    self.speed[stage],
-                    self.kinetic_coefficient[stage],
-                    self.temperature[stage] + self.reference,
-                ) * (body.wear_factor * stepper.tunables.wear_acceleration);
-            }
-        }
+        let same = constant && !self.has_bristle() && !operators.wear_follows_temperature;
+        self.rates = [self.wear_rates(stepper, bodies[0], same), self.wear_rates(stepper, bodies[1], same)];
     }
 
-    /// Adds the moving source to the strip's gain at the point 2/3, which [`Stages::error`] needs.
-    pub fn take_middle(&mut self, strip: &StageBody, flash: &FlashStep) {
-        let own = strip.gain(1);
-        self.strip_gain[1] = [own[0] + flash.gain[1][0], own[1] + flash.gain[1][1]];
+    /// Wear rates of a body at both stages, m/s, the `same` or not.
+    #[inline(always)]
+    fn wear_rates(&self, stepper: &Stepper, body: &BodyOperators, same: bool) -> Pair {
+        let Stages { pressure, speed, kinetic_coefficient: friction, temperature, reference, .. } = *self;
+        let first = stepper.wear_rate(body, pressure[0], speed[0], friction[0], temperature[0] + reference);
+        if same {
+            return [first; 2];
+        }
+        [first, stepper.wear_rate(body, pressure[1], speed[1], friction[1], temperature[1] + reference)]
+    }
+
+    /// Whether a wear rate that follows the temperature changes so much that its error may exceed the tolerance: twice the change
+    /// bounds the third difference.
+    #[inline(always)]
+    pub(crate) fn may_err_in_wear(&self, stepper: &Stepper, peak: f64) -> bool {
+        let operators = stepper.operators;
+        let may_err = |body: &BodyOperators, [first, last]: Pair| {
+            let scale = first.max(last).max(0.02 * peak).max(body.least_wear);
+            (last - first).abs() > operators.budget.steps.lumped_wear * scale
+        };
+        operators.wear_follows_temperature
+            && (may_err(&operators.punch, self.rates[0]) || may_err(&operators.strip, self.rates[1]))
     }
 
     /// Upper bound of [`Stages::error`] without a third point: at constant conditions the fluxes relax, and the deviation of a
     /// relaxing flux from the line through both stages is at most half their difference. Infinite where that does not hold.
-    pub fn bound(&self, stepper: &Stepper, state: &LumpedState, constant: bool, punch: &StageBody) -> f64 {
+    #[inline(always)]
+    pub fn bound(
+        &self,
+        stepper: &Stepper,
+        state: &LumpedState,
+        constant: bool,
+        punch: &StageBody<COMMON>,
+        strip: &StageBody<COMMON>,
+    ) -> f64 {
         let operators = stepper.operators;
-        if !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature {
+        if !constant || Self::has_caliper(stepper) || !COMMON && operators.wear_follows_temperature {
             return f64::INFINITY;
         }
-        let partition = (punch.flux[0][1] - punch.flux[0][0]).abs();
-        let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper).iter().sum::<f64>();
+        let [first, last] = punch.flux[0];
+        let partition = (last - first).abs();
+        let mut heat = (self.heat[1] - self.heat[0]).abs();
+        if self.has_bristle() {
+            let [transitions, released] = self.unevenness(stepper);
+            heat += 2.0 * (transitions + released);
+        }
         let scale = self.flux_scale(stepper, state, punch);
-        let exchange = if self.partition.closed && operators.scene.conductance > 0.0 {
+        let exchange = if self.closed && operators.half_resistance > 0.0 {
             // The resistance increases during the step: at its end it bounds that at the point 2/3.
-            let (gain, strip_gain) = (punch.gain(2), self.strip_gain[2]);
-            partition
-                / layer_allowance(
-                    1.0 / operators.scene.conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1],
-                    scale,
-                    state,
-                )
+            let (gain, strip_gain) = (punch.contact.gain[1], strip.contact.gain[1]);
+            let bodies = (gain[0] + strip_gain[0]) + (gain[1] + strip_gain[1] + 2.0 * operators.half_resistance);
+            partition / layer_allowance(bodies, scale, state)
         } else {
             partition
         };
@@ -312,56 +392,48 @@ impl Stages {
     }
 
     /// Scale of errors of the flux, W/m2.
-    fn flux_scale(&self, stepper: &Stepper, state: &LumpedState, punch: &StageBody) -> f64 {
+    #[inline(always)]
+    fn flux_scale(&self, stepper: &Stepper, state: &LumpedState, punch: &StageBody<COMMON>) -> f64 {
         let heat = self.largest_heat(stepper);
         let exchanged = 0.1 * maximum(punch.flux[0][0].abs(), punch.flux[0][1].abs());
         maximum(heat, exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
     }
 
-    /// Error of the step in units of the tolerance, from the residual of the contact conditions at the point 2/3.
+    /// Error of the step in units of the tolerance, from the residual of the contact conditions at the point 2/3; contact temperatures
+    /// of punch and strip there, and their gains.
+    #[inline(always)]
     pub fn error(
         &self,
         stepper: &Stepper,
         state: &LumpedState,
-        conditions: &[Conditions; 4],
-        punch: &StageBody,
-        strip: &StageBody,
+        conditions: [&Conditions; 4],
+        [punch, strip]: [&StageBody<COMMON>; 2],
+        [in_punch, in_strip]: [(f64, Pair); 2],
         constant: bool,
     ) -> f64 {
         let operators = stepper.operators;
-        let steps = &stepper.operators.budget.steps;
-        let middle = &conditions[2];
-        let between = |values: [f64; 2]| BASIS[1][0] * values[0] + BASIS[1][1] * values[1];
-        let pressure =
-            if operators.series_stiffness > 0.0 { between(self.pressure) } else { middle.load / operators.area };
+        let steps = &operators.budget.steps;
+        let middle = conditions[2];
+        let between = |values: Pair| BASIS[1][0] * values[0] + BASIS[1][1] * values[1];
+        let pressure = if Self::has_caliper(stepper) { between(self.pressure) } else { middle.load / operators.area };
         let heats = between(self.heat);
-        let into_punch = between(punch.flux[0]);
-        let into_strip = between(strip.flux[0]);
-        let punch_temperature = punch.contact(1);
-        let strip_temperature = strip.contact_level(1)
-            + self.strip_gain[1][0] * strip.flux[0][0]
-            + self.strip_gain[1][1] * strip.flux[0][1];
-        let temperature = {
-            let surfaces = [punch_temperature, strip_temperature];
-            let [punch, strip] = self.partition.beside_insulator(surfaces, (into_punch, into_strip));
-            0.5 * (punch + strip)
-        };
+        let into = [between(punch.flux[0]), between(strip.flux[0])];
+        let surfaces = self.partition.beside_insulator([in_punch.0, in_strip.0], into);
+        let temperature = 0.5 * (surfaces[0] + surfaces[1]);
         let scale = self.flux_scale(stepper, state, punch);
         let (mut exchange, mut defect) = (0.0, 0.0);
-        let conductance = operators.scene.conductance;
-        let both = punch.propagator.is_some() && strip.propagator.is_some();
-        if both && conductance > 0.0 && self.partition.closed {
-            let gain = punch.gain(1);
-            let strip_gain = self.strip_gain[1];
-            let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
-            let jump = punch_temperature - strip_temperature - 0.5 * (into_strip - into_punch) / conductance;
+        let half_resistance = operators.half_resistance;
+        if punch.conducts() && strip.conducts() && half_resistance > 0.0 && self.closed {
+            let ((_, gain), (_, strip_gain)) = (in_punch, in_strip);
+            let resistance = 2.0 * half_resistance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
+            let jump = in_punch.0 - in_strip.0 - half_resistance * (into[1] - into[0]);
             // Transitions between sticking and slipping cause thermal layers in the middle of a step.
-            let is_layer = constant || self.bristle.is_none() && !stepper.touches_down();
+            let is_layer = constant || !self.has_bristle() && !stepper.touches_down();
             let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
             exchange = jump.abs() / (resistance * allowance);
         }
-        let kinetic_coefficient = stepper.friction.kinetic_coefficient(temperature + self.reference);
-        if self.bristle.is_some() {
+        let kinetic_coefficient = self.kinetic_coefficient_at(stepper, temperature + self.reference);
+        if self.has_bristle() {
             let limit = |kinetic_coefficient: f64, stribeck: f64, pressure: f64| {
                 self.limit(stepper, kinetic_coefficient, stribeck, pressure)
             };
@@ -387,68 +459,57 @@ impl Stages {
             error = maximum(error, stepper.flash.error(strip.flux[0], steps.whole, state.peak_rise));
         }
         // At constant conditions only the temperature can change the wear rate.
-        let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
-        if self.bristle.is_some() || changes {
-            for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
-                if body.wear.active() {
-                    error = maximum(error, self.wear_error(stepper, conditions, body, rates, state.peak_wear));
-                }
-            }
+        let changes = !constant || Self::has_caliper(stepper) || !COMMON && operators.wear_follows_temperature;
+        if self.has_bristle() || changes {
+            // A product of a linear pressure and a linear speed has no third difference.
+            let linear =
+                stepper.friction.regularization_velocity == 0.0 && !self.has_bristle() && !Self::has_caliper(stepper);
+            let (own, peak) = (*self, state.peak_wear);
+            let of = |body: &BodyOperators, rates: &Pair| {
+                let is_exact = !body.wear.active() || linear && body.wear.is_archard(own.kinetic_coefficient);
+                if is_exact { 0.0 } else { own.wear_error(stepper, conditions, body, rates, peak) }
+            };
+            error = maximum(error, of(&operators.punch, &own.rates[0]));
+            error = maximum(error, of(&operators.strip, &own.rates[1]));
         }
         error
     }
 
     /// Third difference of the wear rate, which is the quadrature error, in units of the tolerance.
+    #[inline(never)]
     fn wear_error(
         &self,
         stepper: &Stepper,
-        conditions: &[Conditions; 4],
+        conditions: [&Conditions; 4],
         body: &BodyOperators,
-        rates: &[f64; 2],
+        rates: &Pair,
         peak: f64,
     ) -> f64 {
         let operators = stepper.operators;
-        let mut speeds = [0, 1, 2, 3].map(|index: usize| conditions[index].slip);
+        let mut speeds = conditions.map(|now| now.slip);
         let mut uneven = 0.0;
-        if self.bristle.is_some() {
+        if self.has_bristle() {
             let [first, second, last] = self.moved.speed;
             speeds = [(2.0 * first - second).max(0.0), self.speed[0], second, self.speed[1]];
             let mean = (self.moved.slipped - self.moved.released.slipped) / stepper.propagators.step;
             let left = (QUADRATURE[0] * first + QUADRATURE[1] * last - mean).abs();
             uneven = left / mean.max(first).max(last).max(f64::MIN_POSITIVE) * rates[0].max(rates[1]);
         }
-        let rate = |index: usize, pressure: f64, stages: [f64; 2]| {
-            let between = |values: [f64; 2]| stages[0] * values[0] + stages[1] * values[1];
-            body.wear.rate(
-                pressure,
-                speeds[index],
-                between(self.kinetic_coefficient),
-                between(self.temperature) + self.reference,
-            ) * (body.wear_factor * stepper.tunables.wear_acceleration)
-        };
-        let caliper = operators.series_stiffness > 0.0;
-        let pressure = |index: usize, stages: [f64; 2]| {
-            if caliper {
-                (stages[0] * self.pressure[0] + stages[1] * self.pressure[1]).max(0.0)
-            } else {
-                if self.partition.closed { conditions[index].load / operators.area } else { 0.0 }
-            }
-        };
         // Linear extrapolation of the stage values to the start and to the point 2/3.
-        let (start, middle) = ([1.5, -0.5], BASIS[1]);
-        let others = [rate(0, pressure(0, start), start), rate(2, pressure(2, middle), middle)];
+        let [start, middle] = [(0, [1.5, -0.5]), (2, BASIS[1])].map(|(index, stages): (usize, Pair)| {
+            let between = |values: Pair| stages[0] * values[0] + stages[1] * values[1];
+            let pressure = if Self::has_caliper(stepper) {
+                between(self.pressure).max(0.0)
+            } else if self.closed {
+                conditions[index].load / operators.area
+            } else {
+                0.0
+            };
+            let temperature = between(self.temperature) + self.reference;
+            stepper.wear_rate(body, pressure, speeds[index], between(self.kinetic_coefficient), temperature)
+        });
         let end = (self.kinetic_coefficient[1], self.temperature[1] + self.reference);
-        stepper.wear_error(body, rates, others, uneven, end, peak)
-    }
-
-    /// Highest surface temperature at the end of the step, K above the reference.
-    pub fn hottest(&self, punch: &StageBody, strip: &StageBody) -> f64 {
-        let strip_temperature = strip.contact_level(2)
-            + self.strip_gain[2][0] * strip.flux[0][0]
-            + self.strip_gain[2][1] * strip.flux[0][1];
-        let into = (punch.flux[0][1], strip.flux[0][1]);
-        let [punch, strip] = self.partition.beside_insulator([punch.contact(2), strip_temperature], into);
-        maximum(punch, strip)
+        stepper.wear_error(body, rates, [start, middle], uneven, end, peak)
     }
 }
 

@@ -6,7 +6,6 @@ use super::operators::LumpedOperators;
 use conduction::flash::MAX_FLASH_STATES;
 use conduction::reduced::MAX_STATES;
 use contact::wear::track::Track;
-use numerics::maximum::all_finite;
 
 /// Thermal state and wear of one body.
 #[derive(Clone, PartialEq, Debug)]
@@ -30,7 +29,7 @@ pub struct BodyState {
 
 impl BodyState {
     /// The zero state.
-    pub const EMPTY: BodyState = BodyState {
+    pub(crate) const EMPTY: BodyState = BodyState {
         heat: [0.0; conduction::reduced::MAX_STATES],
         received: [0.0; 4],
         external: 0.0,
@@ -90,75 +89,6 @@ pub struct LumpedState {
     pub steps: u64,
     /// Rejected steps.
     pub rejected: u64,
-}
-
-/// Thermal state of a body at the end of a step, before the step is accepted: see [`BodyState`].
-pub struct NewHeat {
-    /// States of the reduced conduction problem.
-    pub heat: [f64; MAX_STATES],
-    /// Time integrals of the fluxes through the ports since initialisation, by port.
-    pub received: [f64; 4],
-    /// Heat that has left by the path to the neighbour since initialisation, J/m2 of reference area.
-    pub external: f64,
-}
-
-/// Result of a step from a [`LumpedState`], before it is accepted.
-pub struct NewState {
-    /// Of the punch.
-    pub punch: NewHeat,
-    /// Of the strip.
-    pub strip: NewHeat,
-    /// States of the moving source, K.
-    pub flash: [f64; MAX_FLASH_STATES],
-    /// Travel of the punch, m.
-    pub travel: f64,
-    /// Friction heat per contact area, J/m2.
-    pub dissipated: f64,
-    /// Distance slid, m.
-    pub distance: f64,
-    /// Depths worn off (punch, strip), m.
-    pub worn: [f64; 2],
-    /// Contact temperature at the end, K above the reference.
-    pub end_temperature: f64,
-    /// Friction force at the end, N.
-    pub end_force: f64,
-}
-
-impl NewState {
-    /// Whether every number is finite.
-    #[inline(always)]
-    pub fn is_finite(&self) -> bool {
-        let NewState { punch, strip, flash, travel, dissipated, distance, worn, end_temperature, end_force } = self;
-        // Entries beyond the last state are 0.
-        let numbers = [
-            *travel,
-            *dissipated,
-            *distance,
-            worn[0],
-            worn[1],
-            *end_temperature,
-            *end_force,
-            punch.external + strip.external,
-        ];
-        all_finite(&punch.heat)
-            & all_finite(&strip.heat)
-            & all_finite(&punch.received)
-            & all_finite(&strip.received)
-            & all_finite(flash)
-            & all_finite(&numbers)
-    }
-
-    /// Writes the accepted step into `state`.
-    #[inline(always)]
-    pub fn commit(self, operators: &LumpedOperators, state: &mut LumpedState) {
-        (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
-        (state.strip.heat, state.strip.received) = (self.strip.heat, self.strip.received);
-        (state.punch.external, state.strip.external) = (self.punch.external, self.strip.external);
-        state.flash = self.flash;
-        (state.dissipated, state.distance) = (self.dissipated, self.distance);
-        state.wear(operators, self.worn, self.travel);
-        (state.end_temperature, state.end_force) = (self.end_temperature, self.end_force);
-    }
 }
 
 impl LumpedState {

@@ -7,146 +7,204 @@
 //!
 //! Theory: docs/theory.md, sections 5.4, 7.2.
 
+#[cfg(test)]
+mod tests;
+
+use super::air::{BESIDE, FAR};
 use super::conditions::Conditions;
-use super::cooled_faces::cool;
 use super::estimate::LEAST_RISE;
+use super::operators::BodyOperators;
 use super::point::strip_entry;
-use super::stage::QUADRATURE;
-use super::stage_body::{Around, StageBody};
+use super::stage::{Pair, Propagator, QUADRATURE, sum};
+use super::stage_body::{Around, NONE, StageBody};
+use super::stage_partition::Response;
 use super::stages::Stages;
-use super::state::{LumpedState, NewState};
+use super::state::LumpedState;
 use super::stepper::{Attempt, Stepper};
 use numerics::maximum::{all_finite, maximum};
 
-impl Stepper<'_> {
-    /// Tries the step from `state`; `conditions` at the start and at the three points, all the same where `constant`. An accepted
-    /// step (error at most 1) is written to `state`, otherwise the state is unchanged.
-    pub fn attempt(&mut self, state: &mut LumpedState, conditions: &[Conditions; 4], constant: bool) -> Attempt {
+impl<'a> Stepper<'a> {
+    /// [`Stepper::attempt`] in any regime.
+    #[inline(never)]
+    pub(crate) fn attempt_any(&mut self, state: &mut LumpedState, at: [&Conditions; 4], constant: bool) -> Attempt {
+        self.attempt::<false>(state, at, constant).expect("the general form always has an outcome")
+    }
+
+    /// Tries the step from `state`; conditions `at` the start and the three points, all the same where `constant`. An accepted step
+    /// (error at most 1) is written to `state`, otherwise the state is unchanged.
+    ///
+    /// `COMMON` specialises it to the most common regime: both bodies conduct; dead load; friction and temperature on one piece of the
+    /// fade table; no bristle; no temperature difference except by friction heat; only the strip's surface beside the contact is
+    /// cooled. `None` where the step leaves that. The moving source is prepared.
+    #[inline(always)]
+    pub fn attempt<const COMMON: bool>(
+        &mut self,
+        state: &mut LumpedState,
+        at: [&Conditions; 4],
+        constant: bool,
+    ) -> Option<Attempt> {
         let operators = self.operators;
-        let step = self.propagators.step;
-        let (first, last) = (&conditions[1], &conditions[3]);
-        let ambient = [first.ambient, last.ambient];
-        let forced = [first.forced, last.forced];
-        let around =
-            [0, 1].map(|side| Around { ambient, forced, neighbour: [first.neighbours[side], last.neighbours[side]] });
-        let mut punch = StageBody::new(
-            &operators.punch,
-            self.propagators.punch,
-            &state.punch,
-            ambient,
-            [first.punch_far, last.punch_far],
-        );
-        let mut strip = StageBody::new(
-            &operators.strip,
-            self.propagators.strip,
-            &state.strip,
-            ambient,
-            [first.strip_far, last.strip_far],
-        );
-        let entry = strip_entry(operators, state);
-        for point in [0, 2] {
-            strip.level[point] += entry;
-            if operators.flash.is_some() {
-                strip.level[point] += self.flash.homogeneous(point, &state.flash);
+        // Makes their equality known to the compiler.
+        let at = if constant { [at[0]; 4] } else { at };
+        let [start, first, middle, last] = at;
+        let elsewhere = |now: &Conditions| now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0;
+        // A linear function that is 0 at two points is 0 everywhere.
+        if COMMON && (!operators.has_common_form || elsewhere(first) || !constant && elsewhere(last)) {
+            return None;
+        }
+        let own = |body: &BodyOperators, propagator: Option<&'a Propagator>| {
+            if let (Some(propagator), Some(heat)) = (propagator, &body.heat) {
+                Some((propagator, heat.count))
+            } else {
+                None
             }
+        };
+        let of_punch = own(&operators.punch, self.propagators.punch);
+        let of_strip = own(&operators.strip, self.propagators.strip);
+        if COMMON && (of_punch.is_none() || of_strip.is_none()) {
+            return None;
         }
-        let mut stages = Stages::new(self, state, conditions, &punch, &strip);
-        // Far below the resolution of the error estimate across the small resistance of the interface.
-        let enough = operators.budget.iteration.lumped_stage * (1e-3 + state.peak_rise);
-        let mut converged = false;
+        let (step, reference) = (self.propagators.step, state.reference);
+        let prescribed = |values: Pair| if COMMON { [0.0; 2] } else { values };
+        let ambient = prescribed([first.ambient, last.ambient]);
+        let far = [prescribed([first.punch_far, last.punch_far]), prescribed([first.strip_far, last.strip_far])];
+        let around = |side: usize| Around {
+            ambient,
+            forced: [first.forced, last.forced],
+            neighbour: prescribed([first.neighbours[side], last.neighbours[side]]),
+        };
+        let around = [around(0), around(1)];
+        let acts = |body: &BodyOperators, face: usize| body.air[face].is_nonlinear();
+        let cools = if COMMON {
+            [[false; 2], [acts(&operators.strip, BESIDE), false]]
+        } else {
+            let faces = |body: &BodyOperators| [acts(body, BESIDE), acts(body, FAR)];
+            [faces(&operators.punch), faces(&operators.strip)]
+        };
+        let entry = strip_entry(operators, state);
+        let mut source = Response { level: [entry; 2], gain: NONE.gain };
+        if operators.flash.is_some() {
+            let moving = [self.flash.homogeneous(0, &state.flash), self.flash.homogeneous(2, &state.flash)];
+            source = Response { level: sum(source.level, moving), gain: [self.flash.gain[0], self.flash.gain[2]] };
+        }
+        let mut punch =
+            StageBody::<COMMON>::new(&operators.punch, of_punch, &state.punch, ambient, far[0], cools[0], NONE);
+        let mut strip =
+            StageBody::<COMMON>::new(&operators.strip, of_strip, &state.strip, ambient, far[1], cools[1], source);
+        let mut stages = Stages::<COMMON>::new(self, state, at);
         let cools = punch.cools() || strip.cools();
+        let iteration = &operators.budget.iteration;
+        let enough =
+            if COMMON { iteration.lumped_radiation } else { iteration.lumped_stage } * (1e-3 + state.peak_rise);
         if cools {
-            cool([&mut punch, &mut strip], None, state.reference, &around);
+            // Nearly all of the heat enters the better conductor.
+            strip.flux[0] = stages.expected_heat();
         }
-        for _ in 0..40 {
-            stages.loads(self, state, &punch, &strip);
+        let mut converged = false;
+        for _ in 0..if COMMON { 1 } else { 40 } {
+            if Stages::<COMMON>::has_caliper(self) {
+                stages.loads(self, state, &punch, &strip);
+            }
+            if punch.cools() {
+                punch.cool(reference, &around[0]);
+            }
+            if strip.cools() {
+                strip.cool(reference, &around[1]);
+            }
             let mut change = stages.solve(self, &mut punch, &mut strip);
             if cools {
-                let exchange = stages.partition.exchange();
-                change = maximum(change, cool([&mut punch, &mut strip], exchange, state.reference, &around));
+                change = maximum(change, maximum(punch.left(reference, &around[0]), strip.left(reference, &around[1])));
             }
             if change <= enough {
                 converged = true;
                 break;
             }
         }
-        let hottest = stages.hottest(&punch, &strip);
-        let is_absolute = stages.temperature.iter().all(|rise| rise + state.reference >= 0.0);
+        let hottest = maximum(stages.surfaces[0][1], stages.surfaces[1][1]);
+        let is_absolute = stages.temperature[0] + reference >= 0.0 && stages.temperature[1] + reference >= 0.0;
+        let failure = (!COMMON).then_some(Attempt { error: f64::INFINITY, hottest });
+        punch.take_linear(&state.punch);
+        strip.take_linear(&state.strip);
         if !converged || !hottest.is_finite() || !is_absolute {
-            return Attempt { error: f64::INFINITY, hottest };
+            return failure;
         }
-        if operators.series_stiffness == 0.0 {
-            stages.wear(self);
+        if !Stages::<COMMON>::has_caliper(self) {
+            stages.wear(self, constant);
         }
-        let mut error = stages.bound(self, state, constant, &punch);
-        if error.is_nan() || error > 1.0 || state.refinement > 0 {
-            self.flash.prepare_middle(operators);
-            punch.level[1] = punch.middle_level(&state.punch);
-            strip.level[1] = strip.middle_level(&state.strip) + entry;
-            if operators.flash.is_some() {
-                strip.level[1] += self.flash.homogeneous(1, &state.flash);
-                stages.take_middle(&strip, self.flash);
+        if COMMON && constant && stages.may_err_in_wear(self, state.peak_wear) {
+            return None;
+        }
+        let mut error = 0.0;
+        if !COMMON || stages.closed {
+            error = stages.bound(self, state, constant, &punch, &strip);
+            if error.is_nan() || error > 1.0 || !COMMON && state.refinement > 0 {
+                self.flash.prepare_middle(operators);
+                let mut source = (entry, [0.0; 2]);
+                if operators.flash.is_some() {
+                    source = (entry + self.flash.homogeneous(1, &state.flash), self.flash.gain[1]);
+                }
+                let of_punch = punch.contact_in_middle(&state.punch, (0.0, [0.0; 2]));
+                let contact = [of_punch, strip.contact_in_middle(&state.strip, source)];
+                error = stages.error(self, state, at, [&punch, &strip], contact, constant);
             }
-            error = stages.error(self, state, conditions, &punch, &strip, constant);
         }
-        if cools {
-            let middle = &conditions[2];
-            let mut rise = stages.temperature.iter().fold(state.peak_rise.max(LEAST_RISE), |most, t| most.max(t.abs()));
-            let mut wrong = 0.0;
-            for (side, (body, own)) in [(&punch, &state.punch), (&strip, &state.strip)].into_iter().enumerate() {
-                let around = Around {
-                    ambient: [middle.ambient; 2],
-                    forced: [middle.forced; 2],
-                    neighbour: [middle.neighbours[side]; 2],
-                };
-                let [own, face] = body.cooling_error(own, state.reference, &around);
-                (wrong, rise) = (wrong + own, maximum(rise, face));
-            }
+        if cools || punch.has_linear_faces() || strip.has_linear_faces() {
+            let [first, last] = stages.temperature;
+            let around = |side: usize| Around {
+                ambient: prescribed([middle.ambient; 2]),
+                forced: [middle.forced; 2],
+                neighbour: prescribed([middle.neighbours[side]; 2]),
+            };
+            let of_punch = punch.cooling_error(&state.punch, reference, &around(0));
+            let of_strip = strip.cooling_error(&state.strip, reference, &around(1));
+            let rise = state.peak_rise.max(LEAST_RISE).max(first.abs()).max(last.abs());
+            let rise = maximum(rise, maximum(of_punch[1], of_strip[1]));
+            let wrong = of_punch[0] + of_strip[0];
             error = maximum(error, wrong / (operators.budget.steps.whole * rise));
         }
         if let Some(properties) = self.properties.as_deref_mut() {
-            let ends = [punch.mean_at_end(&state.punch), strip.mean_at_end(&state.strip)];
-            let [ends, [contact, _]] =
-                [ends, [stages.temperature[1]; 2]].map(|rises| rises.map(|t| t + state.reference));
+            let ends = [punch.mean_at_end(&state.punch) + reference, strip.mean_at_end(&state.strip) + reference];
+            let contact = stages.temperature[1] + reference;
             error = maximum(error, properties.error(operators, ends, contact, state.peak_rise));
         }
         if error.is_nan() || error > 1.0 {
-            return Attempt { error, hottest };
+            return (!COMMON || error.is_finite()).then_some(Attempt { error, hottest });
         }
-        let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
-        let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
-        let new = NewState {
-            punch: punch.advanced(&state.punch, state.reference, &around[0], step),
-            strip: strip.advanced(&state.strip, state.reference, &around[1], step),
-            flash: match operators.flash {
-                Some(_) => self.flash.advanced(&state.flash, strip.flux[0]),
-                None => state.flash,
-            },
-            travel,
-            dissipated: state.dissipated + step * mean(stages.heat),
-            distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
-            worn: [0, 1].map(|body| step * mean(stages.rates[body]) + stages.released_wear[body]),
-            end_temperature: stages.temperature[1],
-            end_force: stages.kinetic_coefficient[1]
-                * last.stribeck
-                * last.sign
-                * stages.pressure[1]
-                * operators.per_pressure,
-        };
-        let is_below_zero = stages.temperature.iter().any(|rise| rise + state.reference < 0.0);
-        if is_below_zero || !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far])
+        let mean = |values: Pair| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
+        let travel = if constant { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
+        let worn = |body: usize| step * mean(stages.rates[body]) + stages.released_wear[body];
+        let worn = [worn(0), worn(1)];
+        let room = &operators.common_bounds.depth_before_step;
+        if COMMON && (state.punch.depth + worn[0] > room[0] || state.strip.depth + worn[1] > room[1]) {
+            return None;
+        }
+        let per_coefficient = last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
+        let end_force = stages.kinetic_coefficient[1] * per_coefficient;
+        // The states enter the temperatures tested above, and their new values are linear in them and in these fluxes: this test
+        // replaces one of every number and a copy of the states, which would take a quarter of the step.
+        let [heat, rises] = [stages.heat, stages.temperature];
+        let moved = &stages.moved;
+        let numbers = [heat[0], heat[1], rises[0], rises[1], worn[0], worn[1], travel, end_force];
+        if !punch.is_finite() || !strip.is_finite() || !all_finite(&numbers) || !COMMON && !moved.deflection.is_finite()
         {
-            return Attempt { error: f64::INFINITY, hottest };
+            return failure;
         }
         // Accepted: update the state.
-        new.commit(operators, state);
-        state.bristle = stages.moved.deflection;
-        state.far = [last.punch_far, last.strip_far];
-        for rise in stages.temperature {
-            state.peak_rise = state.peak_rise.max(rise.abs());
+        let table = self.properties.as_deref();
+        punch.advance(&mut state.punch, reference, &around[0], step, table.map(|own| (own, 0)));
+        strip.advance(&mut state.strip, reference, &around[1], step, table.map(|own| (own, 1)));
+        if operators.flash.is_some() {
+            state.flash = self.flash.advanced(&state.flash, strip.flux[0]);
         }
+        state.dissipated += step * mean(heat);
+        state.distance += if stages.has_bristle() { moved.slipped } else { travel.abs() };
+        state.wear(operators, worn, travel);
+        (state.end_temperature, state.end_force) = (rises[1], end_force);
+        state.bristle = moved.deflection;
+        state.far = [far[0][1], far[1][1]];
+        state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());
         state.peak_flux = state.peak_flux.max(stages.largest_heat(self));
         state.peak_wear = state.peak_wear.max(stages.rates[0][1].max(stages.rates[1][1]));
-        Attempt { error, hottest }
+        Some(Attempt { error, hottest })
     }
 }

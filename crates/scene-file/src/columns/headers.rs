@@ -113,7 +113,13 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
     match (fitting.as_slice(), candidates.as_slice()) {
         ([only], _) => Ok(Match::Meant(only, symbol.unwrap_or(only.unit.name).into())),
         ([], []) => Ok(Match::Unknown(String::new())),
-        ([], [first, ..]) => Ok(Match::Unknown(format!(" (with a unit it may be {})", first.headers()))),
+        ([], [first, ..]) => {
+            let one = format!("{} [{}]", first.name, first.unit.name);
+            Ok(Match::Unknown(match symbol {
+                Some(symbol) => format!(" ({} is no known unit of {one})", Quoted(symbol)),
+                None => format!(" (with a unit it may be {one})"),
+            }))
+        }
         (several, _) => {
             let names: Vec<&str> = several.iter().map(|column| column.name.as_str()).collect();
             Ok(Match::Unknown(format!(" ({}?)", names.join(" or "))))
@@ -258,7 +264,8 @@ mod tests {
         assert_eq!(meant("Humidity [%]"), "-");
         assert_eq!(meant("Force [N]"), "-");
         assert_eq!(meant("Wear [mg]"), "- (wear_mass_punch or wear_mass_strip?)");
-        assert!(meant("Load").starts_with("- (with a unit it may be normal_load [N"), "{}", meant("Load"));
+        assert_eq!(meant("Load"), "- (with a unit it may be normal_load [N])");
+        assert_eq!(meant("Load (lbs)"), "- (\"lbs\" is no known unit of normal_load [N])");
         assert!(meant("Temp. 2 [degC]").starts_with('-'));
         assert!(meant("normal_laod [N]").ends_with("; did you mean normal_load?"), "{}", meant("normal_laod [N]"));
         assert!(meant("wear_dept [um]").contains("did you mean wear_depth?"));

@@ -179,6 +179,7 @@ fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &
             "has a point and a comma; one of them is the decimal mark, and thousands have none"
         }
         Some(hint) => hint,
+        None if text.contains(':') => "is a time of day; times are numbers, as seconds from the first row",
         None => "is no number",
     })?;
     if own.is_some() && *mark.get_or_insert(own.unwrap_or('.')) != own.unwrap_or('.') {

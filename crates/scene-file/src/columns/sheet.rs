@@ -2,7 +2,8 @@
 //!
 //! A file is Parquet where it begins as such, else text: UTF-8, UTF-16 with its mark, or Latin-1. Columns are separated by what the header has
 //! of semicolon, tab and comma, in this order. Lines that begin with `#` are notes, and so are lines above the header: the first line
-//! that names a required column and another known one. A row of units may stand below it.
+//! that names a required column and another known one; where none does, the first one with as many cells as the last. A row of units may
+//! stand below it.
 
 use super::rows::is_gap;
 use anyhow::{Context, Result, anyhow, bail};
@@ -105,10 +106,10 @@ fn separator(header: &str) -> char {
 
 /// Number of the lines above the header, and where it begins.
 fn head(text: &str, known: impl Fn(&str) -> (bool, bool)) -> (u64, usize) {
-    let (mut offset, mut required, mut first) = (0, None, None);
+    let (mut offset, mut required, mut lines) = (0, None, Vec::new());
     for (above, line) in text.split_inclusive('\n').take(HEAD).enumerate() {
         if !line.starts_with('#') && !line.trim().is_empty() {
-            first.get_or_insert((above as u64, offset));
+            lines.push((line.split(separator(line)).count(), (above as u64, offset)));
             let cells = line.trim().split(separator(line)).map(|cell| cell.trim().trim_matches('"').trim());
             let found: Vec<(bool, bool)> = cells.map(&known).collect();
             let count = found.iter().filter(|(known, _)| *known).count();
@@ -121,7 +122,8 @@ fn head(text: &str, known: impl Fn(&str) -> (bool, bool)) -> (u64, usize) {
         }
         offset += line.len();
     }
-    required.or(first).unwrap_or((0, 0))
+    let alike = lines.iter().find(|(count, _)| lines.last().is_some_and(|(last, _)| count == last));
+    required.or(alike.map(|(_, place)| *place)).unwrap_or((0, 0))
 }
 
 /// The content as text.

@@ -180,6 +180,8 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
         ("thousands", "time;speed_m_per_s\n0;1.234,5\n", "\"1.234,5\" has a point and a comma"),
         ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
         ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
+        ("clock", "time,speed_m_per_s\n2026-03-04 12:00:00.5,1\n", "12:00:00.5\" is a time of day; times are numbers"),
+        ("preamble", "Rig;3\nZeit;v [m/s];Kraft\n0;1;2\n", "line 2: no column time or time [s"),
         ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
         ("comma", "time,speed_m_per_s\n0,5,1\n", "line 2: 3 cells, and the header has 2; numbers have a decimal point"),
     ] {

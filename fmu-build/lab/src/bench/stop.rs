@@ -53,6 +53,7 @@ pub(crate) fn measure() -> Result<Vec<Cost>> {
     for (cells, tolerance, target) in [(33, 1e-2, 150.0), (129, 1e-3, 1500.0)] {
         let changes = [
             ("solver.fidelity", 3.0),
+            ("strip.property_table.points", 0.0),
             ("solver.cells", f64::from(cells)),
             ("solver.tolerance", tolerance),
             ("nominal.load", LOAD),

@@ -106,9 +106,7 @@ pub(crate) fn record(golden: &GoldenScene) -> Result<Record> {
 
 fn drive(golden: &GoldenScene) -> Result<Record> {
     let mut scene = scenes::load(golden.scene.as_deref())?;
-    for assignment in &golden.set {
-        scenes::assign(&mut scene, assignment)?;
-    }
+    scenes::assign_all(&mut scene, &golden.set)?;
     let packaged = scene.packaged;
     let (starts, tolerance) = (Arc::new(packaged.starts), packaged.experiment.tolerance);
     let layout = Layout::new();

@@ -3,10 +3,11 @@
 mod write;
 
 use crate::columns::{self, Column, Reading};
-use crate::output::{print_line, print_text};
+use crate::ctrl_c;
+use crate::output::{Interrupted, print_line, print_text};
 use analyses::plan::inputs::{self, LEVELS};
 use analyses::simulation::Trajectory;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use fmu_build::progress::Progress;
 use model::plan::ModelLevel;
 use scene_file::SceneFile;
@@ -40,9 +41,11 @@ pub(crate) fn execute(request: &Request) -> Result<()> {
     table.notes.iter().for_each(|note| eprintln!("{note}"));
     let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
     let mut progress = Progress::default();
-    let levels = inputs::compare(&request.scene, &trajectory, tolerance, &mut |number, part| {
-        let what = || LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string);
-        progress.reached((number as f64 + part) / (LEVELS.len() + 1) as f64, what);
+    let levels = ctrl_c::attended(|| {
+        inputs::compare(&request.scene, &trajectory, tolerance, &mut |number, part| {
+            let what = || LEVELS.get(number).map_or("reference".into(), ModelLevel::to_string);
+            progress.reached((number as f64 + part) / (LEVELS.len() + 1) as f64, what);
+        })
     });
     drop(progress);
     let levels = levels?;
@@ -50,6 +53,9 @@ pub(crate) fn execute(request: &Request) -> Result<()> {
         print_line!("{:#}", inputs::record(&levels));
     } else {
         print_text!("{}", levels.table(name, &trajectory));
+    }
+    if levels.interrupted {
+        bail!(Interrupted(format!("interrupted after {} of at most {} levels", levels.candidates.len(), LEVELS.len())));
     }
     let cheapest = levels.cheapest()?;
     if request.write {
