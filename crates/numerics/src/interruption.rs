@@ -84,7 +84,7 @@ mod tests {
         let done = interruptible(&FLAG, || {
             let ended = (1..9).find(|&number| {
                 FLAG.store(number == 5, Ordering::Relaxed);
-                part(|| checkpoint()).map(|()| kept = number).is_none()
+                part(checkpoint).map(|()| kept = number).is_none()
             });
             (ended, kept)
         });
