@@ -426,7 +426,7 @@ mod tests {
     /// A short stop of the stock brake on a contact line, with a measured temperature.
     fn stop(level: &str) -> Figure {
         let mut file = shipped("disc_brake");
-        for assignment in [level, "solver.cells=9", "nominal.duration=1 s", "strip.property_table.points=0"] {
+        for assignment in [level, "solver.cells=9", "nominal.duration=1 s"] {
             scene_file::assign(&mut file, assignment).unwrap();
         }
         let scene = scene::Scene::new(&file.packaged.starts, None).unwrap();
