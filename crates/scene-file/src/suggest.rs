@@ -14,7 +14,7 @@ pub(crate) fn question(names: &[impl AsRef<str>]) -> String {
 }
 
 /// Words that users have for a variable, and the last part of its name.
-const MEANINGS: [(&str, &str); 10] = [
+const MEANINGS: [(&str, &str); 14] = [
     ("mu", "friction_coefficient"),
     ("cof", "friction_coefficient"),
     ("friction", "friction_coefficient"),
@@ -22,6 +22,10 @@ const MEANINGS: [(&str, &str); 10] = [
     ("track_radius", "mean_radius"),
     ("wear", "wear_coefficient"),
     ("k", "wear_coefficient"),
+    ("wear_rate", "wear_coefficient"),
+    ("heat_transfer_coefficient", "convection"),
+    ("cp", "specific_heat"),
+    ("modulus", "youngs_modulus"),
     ("thickness", "height"),
     ("speed", "velocity"),
     ("force", "load"),

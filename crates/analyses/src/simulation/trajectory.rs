@@ -248,6 +248,7 @@ fn left_out(names: &[String]) -> String {
     match names {
         [] => String::new(),
         [only] => format!("; {only} is an output and left out"),
+        [first, second] => format!("; {first} and {second} are outputs and left out"),
         [first, rest @ ..] => format!("; {first} and {} other outputs are left out", rest.len()),
     }
 }

@@ -431,9 +431,12 @@ impl Propagator {
         }
         for port in [Port::Ambient as usize, Port::Base as usize] {
             if active[port] {
-                let [first, second] = &self.update[port - 2];
-                for k in 0..count {
-                    states[k] += first[k] * fluxes[port][0] + second[k] * fluxes[port][1];
+                let ([first, second], [left, right]) = (&self.update[port - 2], fluxes[port]);
+                let rows = first.as_chunks::<LANES>().0.iter().zip(second.as_chunks::<LANES>().0);
+                let groups = states.as_chunks_mut::<LANES>().0.iter_mut().zip(rows);
+                for (states, (first, second)) in groups.take(count.div_ceil(LANES)) {
+                    accumulate(states, first, &[left; LANES]);
+                    accumulate(states, second, &[right; LANES]);
                 }
             }
         }

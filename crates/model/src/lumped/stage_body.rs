@@ -311,14 +311,20 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     }
 
     /// Error of the step by the cooling, in K, from the residuals of its laws at the point 2/3 with the conditions `middle`, and the
-    /// largest temperature of a face that is solved for, K.
+    /// largest temperature of a face that is solved for, K. Where fluxes relax, a linear face has a bound in place of its residual: a flux
+    /// that relaxes deviates from the line through both stages by at most half their difference.
     #[inline(always)]
-    pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around) -> [f64; 2] {
+    pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around, relaxes: bool) -> [f64; 2] {
         let (mut error, mut rise) = (0.0, 0.0);
         let Some((own, count)) = self.own else { return [0.0; 2] };
         let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
         for face in 0..FACES {
             if !self.cools[face] && !own.is_linear(face) {
+                continue;
+            }
+            if relaxes && !self.cools[face] {
+                let [first, last] = self.flux[PORTS_OF_FACES[face]];
+                error += cooling_error(0.5 * (last - first), own.air[face].rest, own.by_face[face]);
                 continue;
             }
             let (air, port, is_contact) = (&own.air[face], PORTS_OF_FACES[face], COMMON && self.cools[face]);

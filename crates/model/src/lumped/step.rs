@@ -155,12 +155,19 @@ impl<'a> Stepper<'a> {
                 forced: [middle.forced; 2],
                 neighbour: prescribed([middle.neighbours[side]; 2]),
             };
-            let of_punch = punch.cooling_error(&state.punch, reference, &around(0));
-            let of_strip = strip.cooling_error(&state.strip, reference, &around(1));
+            let around = [around(0), around(1)];
             let rise = state.peak_rise.max(LEAST_RISE).max(first.abs()).max(last.abs());
-            let rise = maximum(rise, maximum(of_punch[1], of_strip[1]));
-            let wrong = of_punch[0] + of_strip[0];
-            error = maximum(error, wrong / (operators.budget.steps.whole * rise));
+            let mut of_cooling = 0.0;
+            for relaxes in [constant, false] {
+                let of_punch = punch.cooling_error(&state.punch, reference, &around[0], relaxes);
+                let of_strip = strip.cooling_error(&state.strip, reference, &around[1], relaxes);
+                let rise = maximum(rise, maximum(of_punch[1], of_strip[1]));
+                of_cooling = (of_punch[0] + of_strip[0]) / (operators.budget.steps.whole * rise);
+                if !relaxes || of_cooling <= 1.0 {
+                    break;
+                }
+            }
+            error = maximum(error, of_cooling);
         }
         if let Some(properties) = self.properties.as_deref_mut() {
             let ends = [punch.mean_at_end(&state.punch) + reference, strip.mean_at_end(&state.strip) + reference];

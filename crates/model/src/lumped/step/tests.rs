@@ -151,3 +151,27 @@ fn an_attempt_in_the_common_form_is_that_in_the_general_form() {
         assert!(worst.0 < bound, "{air:?} {changes:?} fades {fades}: {worst:?}");
     }
 }
+
+/// Behind a caliper, with expansion by a prescribed temperature that differs from the ambient.
+#[test]
+fn the_load_at_the_end_of_a_step_is_that_of_the_state_reached() {
+    let mut values = STARTS;
+    let changes = [
+        ("holder.stiffness", 1e8),
+        ("strip.base_thermal", 1.0),
+        ("strip.base_at_ambient", 0.0),
+        ("strip.base_temperature", 400.0),
+    ];
+    for (name, value) in changes {
+        values[find(name).unwrap() as usize] = value;
+    }
+    let scene = Scene::new(&values, None).unwrap();
+    let mut run = Lumped::new(Arc::new(LumpedOperators::new(&scene)), Tunables::of(&scene), &Inputs::constant(0.0));
+    let inputs = Inputs::new(5.0, 700.0, 0.0);
+    for _ in 0..5 {
+        run.step(&inputs, None, 0.1).unwrap();
+        let force = run.point(&inputs).force;
+        let error = (run.state.end_force / force - 1.0).abs();
+        assert!(error < 1e-9, "{} N for {force} N: {error:e}", run.state.end_force);
+    }
+}
