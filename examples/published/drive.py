@@ -10,8 +10,9 @@ import json
 import sys
 from pathlib import Path
 
-from cases import CASES, Result
+from cases import CASES
 from model import Model
+from results import Result
 
 
 def arguments() -> argparse.Namespace:

@@ -7,7 +7,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
-from cases import Result  # noqa: E402
+from results import Result  # noqa: E402
 
 # Okabe and Ito's palette: told apart by every eye and in print.
 PUBLISHED = ("#0072B2", "#009E73", "#CC79A7")

@@ -81,9 +81,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
         "friction_power",
         "friction_torque",
     ];
-    let kinks = assert_derivatives("", cases, &answering);
-    // Strong curvature looks like a kink.
-    assert!(kinks < 1e-3, "{kinks} of the entries lie at a kink");
+    assert_derivatives(false, cases, &answering);
 }
 
 #[test]

@@ -66,7 +66,7 @@ impl Lumped {
     ///
     /// # Errors
     /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
-    pub fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
+    pub(crate) fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         self.frozen_is_current = false;
         let mut is_too_long = false;
         if slopes.is_none() && self.state.refinement == 0 && self.operators.has_common_form {
@@ -385,7 +385,7 @@ impl Lumped {
     }
 
     /// Friction coefficient at the temperature of the end of the last step, at this speed, m/s.
-    pub fn end_friction(&self, speed: f64) -> f64 {
+    pub(crate) fn end_friction(&self, speed: f64) -> f64 {
         let temperature = self.state.end_temperature + self.state.reference;
         self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(speed)
     }
@@ -394,7 +394,7 @@ impl Lumped {
     ///
     /// # Errors
     /// Those of `text`.
-    pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
+    pub(crate) fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         if bit != limit::UNSTABLE {
             return Ok(());
         }

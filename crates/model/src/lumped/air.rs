@@ -6,13 +6,13 @@
 //!
 //! Theory: docs/theory.md, section 4.11.
 
-pub use conduction::line::{BESIDE, FACES, FAR};
+pub(crate) use conduction::line::{BESIDE, FACES, FAR};
 use conduction::properties::Scales;
 use conduction::reduced::Port;
 use scene::{Body, ThermalBoundary};
 
 /// Ports of the heat fluxes through the faces.
-pub const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];
+pub(crate) const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];
 
 /// Fluxes of one face beyond its constant heat transfer: the flux into it at the temperature T is
 /// `(forced (v_c/v_0)^0.8 + rest) (T_ambient - T) + emissivity sigma (T_ambient^4 - T^4) + path (T_neighbour - T)`.
@@ -35,7 +35,7 @@ pub struct Air {
 impl Air {
     /// Fluxes of the faces of `body`, whose states have the heat transfer coefficient `within` (H0), with the reference area `area`
     /// (m2, all faces); the free surface beside the contact is `part` of it.
-    pub fn of(body: &Body, within: f64, part: f64, area: f64) -> [Air; FACES] {
+    pub(crate) fn of(body: &Body, within: f64, part: f64, area: f64) -> [Air; FACES] {
         let over = |part: f64| match body.conductivity > 0.0 && part > 0.0 {
             true => Air {
                 forced: body.convection_forced * part,
@@ -53,31 +53,31 @@ impl Air {
     }
 
     /// The same at properties with these factors.
-    pub fn at(&self, scales: Scales) -> Air {
+    pub(crate) fn at(&self, scales: Scales) -> Air {
         Air { rest: self.within * (1.0 - 1.0 / scales.flux) + self.tuned, ..*self }
     }
 
     /// Whether there is any flux beyond the constant heat transfer.
     #[inline]
-    pub fn acts(&self) -> bool {
+    pub(crate) fn acts(&self) -> bool {
         self.is_cooled() || self.path > 0.0
     }
 
     /// Whether there is a flux, in proportion to the temperature above the ambient and to nothing that changes from step to step.
     #[inline]
-    pub fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         self.acts() && self.forced == 0.0 && self.emissivity == 0.0 && self.path == 0.0
     }
 
     /// Whether there is a flux that the stages are solved for.
     #[inline]
-    pub fn is_nonlinear(&self) -> bool {
+    pub(crate) fn is_nonlinear(&self) -> bool {
         self.acts() && !self.is_linear()
     }
 
     /// Whether the air takes more than by the heat transfer within the states.
     #[inline]
-    pub fn is_cooled(&self) -> bool {
+    pub(crate) fn is_cooled(&self) -> bool {
         self.forced > 0.0 || self.emissivity > 0.0 || self.within > 0.0 || self.tuned != 0.0
     }
 }

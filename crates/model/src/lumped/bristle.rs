@@ -19,7 +19,7 @@ use super::stage::{POINTS, averages};
 
 /// Bristle of all faces together.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Bristle {
+pub(crate) struct Bristle {
     /// k, N/m, > 0.
     pub stiffness: f64,
     /// c, N s/m, >= 0.
@@ -28,7 +28,7 @@ pub struct Bristle {
 
 /// Result of a step of the bristle.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Moved {
+pub(crate) struct Moved {
     /// Deflection at the end, m.
     pub deflection: f64,
     /// Friction heat, J.
@@ -46,7 +46,7 @@ pub struct Moved {
 /// Heat and slip by which the spring returns to a limit that is below its force when the step starts, as after a jump of the load:
 /// `(k z^2 - L^2/k)/2` and `|z| - L/k`. It takes the time c/k. Nothing where that is so long that the points of the step see it.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Released {
+pub(crate) struct Released {
     /// Part of the friction heat, J.
     pub heat: f64,
     /// Part of the distance slipped, m.
@@ -55,7 +55,7 @@ pub struct Released {
 
 impl Moved {
     /// Bristle at rest at the deflection `z` (m).
-    pub fn none(z: f64) -> Moved {
+    pub(crate) fn none(z: f64) -> Moved {
         let released = Released::default();
         Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3], released }
     }
@@ -63,7 +63,7 @@ impl Moved {
 
 /// Linear function of time.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Line {
+pub(crate) struct Line {
     /// Value at the start.
     pub start: f64,
     /// Rate per second.
@@ -72,12 +72,12 @@ pub struct Line {
 
 impl Line {
     /// Constant function.
-    pub fn level(value: f64) -> Line {
+    pub(crate) fn level(value: f64) -> Line {
         Line { start: value, rate: 0.0 }
     }
 
     /// Linear function through its values at the points 1/3 and 1 of a step (s).
-    pub fn through_stages(values: [f64; 2], step: f64) -> Line {
+    pub(crate) fn through_stages(values: [f64; 2], step: f64) -> Line {
         let rate = (values[1] - values[0]) / ((POINTS[2] - POINTS[0]) * step);
         Line { start: values[0] - rate * POINTS[0] * step, rate }
     }
@@ -129,7 +129,7 @@ fn rises_through_zero(a: f64, b: f64, c: f64) -> f64 {
 
 impl Bristle {
     /// Force (N) at deflection `z` (m), velocity `v` (m/s) and limit `limit` (N), and whether it slips.
-    pub fn force(&self, z: f64, v: f64, limit: f64) -> (f64, bool) {
+    pub(crate) fn force(&self, z: f64, v: f64, limit: f64) -> (f64, bool) {
         let trial = self.stiffness * z + self.damping * v;
         // Without a damper a slipping bristle is at its limit only to rounding and to the error of the temperature.
         let meets = self.damping == 0.0 && trial * v > 0.0 && trial.abs() > (1.0 - MEETING) * limit;
@@ -138,7 +138,7 @@ impl Bristle {
 
     /// Advances the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which does not change its sign, and the limit
     /// `limit` (N, 0 where it is negative).
-    pub fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
+    pub(crate) fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
         let mut moved = Moved::none(z);
         let (first, last) = (limit.start, limit.at(step));
         if first >= 0.0 && last >= 0.0 {

@@ -82,7 +82,7 @@ impl Tunables {
 
     /// `scene` with those that are in the operators; `None` where it has them already. The friction coefficient stays that to
     /// which the wear laws refer.
-    pub fn tuned(&self, scene: &Scene) -> Option<Scene> {
+    pub(crate) fn tuned(&self, scene: &Scene) -> Option<Scene> {
         let Tunables { friction_coefficient, ambient_temperature, wear_acceleration, .. } = Tunables::of(scene);
         if Tunables::of(scene) == (Tunables { friction_coefficient, ambient_temperature, wear_acceleration, ..*self }) {
             return None;
@@ -100,7 +100,7 @@ impl Tunables {
 
 /// Conditions of the contact at one instant.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Conditions<S = f64> {
+pub(crate) struct Conditions<S = f64> {
     /// Velocity of the punch over the strip, m/s.
     pub velocity: S,
     /// Load per face by the actuator, N, >= 0.
@@ -126,7 +126,7 @@ pub struct Conditions<S = f64> {
 impl<S: Scalar> Conditions<S> {
     /// Conditions of `inputs`; temperatures are relative to `reference` (K).
     #[inline]
-    pub fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
+    pub(crate) fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
         let scene = &operators.scene;
         let velocity = inputs.sliding_velocity + inputs.angular_velocity * scene.mean_radius;
         let sign = operators.friction.sign(velocity);

@@ -42,7 +42,7 @@ const LEAST: f64 = 0.1;
 
 /// Error weight of a body: ratio of the relative error of the contact temperature to that of the body's own rise.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ErrorWeight {
+pub(crate) struct ErrorWeight {
     /// 1/max f over the frequencies from 1/D on, from 0.1 to 1: factor from the tolerance of the contact temperature to that of
     /// the body's own rise.
     pub tolerance: f64,
@@ -52,11 +52,11 @@ pub struct ErrorWeight {
 
 impl ErrorWeight {
     /// Weight of a body that receives all heat.
-    pub const ALL: ErrorWeight = ErrorWeight { tolerance: 1.0, accounted: 1.0 };
+    pub(crate) const ALL: ErrorWeight = ErrorWeight { tolerance: 1.0, accounted: 1.0 };
 }
 
 /// Error weights of punch and strip.
-pub fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
+pub(crate) fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     if scene.punch.conductivity == 0.0 || scene.strip.conductivity == 0.0 {
         return [ErrorWeight::ALL; 2];
     }

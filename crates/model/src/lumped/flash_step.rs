@@ -10,7 +10,7 @@ use conduction::properties::Scales;
 
 /// Weights of the moving source for one step size and one course of the speed.
 #[derive(Clone, Debug)]
-pub struct FlashStep {
+pub(crate) struct FlashStep {
     /// Speeds (m/s) at the start and at the three points, step size (s) and properties of these weights.
     key: ([f64; 4], f64, Scales),
     /// Length of the step in the time of the strip's constants: see [`Scales`].
@@ -44,7 +44,7 @@ type Row = [f64; MAX_FLASH_STATES];
 const CANCELLING: f64 = 0.06;
 
 /// Decay factors of a moving source at rest up to the point 1/3 of the step `step` (s).
-pub fn decays_at_rest(flash: &Flash, step: f64) -> Row {
+pub(crate) fn decays_at_rest(flash: &Flash, step: f64) -> Row {
     flash.rates.map(|rate| (-rate * POINTS[0] * step).exp())
 }
 
@@ -86,7 +86,7 @@ fn total(values: &Row) -> f64 {
 
 impl FlashStep {
     /// Placeholder weights, set by the first [`FlashStep::prepare`].
-    pub fn empty() -> FlashStep {
+    pub(crate) fn empty() -> FlashStep {
         const NONE: Row = [0.0; MAX_FLASH_STATES];
         FlashStep {
             key: ([f64::NAN; 4], f64::NAN, Scales::ONE),
@@ -108,7 +108,7 @@ impl FlashStep {
     /// Computes the weights for `speeds` (m/s) at the start and at the three points of the step `step` (s), with the decays
     /// at rest of [`decays_at_rest`] and the properties of `propagators`. They are a function of these alone, so that a replay gives the
     /// same bits.
-    pub fn prepare(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speeds: [f64; 4]) {
+    pub(crate) fn prepare(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speeds: [f64; 4]) {
         let [speed, ..] = speeds;
         if speeds == [speed; 4] {
             return self.prepare_steady(operators, propagators, speed);
@@ -128,7 +128,7 @@ impl FlashStep {
 
     /// [`FlashStep::prepare`] at the constant speed `speed` (m/s).
     #[inline(always)]
-    pub fn prepare_steady(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speed: f64) {
+    pub(crate) fn prepare_steady(&mut self, operators: &LumpedOperators, propagators: &Propagators<'_>, speed: f64) {
         let Some(flash) = &operators.flash else { return };
         let key = ([speed; 4], propagators.step, propagators.scales);
         if self.steady && self.key.0[0] == speed && self.key.1 == key.1 && self.key.2 == key.2 {
@@ -161,7 +161,7 @@ impl FlashStep {
 
     /// Computes the weights of the point 2/3, which are for the error estimate only.
     #[inline(always)]
-    pub fn prepare_middle(&mut self, operators: &LumpedOperators) {
+    pub(crate) fn prepare_middle(&mut self, operators: &LumpedOperators) {
         if let Some(flash) = &operators.flash
             && !self.has_middle
         {
@@ -227,7 +227,7 @@ impl FlashStep {
     /// Error of the temperature at the point 2/3 from a sliding rate that changes during the step, under the stage fluxes `flux`
     /// into the strip, in units of the tolerance of the largest rise so far. Requires the weights of that point.
     #[inline]
-    pub fn error(&self, flux: [f64; 2], tolerance: f64, peak_rise: f64) -> f64 {
+    pub(crate) fn error(&self, flux: [f64; 2], tolerance: f64, peak_rise: f64) -> f64 {
         if self.steady {
             return 0.0;
         }

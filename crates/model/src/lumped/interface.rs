@@ -7,7 +7,7 @@ use numerics::scalar::Scalar;
 
 /// Response of a body at the contact: `T = level + gain q`; no `gain` for an insulator.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Side<S> {
+pub(crate) struct Side<S> {
     /// Temperature without contact flux, K.
     pub level: S,
     /// Temperature per flux into the body, K m2/W.
@@ -16,7 +16,7 @@ pub struct Side<S> {
 
 /// Heat fluxes into both bodies and their surface temperatures.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct HeatPartition<S> {
+pub(crate) struct HeatPartition<S> {
     /// Flux into the punch, W/m2.
     pub punch: S,
     /// Flux into the strip, W/m2.
@@ -31,7 +31,7 @@ pub struct HeatPartition<S> {
 /// (W/(m2 K)), with both temperatures as level + gain q_i. An insulator receives no heat; its surface temperature follows from
 /// the same second law, and without conductance is that of the other surface.
 #[inline]
-pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
+pub(crate) fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
     match (punch.gain, strip.gain) {
         (Some(gain_punch), Some(gain_strip)) => {
             let into_punch = if conductance > 0.0 {

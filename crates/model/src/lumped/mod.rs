@@ -3,25 +3,25 @@
 //! Theory: docs/theory.md, section 8.1.
 
 mod advance;
-pub mod air;
-pub mod bristle;
+pub(crate) mod air;
+pub(crate) mod bristle;
 pub mod conditions;
-pub mod error_weights;
+pub(crate) mod error_weights;
 mod estimate;
 mod flash_step;
-pub mod interface;
+pub(crate) mod interface;
 pub mod operators;
-pub mod outputs;
-pub mod point;
+pub(crate) mod outputs;
+pub(crate) mod point;
 mod property_step;
-pub mod saved;
-pub mod stage;
+pub(crate) mod saved;
+pub(crate) mod stage;
 mod stage_body;
 mod stage_partition;
 mod stages;
 pub mod state;
-pub mod step;
-pub mod stepper;
+pub(crate) mod step;
+pub(crate) mod stepper;
 
 use crate::{Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
@@ -67,7 +67,7 @@ const NEAR_END: f64 = 0.9;
 const NOMINAL_MARGIN: f64 = 10.0;
 
 /// Limit bits of a contact temperature (K).
-pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
+pub(crate) fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
     let exceeded = scene.temperature_limit > 0.0 && hottest > scene.temperature_limit;
     let invalid = hottest > HIGHEST_VALID_TEMPERATURE;
     (if exceeded { limit::TEMPERATURE } else { 0 }) | (if invalid { limit::VALIDITY } else { 0 })
@@ -78,7 +78,7 @@ pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
 /// # Errors
 /// A body that is worn through.
 #[inline]
-pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure> {
+pub(crate) fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure> {
     let mut limits = 0;
     for (name, depth, body) in [("punch", depths[0], &scene.punch), ("strip", depths[1], &scene.strip)] {
         let worn = depth + body.initial_wear;
@@ -120,7 +120,7 @@ pub struct Lumped {
 
 impl Lumped {
     /// Initial state at rest at the given inputs (which give the ambient temperature of initialisation).
-    pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &Inputs) -> Lumped {
+    pub(crate) fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &Inputs) -> Lumped {
         let ambient = tunables.ambient_temperature + inputs.ambient_temperature_offset;
         let mut state = LumpedState::new(&operators, ambient);
         let mut friction = operators.friction.clone();
@@ -144,25 +144,25 @@ impl Lumped {
     }
 
     /// Operators built from the scene.
-    pub fn operators(&self) -> &Arc<LumpedOperators> {
+    pub(crate) fn operators(&self) -> &Arc<LumpedOperators> {
         &self.operators
     }
 
     /// Whether a bristle models the friction force at standstill.
-    pub fn has_bristle(&self) -> bool {
+    pub(crate) fn has_bristle(&self) -> bool {
         self.state.stiffness > 0.0
     }
 
     /// Takes the friction force over elastic displacement `elastic` (N/m) of a contact whose pressure has changed. The energy of the
     /// bristle stays: its deflection follows, by no more than the change of the stiffness.
-    pub fn set_tangential_stiffness(&mut self, elastic: f64) {
+    pub(crate) fn set_tangential_stiffness(&mut self, elastic: f64) {
         let before = self.state.stiffness;
         self.state.stiffness = self.operators.stick_stiffness(elastic);
         self.state.bristle *= (before / self.state.stiffness).sqrt();
     }
 
     /// Current state.
-    pub fn state(&self) -> &LumpedState {
+    pub(crate) fn state(&self) -> &LumpedState {
         &self.state
     }
 
@@ -172,28 +172,28 @@ impl Lumped {
     }
 
     /// Replaces the whole state.
-    pub fn set_state(&mut self, state: &LumpedState) {
+    pub(crate) fn set_state(&mut self, state: &LumpedState) {
         self.state.clone_from(state);
         self.frozen_is_current = false;
         self.invalidate_conditions();
     }
 
     /// Takes `operators`, those of [`LumpedOperators::tuned`]; the state stays.
-    pub fn set_operators(&mut self, operators: Arc<LumpedOperators>) {
+    pub(crate) fn set_operators(&mut self, operators: Arc<LumpedOperators>) {
         let mut tuned = Lumped::new(operators, self.tunables, &Inputs::constant(0.0));
         tuned.set_state(&self.state);
         *self = tuned;
     }
 
     /// Sets the parameters that may change between steps, without those of the operators.
-    pub fn set_tunables(&mut self, tunables: Tunables) {
+    pub(crate) fn set_tunables(&mut self, tunables: Tunables) {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.invalidate_conditions();
     }
 
     /// Sets a friction coefficient that replaces the tunable parameter.
-    pub fn set_friction_coefficient(&mut self, coefficient: f64) {
+    pub(crate) fn set_friction_coefficient(&mut self, coefficient: f64) {
         self.friction.coefficient = coefficient;
     }
 
@@ -210,21 +210,21 @@ impl Lumped {
     }
 
     /// Contact for these inputs at frozen states.
-    pub fn point(&mut self, inputs: &Inputs) -> Point {
+    pub(crate) fn point(&mut self, inputs: &Inputs) -> Point {
         self.refresh();
         let conditions = self.conditions(inputs);
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
     }
 
     /// Contact in dual numbers at frozen states.
-    pub fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
+    pub(crate) fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
         self.refresh();
         let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
     }
 
     /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
-    pub fn expansion_of_bodies(&self) -> f64 {
+    pub(crate) fn expansion_of_bodies(&self) -> f64 {
         let LumpedState { punch, strip, far, .. } = &self.state;
         self.operators.punch.expansion_at(&punch.heat, far[0]) + self.operators.strip.expansion_at(&strip.heat, far[1])
     }

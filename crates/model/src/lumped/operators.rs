@@ -103,7 +103,7 @@ impl BodyOperators {
 
     /// Mean temperature of the body in this state, K above the reference, its face opposite to the contact at `far` where that is
     /// prescribed. The states hold all of it but the stationary field of that face beyond them, as in the stored heat.
-    pub fn mean_rise(&self, heat: &ReducedBody, states: &[f64; MAX_STATES], far: f64) -> f64 {
+    pub(crate) fn mean_rise(&self, heat: &ReducedBody, states: &[f64; MAX_STATES], far: f64) -> f64 {
         let beyond = match self.far {
             ThermalBoundary::Held | ThermalBoundary::External => {
                 heat.mean_temperature.direct[Port::Base as usize] * far
@@ -115,7 +115,7 @@ impl BodyOperators {
 
     /// Mean outward displacement (m) of the contact surface by the temperature of the body in this state; `far` as in
     /// [`BodyOperators::mean_rise`].
-    pub fn expansion_at(&self, states: &[f64; MAX_STATES], far: f64) -> f64 {
+    pub(crate) fn expansion_at(&self, states: &[f64; MAX_STATES], far: f64) -> f64 {
         self.heat.as_ref().map_or(0.0, |heat| self.expansion * self.mean_rise(heat, states, far))
     }
 }
@@ -302,7 +302,7 @@ impl LumpedOperators {
 
     /// These operators with other wear coefficients, convection, heat paths or conductance, those of `scene`: states keep their
     /// meaning.
-    pub fn tuned(&self, scene: Scene) -> LumpedOperators {
+    pub(crate) fn tuned(&self, scene: Scene) -> LumpedOperators {
         let mut tuned = self.clone();
         if scene.conductance != self.scene.conductance {
             tuned.growth = PerturbationGrowth::new(&scene);
@@ -324,7 +324,7 @@ impl LumpedOperators {
     }
 
     /// Punch and strip.
-    pub fn bodies(&self) -> [&BodyOperators; 2] {
+    pub(crate) fn bodies(&self) -> [&BodyOperators; 2] {
         [&self.punch, &self.strip]
     }
 
@@ -342,7 +342,7 @@ impl LumpedOperators {
 
 /// Flash temperature model of the strip under the contact; `None` where the contact covers the whole path or the strip is an
 /// insulator.
-pub fn moving_source(scene: &Scene) -> Option<Flash> {
+pub(crate) fn moving_source(scene: &Scene) -> Option<Flash> {
     let (path, length) = path_of(scene);
     let endless = path == moving_source::Path::Endless;
     let (_, slab) = strip_of(scene, scene.contact_area() * scene.count, length, endless);
@@ -360,7 +360,7 @@ fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flas
 const LEAST_STROKE: f64 = 1e-6;
 
 /// Path of the heat source, and the length of the strip that it heats.
-pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
+pub(crate) fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
         Path::Closed => {
             let period = scene.length / scene.count;
@@ -430,7 +430,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
 }
 
 /// Slab model of the punch under the contact's `area`, m2.
-pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
+pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
     let body = &scene.punch;
     Slab {
         height: body.height,
@@ -471,7 +471,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
 
 /// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact
 /// covers.
-pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
+pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let slab = Slab {

@@ -23,7 +23,7 @@ macro_rules! emit {
 }
 
 /// Emits the limits reached, as a sum and one by one.
-pub fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
+pub(crate) fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
     let reached = |bit: u8| f64::from(u8::from(limits & bit != 0));
     emit!(
         emit,
@@ -36,7 +36,7 @@ pub fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
 
 impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
-    pub fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         self.refresh();
         let (point, conditions) = self.evaluate(inputs);
         self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: f64| {
@@ -49,24 +49,24 @@ impl Lumped {
     }
 
     /// Rise of the contact temperature at the end of the last step above the reference temperature, K.
-    pub fn end_rise(&self) -> f64 {
+    pub(crate) fn end_rise(&self) -> f64 {
         self.state.end_temperature
     }
 
     /// Writes the main outputs at the end of the last step, valid for its final inputs only.
-    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_end(&self, values: &mut [f64; COUNT]) {
         value!(values, "wear_depth") = self.state.punch.depth + self.strip_depth();
         value!(values, "contact_temperature") = self.state.end_temperature + self.state.reference;
         value!(values, "friction_force") = self.state.end_force;
     }
 
     /// Writes the outputs that depend on the states only: the heat account, volumes, distance.
-    pub fn write_account(&self, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_account(&self, values: &mut [f64; COUNT]) {
         self.on_states(&mut |reference: ValueReference, value: f64| values[reference as usize] = value);
     }
 
     /// Writes `friction_slope` and the profiles.
-    pub fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
+    pub(crate) fn write_rest(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
         value!(values, "friction_slope") = self.slope(inputs);
         let point = self.point(inputs);
         let temperature = point.contact_temperature + self.state.reference;
@@ -99,7 +99,7 @@ impl Lumped {
     }
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
-    pub fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
+    pub(crate) fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         self.refresh();
         let inputs = inputs.zip(seed, |value, derivative| Dual { value, derivative });
         let (point, conditions) = self.evaluate(&inputs);
@@ -349,7 +349,7 @@ impl Lumped {
     }
 
     /// Limits reached so far; see [`limit`].
-    pub fn limits(&self) -> u8 {
+    pub(crate) fn limits(&self) -> u8 {
         self.state.limits
     }
 }

@@ -17,7 +17,7 @@ use scene::ThermalBoundary;
 
 /// Free responses of the observations: sums over the states.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Frozen {
+pub(crate) struct Frozen {
     punch: FrozenBody,
     strip: FrozenBody,
     flash: f64,
@@ -79,7 +79,7 @@ impl FrozenBody {
 
 impl Frozen {
     /// Free responses of `state`.
-    pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
+    pub(crate) fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
         let closed = if operators.series_stiffness > 0.0 {
             state.punch.depth + state.strip.depth
                 - operators.punch.expansion_at(&state.punch.heat, state.far[0])
@@ -98,7 +98,7 @@ impl Frozen {
 
 /// Contact at one instant. Temperatures in K above the reference.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Point<S = f64> {
+pub(crate) struct Point<S = f64> {
     /// Load per face carried by the contact, N.
     pub load: S,
     /// Mean pressure, Pa.
@@ -131,14 +131,14 @@ pub struct Point<S = f64> {
 
 /// Flux into a face beyond its constant heat transfer (W/m2 of reference area) at the temperature `t`, K above the reference.
 #[inline]
-pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S, neighbour: S) -> S {
+pub(crate) fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S, neighbour: S) -> S {
     let flux = air_flux(air, reference, t, ambient, forced);
     if air.path > 0.0 { flux + (neighbour - t) * air.path } else { flux }
 }
 
 /// Part of [`cooling_flux`] that comes from the air.
 #[inline]
-pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
+pub(crate) fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * air.forced;
     if air.rest != 0.0 {
         flux = flux + (ambient - t) * air.rest;
@@ -157,7 +157,7 @@ pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: 
 
 /// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
-pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
+pub(crate) fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
     let by_air =
         forced * air.forced + air.rest + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
     if air.path > 0.0 { by_air + air.path } else { by_air }
@@ -243,7 +243,7 @@ fn raised<S: Scalar>(observation: &Observation, cooling: &[S; FACES]) -> S {
 }
 
 /// Evaluates the contact at frozen states.
-pub fn evaluate<S: Scalar>(
+pub(crate) fn evaluate<S: Scalar>(
     operators: &LumpedOperators,
     friction: &FrictionLaw,
     state: &LumpedState,
@@ -398,12 +398,12 @@ pub fn evaluate<S: Scalar>(
 
 /// Heat flow to the neighbour of a body: all of that out of its far face where the input prescribes the temperature there,
 /// otherwise that by the heat path.
-pub fn external_flow<T>(body: &BodyOperators, far: T, path: T) -> T {
+pub(crate) fn external_flow<T>(body: &BodyOperators, far: T, path: T) -> T {
     if body.far == ThermalBoundary::External { far } else { path }
 }
 
 /// Temperature (K above the reference) at which fresh material arrives in unidirectional sliding on a straight path.
-pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
+pub(crate) fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
     let initial = operators.strip.initial_temperature;
     if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }
 }
@@ -416,7 +416,7 @@ impl LumpedOperators {
 
     /// Stiffness (N/m) of the bristle, all faces together: `contact.stick_stiffness` in series with the bodies, whose friction force
     /// over elastic displacement is `elastic`; 0: no bristle.
-    pub fn stick_stiffness(&self, elastic: f64) -> f64 {
+    pub(crate) fn stick_stiffness(&self, elastic: f64) -> f64 {
         let given = if self.scene.stick_stiffness > 0.0 { self.scene.stick_stiffness.recip() } else { 0.0 };
         let own = if self.scene.elastic_slip { elastic.recip() } else { 0.0 };
         let sum = given + own;
@@ -431,7 +431,7 @@ impl LumpedOperators {
     }
 
     /// Whether there is a bristle.
-    pub fn has_bristle(&self) -> bool {
+    pub(crate) fn has_bristle(&self) -> bool {
         self.stick_stiffness(self.tangential_stiffness) > 0.0
     }
 }

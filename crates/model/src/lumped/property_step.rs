@@ -18,14 +18,14 @@ use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
 
 /// Attempts of a step with other temperatures in its middle.
-pub const ATTEMPTS: usize = 3;
+pub(crate) const ATTEMPTS: usize = 3;
 
 /// Most by which the temperature in the middle of a step is extrapolated from that at its start, K.
 const FARTHEST: f64 = 50.0;
 
 /// Bodies during a step.
 #[derive(Clone, Debug)]
-pub struct PropertyStep {
+pub(crate) struct PropertyStep {
     /// Mean temperatures in the middle of the step, K: those with which it is computed, and those that it leads to.
     middle: [f64; 2],
     found: [f64; 2],
@@ -44,7 +44,7 @@ pub struct PropertyStep {
 
 impl PropertyStep {
     /// Before any step; `None` where all properties are constants.
-    pub fn of(operators: &LumpedOperators) -> Option<PropertyStep> {
+    pub(crate) fn of(operators: &LumpedOperators) -> Option<PropertyStep> {
         operators.bodies().iter().any(|body| body.properties.is_some()).then_some(PropertyStep {
             middle: [0.0; 2],
             found: [0.0; 2],
@@ -59,7 +59,7 @@ impl PropertyStep {
     }
 
     /// Predicts the temperatures in the middle of a step of `step` (s) from `state`; returns those of its properties.
-    pub fn predict(&mut self, operators: &LumpedOperators, state: &LumpedState, step: f64) -> [f64; 2] {
+    pub(crate) fn predict(&mut self, operators: &LumpedOperators, state: &LumpedState, step: f64) -> [f64; 2] {
         for (side, (body, own)) in operators.bodies().into_iter().zip([&state.punch, &state.strip]).enumerate() {
             if let (Some(_), Some(heat)) = (&body.properties, &body.heat) {
                 let start = state.reference + body.mean_rise(heat, &own.heat, state.far[side]);
@@ -71,7 +71,7 @@ impl PropertyStep {
     }
 
     /// Temperatures of the properties of a repeated step.
-    pub fn correct(&mut self, operators: &LumpedOperators) -> [f64; 2] {
+    pub(crate) fn correct(&mut self, operators: &LumpedOperators) -> [f64; 2] {
         self.middle = self.found;
         self.freeze(operators)
     }
@@ -90,7 +90,7 @@ impl PropertyStep {
     }
 
     /// Whether the last attempt is to be repeated with [`PropertyStep::correct`].
-    pub fn repeats(&self) -> bool {
+    pub(crate) fn repeats(&self) -> bool {
         self.repeats
     }
 
@@ -98,7 +98,7 @@ impl PropertyStep {
     /// which the step leads to, and a twelfth of the square of their change, each times the deviation of the contact temperature from
     /// the mean. `ends`: mean temperatures (K) at the end of the step; `contact`: the contact temperature there; `peak_rise` as in the
     /// state.
-    pub fn error(&mut self, operators: &LumpedOperators, ends: [f64; 2], contact: f64, peak_rise: f64) -> f64 {
+    pub(crate) fn error(&mut self, operators: &LumpedOperators, ends: [f64; 2], contact: f64, peak_rise: f64) -> f64 {
         let (mut missed, mut curved) = (0.0, 0.0);
         self.ends = ends;
         for (side, body) in operators.bodies().into_iter().enumerate() {
@@ -128,7 +128,14 @@ impl PropertyStep {
     /// After an accepted step of `step` (s): sets the mean temperature of a body with a table to that by enthalpy. `passed`: heat through
     /// the ports, J/m2.
     #[inline(always)]
-    pub fn settle(&self, side: usize, body: &BodyOperators, state: &mut BodyState, passed: &[f64; PORTS], step: f64) {
+    pub(crate) fn settle(
+        &self,
+        side: usize,
+        body: &BodyOperators,
+        state: &mut BodyState,
+        passed: &[f64; PORTS],
+        step: f64,
+    ) {
         let (Some(properties), Some(heat)) = (&body.properties, &body.heat) else { return };
         let (scales, start, mean) = (self.scales[side], self.start[side], self.ends[side]);
         let taken = if body.passes_heat {

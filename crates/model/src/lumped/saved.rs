@@ -76,7 +76,7 @@ impl LumpedState {
 
 impl LumpedState {
     /// Name and value of a number larger than `most` in magnitude, if any.
-    pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
+    pub(crate) fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
         let LumpedState { punch, strip, .. } = self;
         let mut track = Vec::new();
         self.track.iter().for_each(|own| own.save(&mut track));

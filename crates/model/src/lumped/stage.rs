@@ -24,49 +24,49 @@ use numerics::factorization;
 use scene::ThermalBoundary;
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
-pub const POINTS: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
+pub(crate) const POINTS: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
 
 /// L_1 and L_2 at these points.
-pub const BASIS: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
+pub(crate) const BASIS: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
 
 /// Weights of the two stages in the integral over the step.
-pub const QUADRATURE: [f64; 2] = [0.75, 0.25];
+pub(crate) const QUADRATURE: [f64; 2] = [0.75, 0.25];
 
 /// Values at both stages.
-pub type Pair = [f64; 2];
+pub(crate) type Pair = [f64; 2];
 
 /// Matrix between values at both stages, by rows.
-pub type Matrix = [Pair; 2];
+pub(crate) type Matrix = [Pair; 2];
 
 /// Product of a matrix with the values at both stages.
 #[inline(always)]
-pub fn apply(matrix: &Matrix, values: Pair) -> Pair {
+pub(crate) fn apply(matrix: &Matrix, values: Pair) -> Pair {
     [matrix[0][0] * values[0] + matrix[0][1] * values[1], matrix[1][0] * values[0] + matrix[1][1] * values[1]]
 }
 
 /// Product of two matrices.
 #[inline(always)]
-pub fn product(left: &Matrix, right: &Matrix) -> Matrix {
+pub(crate) fn product(left: &Matrix, right: &Matrix) -> Matrix {
     let columns = [apply(left, [right[0][0], right[1][0]]), apply(left, [right[0][1], right[1][1]])];
     [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
 }
 
 /// Inverse of a matrix.
 #[inline(always)]
-pub fn inverse(matrix: &Matrix) -> Matrix {
+pub(crate) fn inverse(matrix: &Matrix) -> Matrix {
     let factor = 1.0 / (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]);
     [[matrix[1][1] * factor, -matrix[0][1] * factor], [-matrix[1][0] * factor, matrix[0][0] * factor]]
 }
 
 /// Sum of the values at both stages.
 #[inline(always)]
-pub fn sum(left: Pair, right: Pair) -> Pair {
+pub(crate) fn sum(left: Pair, right: Pair) -> Pair {
     [left[0] + right[0], left[1] + right[1]]
 }
 
 /// (1 - exp(-z))/z and one minus that, over z, given `decay` = exp(-z).
 #[inline]
-pub fn averages(z: f64, decay: f64) -> (f64, f64) {
+pub(crate) fn averages(z: f64, decay: f64) -> (f64, f64) {
     if z < 0.06 {
         let first =
             1.0 - z * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z * (1.0 / 120.0 - z * (1.0 / 720.0 - z / 5040.0)))));
@@ -83,7 +83,7 @@ pub fn averages(z: f64, decay: f64) -> (f64, f64) {
 /// w_1 and w_2 at the point `c`, which is `length` = c h away from the start (s), for a state of rate
 /// `rate`, given `decay` = exp(-rate c h).
 #[inline]
-pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
+pub(crate) fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
     let (first, second) = averages(rate * length, decay);
     let (flat, ramp) = (length * first, c * length * second);
     [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
@@ -104,7 +104,7 @@ fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64
 
 /// Observed temperature over a step: free response of the initial states, and gains from the stage fluxes.
 #[derive(Clone, Debug)]
-pub struct Observed {
+pub(crate) struct Observed {
     /// Weight of the initial states at every point.
     pub homogeneous: [[f64; MAX_STATES]; 3],
     /// Gain from stage flux j of a port to the observation at point i: `gain[port][i][j]`.
@@ -148,19 +148,19 @@ impl Observed {
 
     /// Observation at `point` from the initial states alone.
     #[inline(always)]
-    pub fn of_states(&self, point: usize, states: &[f64; MAX_STATES], count: usize) -> f64 {
+    pub(crate) fn of_states(&self, point: usize, states: &[f64; MAX_STATES], count: usize) -> f64 {
         dot(&self.homogeneous[point], states, count)
     }
 
     /// Gain matrix from the stage fluxes of `port` to the observation at the stages.
     #[inline(always)]
-    pub fn gain_at_stages(&self, port: usize) -> Matrix {
+    pub(crate) fn gain_at_stages(&self, port: usize) -> Matrix {
         [self.gain[port][0], self.gain[port][2]]
     }
 
     /// Response to the stage fluxes `u` of `port` at `point`.
     #[inline(always)]
-    pub fn of_flux(&self, port: usize, point: usize, u: [f64; 2]) -> f64 {
+    pub(crate) fn of_flux(&self, port: usize, point: usize, u: [f64; 2]) -> f64 {
         self.gain[port][point][0] * u[0] + self.gain[port][point][1] * u[1]
     }
 }
@@ -240,7 +240,7 @@ impl LinearFaces {
 
 /// Exact propagator of a reduced body over one step size, with its linear faces eliminated.
 #[derive(Clone, Debug)]
-pub struct Propagator {
+pub(crate) struct Propagator {
     /// Temperature of the contact surface.
     pub contact: Observed,
     /// Temperatures of the cooled faces: beside the contact, far face.
@@ -292,7 +292,7 @@ fn total(sum: [f64; LANES]) -> f64 {
 impl Propagator {
     /// Propagator of the body `of` over the step `step` (s) at the properties `scales`; `None` for an insulator. The temperature of a face
     /// is observed where its cooling acts.
-    pub fn new(of: &BodyOperators, step: f64, scales: Scales) -> Option<Propagator> {
+    pub(crate) fn new(of: &BodyOperators, step: f64, scales: Scales) -> Option<Propagator> {
         let body = of.heat.as_ref()?;
         let duration = step;
         let step = step * scales.pace;
@@ -359,13 +359,13 @@ impl Propagator {
 
     /// Whether a face is linear.
     #[inline(always)]
-    pub fn is_linear(&self, face: usize) -> bool {
+    pub(crate) fn is_linear(&self, face: usize) -> bool {
         self.linear.acts[face]
     }
 
     /// Stage fluxes into a linear face from the initial states and the stage values of the other ports.
     #[inline(always)]
-    pub fn linear_flux(&self, face: usize, states: &[f64; MAX_STATES], count: usize, values: &[Pair]) -> Pair {
+    pub(crate) fn linear_flux(&self, face: usize, states: &[f64; MAX_STATES], count: usize, values: &[Pair]) -> Pair {
         let LinearFaces { by_state, by_port, .. } = &self.linear;
         let mut flux = [dot(&by_state[face][0], states, count), dot(&by_state[face][1], states, count)];
         for (value, by) in values.iter().zip(by_port) {
@@ -376,7 +376,7 @@ impl Propagator {
 
     /// Heat that leaves by the constant heat transfer over the step, J/m2.
     #[inline(always)]
-    pub fn lost(&self, states: &[f64; MAX_STATES], count: usize, values: &[Pair; PORTS]) -> f64 {
+    pub(crate) fn lost(&self, states: &[f64; MAX_STATES], count: usize, values: &[Pair; PORTS]) -> f64 {
         let (by_state, by_port) = &self.lost;
         let driven = |port: usize| by_port[port][0] * values[port][0] + by_port[port][1] * values[port][1];
         dot(by_state, states, count) + ((driven(0) + driven(1)) + (driven(2) + driven(3)))
@@ -384,7 +384,12 @@ impl Propagator {
 
     /// Temperature of the contact surface at `points` from the initial states alone.
     #[inline(always)]
-    pub fn contact_at<const N: usize>(&self, points: [usize; N], states: &[f64; MAX_STATES], count: usize) -> [f64; N] {
+    pub(crate) fn contact_at<const N: usize>(
+        &self,
+        points: [usize; N],
+        states: &[f64; MAX_STATES],
+        count: usize,
+    ) -> [f64; N] {
         let mut sums = [[0.0; LANES]; N];
         for (weights, states) in self.groups.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES)) {
             let states = *states;
@@ -402,7 +407,13 @@ impl Propagator {
 
     /// Advances `states` over the step under the stage fluxes of every port; that of the contact is always active.
     #[inline(always)]
-    pub fn advance(&self, states: &mut [f64; MAX_STATES], count: usize, fluxes: &[Pair; PORTS], active: [bool; PORTS]) {
+    pub(crate) fn advance(
+        &self,
+        states: &mut [f64; MAX_STATES],
+        count: usize,
+        fluxes: &[Pair; PORTS],
+        active: [bool; PORTS],
+    ) {
         let [contact, cooling, ..] = fluxes;
         for (weights, states) in self.groups.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES)) {
             // In a local copy, stored at the end: the compiler then need not prove that nothing overlaps.

@@ -37,7 +37,7 @@ pub(crate) struct StageBody<'a, const COMMON: bool> {
     cools: [bool; FACES],
 }
 
-pub const NONE: Response = Response { level: [0.0; 2], gain: [[0.0; 2]; 2] };
+pub(crate) const NONE: Response = Response { level: [0.0; 2], gain: [[0.0; 2]; 2] };
 
 /// Product of a matrix and a diagonal one.
 #[inline(always)]
@@ -69,7 +69,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
 
     /// Body in this state between the prescribed temperatures at both stages; `cools` and `source` as in the fields.
     #[inline(always)]
-    pub fn new(
+    pub(crate) fn new(
         body: &'a BodyOperators,
         own: Option<(&'a Propagator, usize)>,
         state: &BodyState,
@@ -150,20 +150,20 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
 
     /// Whether the body conducts.
     #[inline(always)]
-    pub fn conducts(&self) -> bool {
+    pub(crate) fn conducts(&self) -> bool {
         self.own.is_some()
     }
 
     /// Whether any cooling depends on temperatures still to be solved for.
     #[inline(always)]
-    pub fn cools(&self) -> bool {
+    pub(crate) fn cools(&self) -> bool {
         self.cools[BESIDE] || !COMMON && self.cools[FAR]
     }
 
     /// Eliminates the cooling: [`StageBody::contact`] becomes the response with it. The laws are linear at the temperatures of the faces
     /// under the contact flux of the last solution.
     #[inline(always)]
-    pub fn cool(&mut self, reference: f64, around: &Around) {
+    pub(crate) fn cool(&mut self, reference: f64, around: &Around) {
         let Some((own, _)) = self.own else { return };
         for face in 0..Self::COOLED {
             if self.cools[face] {
@@ -223,7 +223,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
 
     /// Sets the contact fluxes at both stages, and those of the cooling with them.
     #[inline(always)]
-    pub fn take(&mut self, into: Pair) {
+    pub(crate) fn take(&mut self, into: Pair) {
         self.flux[0] = into;
         for face in 0..Self::COOLED {
             if self.cools[face] {
@@ -235,7 +235,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
 
     /// Largest linearisation error of the cooling at either stage, as the temperature (K) that it causes at the end of the step.
     #[inline(always)]
-    pub fn left(&self, reference: f64, around: &Around) -> f64 {
+    pub(crate) fn left(&self, reference: f64, around: &Around) -> f64 {
         let mut most = 0.0;
         let Some((own, _)) = self.own else { return most };
         for face in 0..Self::COOLED {
@@ -355,7 +355,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     }
 
     /// Approach by the thermal expansion of the body at a stage, m.
-    pub fn expansion(&self, state: &BodyState, stage: usize) -> f64 {
+    pub(crate) fn expansion(&self, state: &BodyState, stage: usize) -> f64 {
         let Some((own, count)) = self.own else { return 0.0 };
         let free = own.mean.of_states(2 * stage, &state.heat, count) + self.prescribed(&own.mean, 2 * stage);
         self.body.expansion * self.add_fluxes(free, &own.mean, 2 * stage)
@@ -363,7 +363,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
 
     /// Whether all fluxes are finite.
     #[inline(always)]
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let [contact, cooling, ambient, far] = self.flux;
         all_finite(&[contact[0], contact[1], cooling[0], cooling[1], ambient[0], ambient[1], far[0], far[1]])
     }
@@ -371,7 +371,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     /// Advances the thermal states and the received heat of the ports over the step; `table`: properties of both bodies, and which of
     /// them this one is.
     #[inline(always)]
-    pub fn advance(
+    pub(crate) fn advance(
         &self,
         state: &mut BodyState,
         reference: f64,

@@ -6,7 +6,7 @@ use super::stage::{Matrix, Pair, apply, inverse, product, sum};
 
 /// Contact temperature of a body at both stages under the contact's stage fluxes q into it: `level + gain q`.
 #[derive(Clone, Copy)]
-pub struct Response {
+pub(crate) struct Response {
     /// Without these fluxes, K above the reference.
     pub level: Pair,
     /// K m2/W.
@@ -16,7 +16,7 @@ pub struct Response {
 impl Response {
     /// Temperature under the fluxes `into`, K above the reference.
     #[inline(always)]
-    pub fn at(&self, into: Pair) -> Pair {
+    pub(crate) fn at(&self, into: Pair) -> Pair {
         sum(self.level, apply(&self.gain, into))
     }
 }
@@ -35,7 +35,7 @@ pub(super) struct StageHeatPartition {
 impl StageHeatPartition {
     /// Map for punch and strip with these responses.
     #[inline(always)]
-    pub fn new(contact: [Response; 2], conducts: [bool; 2], half_resistance: f64, closed: bool) -> Self {
+    pub(crate) fn new(contact: [Response; 2], conducts: [bool; 2], half_resistance: f64, closed: bool) -> Self {
         let [punch, strip] = &contact;
         let share = |part: f64| Response { level: [0.0; 2], gain: [[part, 0.0], [0.0, part]] };
         let into_punch = match conducts {
@@ -56,7 +56,7 @@ impl StageHeatPartition {
 
     /// Fluxes into punch and strip at both stages for the friction heats `heat`.
     #[inline(always)]
-    pub fn fluxes(&self, heat: Pair) -> [Pair; 2] {
+    pub(crate) fn fluxes(&self, heat: Pair) -> [Pair; 2] {
         self.both(self.into_punch.at(heat), heat)
     }
 
@@ -83,7 +83,7 @@ impl StageHeatPartition {
 
     /// Temperatures of punch and strip at both stages under these fluxes, K above the reference.
     #[inline(always)]
-    pub fn surfaces(&self, [punch, strip]: &[Pair; 2]) -> [Pair; 2] {
+    pub(crate) fn surfaces(&self, [punch, strip]: &[Pair; 2]) -> [Pair; 2] {
         let of = [self.contact[0].at(*punch), self.contact[1].at(*strip)];
         let stage = |i: usize| self.beside_insulator([of[0][i], of[1][i]], [punch[i], strip[i]]);
         let (first, last) = (stage(0), stage(1));

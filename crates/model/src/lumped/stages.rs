@@ -50,7 +50,7 @@ pub(crate) struct Stages<const COMMON: bool> {
 
 impl<const COMMON: bool> Stages<COMMON> {
     #[inline(always)]
-    pub fn new(stepper: &Stepper, state: &LumpedState, conditions: [&Conditions; 4]) -> Self {
+    pub(crate) fn new(stepper: &Stepper, state: &LumpedState, conditions: [&Conditions; 4]) -> Self {
         let operators = stepper.operators;
         let [start, first, middle, last] = conditions;
         // The load does not change its sign within a piece: its middle determines whether the contact is closed.
@@ -94,7 +94,7 @@ impl<const COMMON: bool> Stages<COMMON> {
 
     /// Whether there is a bristle; a constant in the common form, in which the compiler then keeps no unknown in memory.
     #[inline(always)]
-    pub fn has_bristle(&self) -> bool {
+    pub(crate) fn has_bristle(&self) -> bool {
         !COMMON && self.bristle.is_some()
     }
 
@@ -107,7 +107,7 @@ impl<const COMMON: bool> Stages<COMMON> {
 
     /// Contact load behind a caliper: wear reduces it, expansion increases it.
     #[inline(never)]
-    pub fn loads(
+    pub(crate) fn loads(
         &mut self,
         stepper: &Stepper,
         state: &LumpedState,
@@ -139,7 +139,12 @@ impl<const COMMON: bool> Stages<COMMON> {
     /// change of temperature, 0 where no further iteration is needed. In the common form NaN where friction leaves the piece of its
     /// fade table.
     #[inline(always)]
-    pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody<COMMON>, strip: &mut StageBody<COMMON>) -> f64 {
+    pub(crate) fn solve(
+        &mut self,
+        stepper: &Stepper,
+        punch: &mut StageBody<COMMON>,
+        strip: &mut StageBody<COMMON>,
+    ) -> f64 {
         let caliper = Self::has_caliper(stepper);
         if caliper {
             self.closed = self.pressure[0] + self.pressure[1] > 0.0;
@@ -316,7 +321,7 @@ impl<const COMMON: bool> Stages<COMMON> {
     /// Wear rates at the stages. The slip that a bristle releases at once wears as if it took the whole piece: the law knows no wear
     /// at infinite speed. Under `constant` conditions one rate is valid for both stages unless the law depends on the temperature.
     #[inline(always)]
-    pub fn wear(&mut self, stepper: &Stepper, constant: bool) {
+    pub(crate) fn wear(&mut self, stepper: &Stepper, constant: bool) {
         let operators = stepper.operators;
         let bodies = [&operators.punch, &operators.strip];
         if self.has_bristle() {
@@ -359,7 +364,7 @@ impl<const COMMON: bool> Stages<COMMON> {
     /// Upper bound of [`Stages::error`] without a third point: at constant conditions the fluxes relax, and the deviation of a
     /// relaxing flux from the line through both stages is at most half their difference. Infinite where that does not hold.
     #[inline(always)]
-    pub fn bound(
+    pub(crate) fn bound(
         &self,
         stepper: &Stepper,
         state: &LumpedState,
@@ -402,7 +407,7 @@ impl<const COMMON: bool> Stages<COMMON> {
     /// Error of the step in units of the tolerance, from the residual of the contact conditions at the point 2/3; contact temperatures
     /// of punch and strip there, and their gains.
     #[inline(always)]
-    pub fn error(
+    pub(crate) fn error(
         &self,
         stepper: &Stepper,
         state: &LumpedState,

@@ -93,7 +93,7 @@ pub struct LumpedState {
 
 impl LumpedState {
     /// Initial state: bodies at their initial temperatures, unworn. `ambient` in K.
-    pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
+    pub(crate) fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
             let mut state = BodyState::EMPTY;
@@ -122,7 +122,7 @@ impl LumpedState {
     }
 
     /// Zero state without a track.
-    pub fn empty() -> LumpedState {
+    pub(crate) fn empty() -> LumpedState {
         LumpedState {
             punch: BodyState::EMPTY,
             strip: BodyState::EMPTY,
@@ -152,7 +152,7 @@ impl LumpedState {
 
     /// Adds the worn depths `worn` (m; punch, strip) under a contact that moves by `travel` (m).
     #[inline]
-    pub fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
+    pub(crate) fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
         self.punch.worn += worn[0];
         self.punch.depth += worn[0];
         self.strip.worn += worn[1];
@@ -165,7 +165,7 @@ impl LumpedState {
     }
 
     /// Whether the state is compatible with `operators`.
-    pub fn fits(&self, operators: &LumpedOperators) -> bool {
+    pub(crate) fn fits(&self, operators: &LumpedOperators) -> bool {
         let within = |heat: &[f64], body: &super::operators::BodyOperators| {
             let count = body.heat.as_ref().map_or(0, |heat| heat.count);
             heat[count..].iter().all(|value| *value == 0.0)

@@ -37,7 +37,7 @@ impl<'a> Stepper<'a> {
     /// fade table; no bristle; no temperature difference except by friction heat; only the strip's surface beside the contact is
     /// cooled. `None` where the step leaves that. The moving source is prepared.
     #[inline(always)]
-    pub fn attempt<const COMMON: bool>(
+    pub(crate) fn attempt<const COMMON: bool>(
         &mut self,
         state: &mut LumpedState,
         at: [&Conditions; 4],

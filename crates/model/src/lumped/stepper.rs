@@ -20,7 +20,7 @@ const CACHED_PROPERTIES: usize = 96;
 
 /// Propagators of both bodies over one step.
 #[derive(Clone, Copy, Debug)]
-pub struct Propagators<'a> {
+pub(crate) struct Propagators<'a> {
     /// Step size, s.
     pub step: f64,
     pub(super) punch: Option<&'a Propagator>,
@@ -34,7 +34,7 @@ pub struct Propagators<'a> {
 /// Recent propagators of both bodies, by the bits of the step size and of the temperature of their properties. Never part of the state,
 /// always rebuilt to the same bits.
 #[derive(Clone, Debug)]
-pub struct PropagatorCache {
+pub(crate) struct PropagatorCache {
     bodies: [KeyedCache<[u64; 2], Cached>; 2],
     /// Bits of the step size and of both temperatures of the last step, and slots of its propagators.
     latest: ([u64; 3], [usize; 2]),
@@ -49,7 +49,7 @@ struct Cached {
 
 impl PropagatorCache {
     /// Memory for those of these bodies.
-    pub fn new(operators: &LumpedOperators) -> PropagatorCache {
+    pub(crate) fn new(operators: &LumpedOperators) -> PropagatorCache {
         let vacant = Cached { own: None, at_rest: [1.0; MAX_FLASH_STATES], scales: Scales::ONE };
         let bodies = operators.bodies().map(|body| {
             let capacity = if body.properties.is_some() { CACHED_PROPERTIES } else { CACHED_STEPS };
@@ -60,7 +60,7 @@ impl PropagatorCache {
 
     /// Propagators over `step` (s) with the properties at these temperatures of punch and strip, K; of a body of constants at any.
     #[inline]
-    pub fn get(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> Propagators<'_> {
+    pub(crate) fn get(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> Propagators<'_> {
         let key = [step, temperatures[0], temperatures[1]].map(f64::to_bits);
         if self.latest.0 != key {
             self.latest = (key, self.find(operators, step, temperatures));
@@ -88,7 +88,7 @@ impl PropagatorCache {
 }
 
 /// Outcome of an attempted step.
-pub struct Attempt {
+pub(crate) struct Attempt {
     /// Error in units of the tolerance; the step is accepted if at most 1.
     pub error: f64,
     /// Highest temperature of the step, K above the reference.
@@ -96,7 +96,7 @@ pub struct Attempt {
 }
 
 /// Data of a step that are constant during it.
-pub struct Stepper<'a> {
+pub(crate) struct Stepper<'a> {
     /// Operators of the scene.
     pub operators: &'a LumpedOperators,
     /// Friction law.
@@ -114,11 +114,4 @@ pub struct Stepper<'a> {
     pub flash: &'a mut FlashStep,
     /// Properties of the bodies during the step, where they follow their temperatures.
     pub properties: Option<&'a mut PropertyStep>,
-}
-
-impl Stepper<'_> {
-    /// The same data, borrowed for a shorter time.
-    pub fn reborrow(&mut self) -> Stepper<'_> {
-        Stepper { flash: &mut *self.flash, properties: self.properties.as_deref_mut(), ..*self }
-    }
 }
