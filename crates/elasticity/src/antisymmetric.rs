@@ -19,7 +19,7 @@ use super::strip_kernel::sinh_less_argument;
 const DEEP: f64 = 20.0;
 
 /// Normal compliance kernel Phi(u), u > 0.
-pub fn compliance(u: f64) -> f64 {
+pub(crate) fn compliance(u: f64) -> f64 {
     if u > DEEP {
         return 1.0;
     }

@@ -69,7 +69,7 @@ pub(crate) fn compliance(
 
 /// Whether the distortion of the heated punch is that of a block: also of a rigid one and of a half-plane, which conduct as blocks of
 /// their own height.
-pub fn is_distorted_as_block(scene: &Scene) -> bool {
+pub(crate) fn is_distorted_as_block(scene: &Scene) -> bool {
     scene.geometry != Geometry::Periodic && scene.punch.mechanical != MechanicalBody::Winkler
 }
 

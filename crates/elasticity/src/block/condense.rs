@@ -49,7 +49,7 @@ pub(crate) struct Pattern {
 
 impl Pattern {
     /// The pattern of the free entities of `mesh`.
-    pub fn new(mesh: &Mesh, components: usize) -> Result<Self, FactorizationError> {
+    pub(crate) fn new(mesh: &Mesh, components: usize) -> Result<Self, FactorizationError> {
         let mut neighbours: Vec<Vec<(usize, usize)>> = vec![Vec::new(); mesh.free_entities];
         for element in 0..mesh.elements() {
             let (column, row) = mesh.column_and_row(element);
@@ -92,7 +92,7 @@ impl Pattern {
     }
 
     /// Number of free degrees of freedom, components counted.
-    pub fn degrees(&self) -> usize {
+    pub(crate) fn degrees(&self) -> usize {
         self.symbolic_matrix.ncols()
     }
 
@@ -110,7 +110,7 @@ impl Pattern {
     ///
     /// # Errors
     /// [`FactorizationError::OutOfMemory`]
-    pub fn workspace(&self, columns: usize) -> Result<Workspace, FactorizationError> {
+    pub(crate) fn workspace(&self, columns: usize) -> Result<Workspace, FactorizationError> {
         let factorizing = self.symbolic_factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solving = self.symbolic_factor.solve_in_place_scratch::<f64>(columns, Par::Seq);
         let stack = MemBuffer::try_new(factorizing.or(solving)).map_err(|_| FactorizationError::OutOfMemory)?;
@@ -122,7 +122,7 @@ impl Pattern {
     ///
     /// # Errors
     /// The sum is not positive definite, or there is no memory for it.
-    pub fn factorize(
+    pub(crate) fn factorize(
         &self,
         mesh: &Mesh,
         elements: &[CondensedElement],
@@ -235,7 +235,7 @@ impl Pattern {
     ///
     /// # Errors
     /// [`FactorizationError::OutOfMemory`]
-    pub fn solve_in_place(&self, factor: &Factor, loads: MatMut<'_, f64>) -> Result<(), FactorizationError> {
+    pub(crate) fn solve_in_place(&self, factor: &Factor, loads: MatMut<'_, f64>) -> Result<(), FactorizationError> {
         let mut workspace = self.workspace(loads.ncols())?;
         self.solve_in_workspace(factor, loads, &mut workspace);
         Ok(())
@@ -254,7 +254,7 @@ impl Pattern {
 }
 
 /// Workspace of factorisation and solution on a [`Pattern`].
-pub struct Workspace {
+pub(crate) struct Workspace {
     values: Vec<f64>,
     stack: MemBuffer,
 }
@@ -267,6 +267,6 @@ impl fmt::Debug for Workspace {
 
 /// Values of a Cholesky factor on a [`Pattern`].
 #[derive(Clone, Debug)]
-pub struct Factor {
+pub(crate) struct Factor {
     values: Vec<f64>,
 }

@@ -32,7 +32,7 @@ pub(crate) fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, us
 
 /// Size and orders of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub(crate) struct Shape {
     /// Extent along x, m.
     pub size_x: f64,
     /// Extent along z, m.
@@ -82,7 +82,7 @@ pub(crate) fn elastic_stiffness(reference: &ReferenceMatrices, shape: Shape, lam
 }
 
 /// Heat conduction per unit depth, int k grad T . grad v dx dz [W/(m K)], for the conductivity `conductivity` [W/(m K)].
-pub fn conduction(reference: &ReferenceMatrices, shape: Shape, conductivity: f64) -> DMatrix<f64> {
+pub(crate) fn conduction(reference: &ReferenceMatrices, shape: Shape, conductivity: f64) -> DMatrix<f64> {
     let (functions, _) = local_functions(shape.order_x, shape.order_z);
     let ratio = shape.size_z / shape.size_x;
     let ReferenceMatrices { mass, stiffness, .. } = reference;
@@ -93,7 +93,7 @@ pub fn conduction(reference: &ReferenceMatrices, shape: Shape, conductivity: f64
 }
 
 /// Heat capacity per unit depth, int rho c T v dx dz [J/(m K)], for the volumetric capacity rho c [J/(m3 K)].
-pub fn capacity(reference: &ReferenceMatrices, shape: Shape, volumetric_heat_capacity: f64) -> DMatrix<f64> {
+pub(crate) fn capacity(reference: &ReferenceMatrices, shape: Shape, volumetric_heat_capacity: f64) -> DMatrix<f64> {
     let (functions, _) = local_functions(shape.order_x, shape.order_z);
     let scale = 0.25 * shape.size_x * shape.size_z * volumetric_heat_capacity;
     DMatrix::from_fn(functions.len(), functions.len(), |i, j| {
@@ -103,7 +103,7 @@ pub fn capacity(reference: &ReferenceMatrices, shape: Shape, volumetric_heat_cap
 }
 
 /// int T div v dx dz, m: rows are the displacement functions (components alternating), columns those of T.
-pub fn dilatation(reference: &ReferenceMatrices, shape: Shape) -> DMatrix<f64> {
+pub(crate) fn dilatation(reference: &ReferenceMatrices, shape: Shape) -> DMatrix<f64> {
     let (functions, _) = local_functions(shape.order_x, shape.order_z);
     let ReferenceMatrices { mass, mixed, .. } = reference;
     DMatrix::from_fn(2 * functions.len(), functions.len(), |row, j| {
@@ -136,7 +136,7 @@ pub(crate) fn condense(matrix: &DMatrix<f64>, skeleton: usize) -> Option<Condens
 
 impl CondensedElement {
     /// Allocates an element of `functions` degrees of freedom, of which `skeleton` are not eliminated.
-    pub fn empty(functions: usize, skeleton: usize) -> CondensedElement {
+    pub(crate) fn empty(functions: usize, skeleton: usize) -> CondensedElement {
         let interior = functions - skeleton;
         CondensedElement {
             skeleton: DMatrix::zeros(skeleton, skeleton),
@@ -147,7 +147,7 @@ impl CondensedElement {
 
     /// Condenses another element matrix of the same size, see [`condense`]; no allocation. False if its interior block is
     /// not positive definite: then it must be filled again before use.
-    pub fn fill(&mut self, matrix: &DMatrix<f64>) -> bool {
+    pub(crate) fn fill(&mut self, matrix: &DMatrix<f64>) -> bool {
         let (interior, skeleton) = self.coupling.shape();
         self.skeleton.copy_from(&matrix.view((0, 0), (skeleton, skeleton)));
         self.coupling.copy_from(&matrix.view((skeleton, 0), (interior, skeleton)));
@@ -180,14 +180,14 @@ impl CondensedElement {
     }
 
     /// [`Self::reduce_in_place`] into a new matrix.
-    pub fn reduce(&self, interior: &mut DMatrix<f64>) -> DMatrix<f64> {
+    pub(crate) fn reduce(&self, interior: &mut DMatrix<f64>) -> DMatrix<f64> {
         let mut skeleton = DMatrix::zeros(self.skeleton.nrows(), interior.ncols());
         self.reduce_in_place(view_mut(interior), view_mut(&mut skeleton));
         skeleton
     }
 
     /// [`Self::recover_in_place`] for dense matrices.
-    pub fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
+    pub(crate) fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
         self.recover_in_place(view(skeleton), view_mut(interior));
     }
 }

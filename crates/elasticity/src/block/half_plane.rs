@@ -20,7 +20,7 @@ pub struct HalfPlane {
 
 /// Stress components (xx, zz, xz) per unit pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stress {
+pub(crate) struct Stress {
     /// Normal stress along the surface, 1.
     pub xx: f64,
     /// Normal stress across it, 1.
@@ -40,7 +40,7 @@ impl HalfPlane {
     }
 
     /// Displacement (u_x, u_z) times the shear modulus at (x, z) by unit pressure on `cell`.
-    pub fn displacement(&self, cell: (f64, f64), x: f64, z: f64) -> (f64, f64) {
+    pub(crate) fn displacement(&self, cell: (f64, f64), x: f64, z: f64) -> (f64, f64) {
         let (right, left) = (self.primitive(x - cell.0, z), self.primitive(x - cell.1, z));
         (right.0 - left.0, right.1 - left.1)
     }
@@ -104,7 +104,7 @@ impl ConductingHalfPlane {
     }
 
     /// Temperature at (x, z), z > 0, by unit flux on `cell`.
-    pub fn temperature(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
+    pub(crate) fn temperature(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
         let primitive = |x: f64| 0.5 * x * ((x * x + z * z) / (self.scale * self.scale)).ln() - x + z * x.atan2(z);
         (primitive(x - cell.1) - primitive(x - cell.0)) / PI
     }
@@ -116,7 +116,7 @@ impl ConductingHalfPlane {
 
     /// Integral over `observed` of the surface temperature by unit flux on `loaded`. The cells coincide or do not
     /// overlap.
-    pub fn influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+    pub(crate) fn influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
         -logarithm_integral(observed, loaded, self.scale) / PI
     }
 }

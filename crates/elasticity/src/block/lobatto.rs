@@ -22,7 +22,7 @@ pub(crate) const MAXIMUM_ORDER: usize = 12;
 /// Exact matrices of one variable on [-1, 1], all (order + 1) x (order + 1), rows and columns in the order of the
 /// shape functions.
 #[derive(Clone, Debug)]
-pub struct ReferenceMatrices {
+pub(crate) struct ReferenceMatrices {
     /// Mass matrix, int N_i N_j.
     pub mass: DMatrix<f64>,
     /// Stiffness matrix, int N_i' N_j'.
@@ -59,7 +59,7 @@ fn legendre_product(m: usize, n: usize) -> f64 {
 
 impl ReferenceMatrices {
     /// The matrices up to `order`, from the orthogonality of the Legendre polynomials: no quadrature.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         let n = order + 1;
         let mass = DMatrix::from_fn(n, n, |i, j| {
             let mut sum = 0.0;

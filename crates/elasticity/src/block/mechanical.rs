@@ -37,7 +37,7 @@ impl BlockProperties {
     }
 
     /// G = E / (2 (1 + nu)), Pa.
-    pub fn shear_modulus(&self) -> f64 {
+    pub(crate) fn shear_modulus(&self) -> f64 {
         0.5 * self.youngs_modulus / (1.0 + self.poissons_ratio)
     }
 
@@ -96,7 +96,7 @@ impl Block {
     }
 
     /// Number of unknowns after condensation.
-    pub fn degrees(&self) -> usize {
+    pub(crate) fn degrees(&self) -> usize {
         self.pattern.degrees()
     }
 

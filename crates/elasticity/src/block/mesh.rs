@@ -16,7 +16,7 @@ use super::element::Shape;
 
 /// Break points and polynomial orders of one direction of the mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// Ascending coordinates of the element boundaries, m, one more than there are intervals.
     pub points: Vec<f64>,
     /// Polynomial order of each interval.
@@ -25,7 +25,7 @@ pub struct Grid {
 
 /// Subdivision of one direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Division {
+pub(crate) struct Division {
     /// Layers of elements that shrink towards the first end.
     pub first_layers: usize,
     /// Layers of elements that shrink towards the second end.
@@ -38,7 +38,7 @@ pub struct Division {
 
 impl Grid {
     /// Divides [start, end] geometrically towards both ends and evenly, by at most `division.largest`, in between.
-    pub fn graded(start: f64, end: f64, division: Division, order: usize) -> Self {
+    pub(crate) fn graded(start: f64, end: f64, division: Division, order: usize) -> Self {
         let length = end - start;
         let reach = (0.5 * length).min(division.largest);
         let powers = |layers: usize| (1..layers).rev().map(move |k| reach * division.grading.powi(k as i32));
@@ -57,18 +57,13 @@ impl Grid {
     }
 
     /// Number of intervals.
-    pub fn intervals(&self) -> usize {
+    pub(crate) fn intervals(&self) -> usize {
         self.orders.len()
     }
 
     /// Length of interval `i`, m.
-    pub fn size(&self, i: usize) -> f64 {
+    pub(crate) fn size(&self, i: usize) -> f64 {
         self.points[i + 1] - self.points[i]
-    }
-
-    /// Smallest interval, m.
-    pub fn smallest(&self) -> f64 {
-        (0..self.intervals()).map(|i| self.size(i)).fold(f64::INFINITY, f64::min)
     }
 
     /// Shape functions that belong to position `u` alone: even positions are break points, odd ones intervals.
@@ -124,7 +119,7 @@ pub(crate) struct Mesh {
 impl Mesh {
     /// Numbers the skeleton of the grid `x` times `z`. With `top_held` the degrees of freedom at the largest z are
     /// numbered behind all others.
-    pub fn new(x: Grid, z: Grid, top_held: bool) -> Self {
+    pub(crate) fn new(x: Grid, z: Grid, top_held: bool) -> Self {
         let (columns, rows) = (x.positions(), z.positions());
         let mut order = Vec::with_capacity(columns * rows);
         let last_free = if top_held { rows - 2 } else { rows - 1 };
@@ -161,7 +156,7 @@ impl Mesh {
     }
 
     /// Number of elements.
-    pub fn elements(&self) -> usize {
+    pub(crate) fn elements(&self) -> usize {
         self.x.intervals() * self.z.intervals()
     }
 
@@ -176,7 +171,7 @@ impl Mesh {
     }
 
     /// Shape of element `element`.
-    pub fn shape(&self, element: usize) -> Shape {
+    pub(crate) fn shape(&self, element: usize) -> Shape {
         let (column, row) = self.column_and_row(element);
         Shape {
             size_x: self.x.size(column),
@@ -202,7 +197,7 @@ impl Mesh {
     }
 
     /// Number of the element in `column`, `row`.
-    pub fn element(&self, column: usize, row: usize) -> usize {
+    pub(crate) fn element(&self, column: usize, row: usize) -> usize {
         column * self.z.intervals() + row
     }
 
@@ -318,7 +313,8 @@ mod tests {
         let grid = Grid::graded(0.0, 10.0, division(1.0), 2);
         assert!((0..grid.intervals()).all(|i| grid.size(i) <= 1.0 + 1e-12));
         assert!((grid.points[grid.intervals()] - 10.0).abs() < 1e-15);
-        assert!((grid.smallest() - 0.01).abs() < 1e-12);
+        let smallest = (0..grid.intervals()).map(|i| grid.size(i)).fold(f64::INFINITY, f64::min);
+        assert!((smallest - 0.01).abs() < 1e-12);
         assert_eq!(grid.intervals(), 3 + 8 + 2);
         assert!(grid.points.iter().any(|point| (point - 9.0).abs() < 1e-12));
     }

@@ -25,24 +25,23 @@
 //!
 //! Theory: docs/theory.md, section 3.4.
 
-pub mod boundary;
+pub(crate) mod boundary;
 pub(crate) mod condense;
-pub mod distortion;
-pub mod element;
-pub mod half_plane;
+pub(crate) mod distortion;
+pub(crate) mod element;
+pub(crate) mod half_plane;
 pub mod lobatto;
-pub mod mechanical;
-pub mod mesh;
-pub mod tangential;
+pub(crate) mod mechanical;
+pub(crate) mod mesh;
+pub(crate) mod tangential;
 #[cfg(test)]
 mod tests;
-pub mod thermal;
+pub(crate) mod thermal;
 pub(crate) mod thermal_factor;
 
 pub use distortion::FunctionsAcross;
 pub use mechanical::{Block, BlockProperties, Compliance};
 pub use thermal::{ThermalBlock, ThermalProperties};
-pub use thermal_factor::{ThermalFactor, ThermalWorkspace};
 
 use condense::FactorizationError;
 use lobatto::MAXIMUM_ORDER;
@@ -145,7 +144,7 @@ pub struct Discretization {
 
 impl Discretization {
     /// Optimal grading of layers and order for the singularities of the corners.
-    pub const CORNER_GRADING: f64 = 0.15;
+    pub(crate) const CORNER_GRADING: f64 = 0.15;
     /// Optimal grading for the remainder fields of the cells next to the corners, which vary over the distance between cell
     /// and corner: a steeper one needs higher orders, a milder one more layers.
     pub(crate) const CELL_GRADING: f64 = 0.25;

@@ -146,14 +146,6 @@ impl ThermalBlock {
         }))
     }
 
-    /// Integrals of the shape functions over each cell, by cell: (degree of freedom, integral, m).
-    ///
-    /// # Errors
-    /// Boundaries that do not ascend or do not span the contact.
-    pub fn cell_integrals(&self, boundaries: &[f64]) -> Result<Vec<Vec<(usize, f64)>>, BlockError> {
-        Ok(contact_integrals(&self.mesh, &contact_cells(self.properties.width, boundaries)?))
-    }
-
     /// M times each column of `fields`.
     pub fn apply_capacity(&self, fields: &Mat<f64>) -> Mat<f64> {
         self.apply(&self.capacity, fields)

@@ -27,7 +27,7 @@ impl ThermalFactor {
 
 /// Workspace of factorisation, solution and products.
 #[derive(Debug)]
-pub struct ThermalWorkspace {
+pub(crate) struct ThermalWorkspace {
     condensed: Workspace,
     /// K + shift M of one element.
     local: DMatrix<f64>,
@@ -70,7 +70,7 @@ impl ThermalBlock {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
+    pub(crate) fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
         let functions = self.capacity.first().map_or(0, DMatrix::nrows);
         Ok(ThermalWorkspace {
             condensed: self.pattern.workspace(columns).map_err(|reason| self.failed(reason))?,

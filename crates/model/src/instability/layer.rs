@@ -14,7 +14,7 @@
 
 use conduction::line::strip::{Depth, dilatation};
 use conduction::slab::{CoolingPort, Slab};
-pub(crate) use elasticity::kinds::FarFace;
+pub use elasticity::kinds::FarFace;
 use elasticity::kinds::wave_compliance;
 use elasticity::{Base, antisymmetric};
 use nalgebra::Complex;

@@ -66,7 +66,7 @@ enum Form {
 
 impl Across {
     /// Mode number `m` in ascending order of the wave numbers.
-    pub fn wave(&self, m: usize) -> Wave {
+    pub(crate) fn wave(&self, m: usize) -> Wave {
         match self.sides {
             Sides::Free => self.between_sides(m),
             Sides::Closed => self.around(m),
@@ -75,7 +75,7 @@ impl Across {
     }
 
     /// Areas of the cells per depth, m: their widths, on an annulus times r/r_m.
-    pub fn weights(&self, cells: &Cells) -> Vec<f64> {
+    pub(crate) fn weights(&self, cells: &Cells) -> Vec<f64> {
         let ratio = |x: f64| match self.sides {
             Sides::Radial(mean) => 1.0 + x / mean,
             Sides::Free | Sides::Closed => 1.0,
@@ -144,7 +144,7 @@ impl Across {
 
 impl Wave {
     /// Eigenfunction X at `x`.
-    pub fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         match &self.form {
             Form::Cosine(amplitude) => amplitude * (self.wave_number * x).cos(),
             Form::Sine(amplitude) => amplitude * (self.wave_number * x).sin(),
@@ -153,7 +153,7 @@ impl Wave {
     }
 
     /// Parity of X: even (1) or odd (-1); None: neither.
-    pub fn parity(&self) -> Option<f64> {
+    pub(crate) fn parity(&self) -> Option<f64> {
         match &self.form {
             Form::Cosine(_) => Some(1.0),
             Form::Sine(_) => Some(-1.0),
@@ -170,7 +170,7 @@ impl Wave {
     }
 
     /// Integral of X over every cell, on an annulus of X r/r_m, m^(1/2); the cells are symmetric about x = 0.
-    pub fn integrate(&self, cells: &Cells, integrals: &mut [f64]) {
+    pub(crate) fn integrate(&self, cells: &Cells, integrals: &mut [f64]) {
         let Some(sign) = self.parity() else {
             if let Form::Radial(mode) = &self.form {
                 integrals.copy_from_slice(&mode.integrals(cells.edges()));

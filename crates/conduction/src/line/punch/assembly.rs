@@ -55,7 +55,7 @@ struct SteadyMode {
 }
 
 impl<'a> Assembly<'a> {
-    pub fn new(
+    pub(crate) fn new(
         across: Across,
         depth: Depth,
         cooled: Cooled,
@@ -115,7 +115,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Input weights of a shape by port.
-    pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
+    pub(crate) fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
         let far = match self.top_is_prescribed() {
@@ -206,7 +206,7 @@ impl<'a> Assembly<'a> {
         Some(steady)
     }
 
-    pub fn operators(&self) -> ReducedOperators {
+    pub(crate) fn operators(&self) -> ReducedOperators {
         let cells = self.cells.count();
         let count = self.modes.iter().map(|mode| mode.states.len()).sum();
         let width = 2.0 * self.across.half_width;

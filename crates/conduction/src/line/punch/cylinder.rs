@@ -43,7 +43,7 @@ pub(super) struct Cylinder {
 
 impl Cylinder {
     /// Values at x > 0.
-    pub fn at(x: f64) -> Cylinder {
+    pub(crate) fn at(x: f64) -> Cylinder {
         if x < FAR {
             return Cylinder { zero: (libm::j0(x), libm::y0(x)), one: (libm::j1(x), libm::y1(x)) };
         }

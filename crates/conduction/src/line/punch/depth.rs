@@ -31,7 +31,7 @@ pub(super) struct Depth {
 }
 
 impl Depth {
-    pub fn diffusivity(&self) -> f64 {
+    pub(crate) fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
     }
 
@@ -51,7 +51,7 @@ impl Depth {
     }
 
     /// Exact Z(0) per unit q for the complex decay `kappa`, Re > 0, K m2/W.
-    pub fn impedance(&self, kappa: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn impedance(&self, kappa: Complex<f64>) -> Complex<f64> {
         if kappa.re * self.height > 20.0 && self.face == 0.0 {
             // The top has no effect to rounding.
             return (kappa * self.conductivity).inv();
@@ -71,12 +71,12 @@ impl Depth {
     }
 
     /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where heat leaves through the top or the face).
-    pub fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
+    pub(crate) fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
         self.profile(kappa)(z)
     }
 
     /// [`Self::response`] as a function of z.
-    pub fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
+    pub(crate) fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let closed = self.closed_profile(kappa);
         let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == FarBoundary::Insulated;
         let level = lost_by_face.then(|| 1.0 / self.face);

@@ -46,7 +46,7 @@ pub(super) struct Distortion<'a> {
 
 impl<'a> Distortion<'a> {
     /// Distortion of the punch of `scene`, whose finite elements are `block`; None without thermal expansion.
-    pub fn new(scene: &Scene, block: Option<&'a Block>) -> Option<Distortion<'a>> {
+    pub(crate) fn new(scene: &Scene, block: Option<&'a Block>) -> Option<Distortion<'a>> {
         let body = &scene.punch;
         if body.thermal_expansion == 0.0 {
             return None;
@@ -67,7 +67,7 @@ impl<'a> Distortion<'a> {
     }
 
     /// Distortion of a layer on its base; None without thermal expansion.
-    pub fn on_base(body: &Body, base: Base) -> Option<Distortion<'a>> {
+    pub(crate) fn on_base(body: &Body, base: Base) -> Option<Distortion<'a>> {
         (body.thermal_expansion > 0.0).then(|| Distortion {
             kind: Kind::OnBase(base),
             expansion: body.thermal_expansion,
@@ -93,7 +93,7 @@ impl<'a> Distortion<'a> {
     }
 
     /// Distances from the contact at which profiles are needed.
-    pub fn positions(&self) -> Vec<f64> {
+    pub(crate) fn positions(&self) -> Vec<f64> {
         self.points.iter().map(|point| point.0).collect()
     }
 

@@ -30,14 +30,14 @@ impl FromTop {
     }
 
     /// Z and dZ/dz at `z`, K m2/W.
-    pub fn at(&self, z: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, z: f64) -> (f64, f64) {
         let (cosine, sine) = Self::waves(self.decay, self.height, z);
         let slope = self.decay * self.decay * sine + self.face * cosine;
         (self.scale * (cosine + self.face * sine), self.scale * slope)
     }
 
     /// Integral of Z over the height, K m3/W.
-    pub fn integral(&self) -> f64 {
+    pub(crate) fn integral(&self) -> f64 {
         let (_, sine) = Self::waves(self.decay, self.height, self.height);
         let (_, half) = Self::waves(self.decay, 0.5 * self.height, 0.5 * self.height);
         self.scale * (sine + 2.0 * self.face * half * half)

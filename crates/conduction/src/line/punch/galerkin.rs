@@ -34,7 +34,7 @@ const PANEL: usize = 10;
 
 impl Points {
     /// Points for decays up to `steepest`, with the extra points `extra`.
-    pub fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
+    pub(crate) fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
         let mut edges = towards_face(1.0 / steepest, height, 3.0);
         edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
         let rule = elasticity::block::lobatto::gauss_legendre(PANEL);
@@ -151,7 +151,7 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    pub fn new(depth: Depth, decay: f64) -> Basis {
+    pub(crate) fn new(depth: Depth, decay: f64) -> Basis {
         let nothing = DMatrix::zeros(0, 0);
         Basis {
             depth,
@@ -164,7 +164,7 @@ impl Basis {
         }
     }
 
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.functions.len()
     }
 
@@ -270,7 +270,7 @@ impl Basis {
     }
 
     /// Decay rate and value at the contact of every shape, the slowest first.
-    pub fn residues(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn residues(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let own = self.depth.diffusivity() * self.decay * self.decay;
         self.rates.iter().enumerate().map(move |(k, rate)| {
             let contact = self.functions.iter().enumerate().map(|(i, f)| f.contact * self.vectors[(i, k)]).sum();

@@ -114,7 +114,7 @@ impl Radii {
 
 impl RadialMode {
     /// Eigenfunction X at x = r - r_m.
-    pub fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         self.at_radius(self.mean + x).0
     }
 
@@ -128,7 +128,7 @@ impl RadialMode {
     }
 
     /// Integrals of X r/r_m between consecutive boundaries (x = r - r_m, ascending), m^(1/2).
-    pub fn integrals(&self, boundaries: &[f64]) -> Vec<f64> {
+    pub(crate) fn integrals(&self, boundaries: &[f64]) -> Vec<f64> {
         let ratio = |x: f64| 1.0 + x / self.mean;
         if self.wave_number == 0.0 {
             return boundaries

@@ -67,7 +67,7 @@ pub(super) struct Scale {
 
 impl Scale {
     /// Scale for a tolerance of every mode and one of the longest modes.
-    pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
+    pub(crate) fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
             // Tolerance ratio of the longest modes of a ring: as accurate as the uniform one, which is the only one there, at the lumped
@@ -85,7 +85,7 @@ impl Scale {
     }
 
     /// Decay beyond which even the impedance to a uniform flux is below the tolerance, 1/m.
-    pub fn steepest(&self, depth: &Depth) -> f64 {
+    pub(crate) fn steepest(&self, depth: &Depth) -> f64 {
         self.steepest_of(depth, self.of_mode(0))
     }
 
@@ -137,7 +137,7 @@ impl Mode {
     }
 
     /// Number of states.
-    pub fn states(&self) -> usize {
+    pub(crate) fn states(&self) -> usize {
         self.basis.count() - usize::from(self.fastest_is_steady)
     }
 
@@ -217,7 +217,7 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    pub fn new(across: &Across, depth: &Depth, points: &Points, scale: &Scale, most_states: usize) -> Selection {
+    pub(crate) fn new(across: &Across, depth: &Depth, points: &Points, scale: &Scale, most_states: usize) -> Selection {
         let width = 2.0 * across.half_width;
         let mut modes = vec![Mode::new(across.wave(0), 0, width, depth, scale)];
         modes[0].basis.add_means(points);

@@ -52,13 +52,13 @@ impl Run {
         Run::of(reduce(scene, cells, tolerance, duration).unwrap().unwrap())
     }
 
-    pub fn of(heat: ReducedHeat) -> Run {
+    pub(crate) fn of(heat: ReducedHeat) -> Run {
         let (state, n) = (vec![0.0; heat.states()], heat.cells());
         let surroundings = Surroundings::default();
         Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
     }
 
-    pub fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
+    pub(crate) fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         self.heat.prepare(step, [0.0; 2]);
         let stage = (Stage::End, self.heat.holds_far_face());
         (self.temperature, self.distortion, _) =

@@ -16,12 +16,12 @@ pub(super) struct Waves {
 
 impl Waves {
     /// The first `count` modes.
-    pub fn new(across: &Across, cells: &Cells, count: usize) -> Waves {
+    pub(crate) fn new(across: &Across, cells: &Cells, count: usize) -> Waves {
         Waves::integrated((0..count).map(|m| across.wave(m)).collect(), cells)
     }
 
     /// The first `count` of these modes over other cells.
-    pub fn over(&self, cells: &Cells, count: usize) -> Waves {
+    pub(crate) fn over(&self, cells: &Cells, count: usize) -> Waves {
         Waves::integrated(self.waves[..count].to_vec(), cells)
     }
 
@@ -35,23 +35,23 @@ impl Waves {
     }
 
     /// Number of modes.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.waves.len()
     }
 
     /// Mode number m.
-    pub fn wave(&self, m: usize) -> &Wave {
+    pub(crate) fn wave(&self, m: usize) -> &Wave {
         &self.waves[m]
     }
 
     /// Integral of mode number m over every cell, m^(1/2).
-    pub fn integrals(&self, m: usize) -> &[f64] {
+    pub(crate) fn integrals(&self, m: usize) -> &[f64] {
         let cells = self.integrals.nrows();
         &self.integrals.as_slice()[m * cells..(m + 1) * cells]
     }
 
     /// Sum over some modes of a weight times the product of their integrals over two cells, N x N.
-    pub fn sum(&self, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
+    pub(crate) fn sum(&self, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
         self.sum_with(self, modes, weight)
     }
 
