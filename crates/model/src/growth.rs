@@ -63,7 +63,13 @@ impl PerturbationGrowth {
     /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s); 0 up to the critical speed. Friction
     /// and speed count by their product, which heats.
     pub fn rate(&self, friction: f64, speed: f64) -> f64 {
-        if self.rates.is_empty() || !self.critical.is_exceeded(friction, speed) {
+        let critical = if self.critical.may_be_exceeded(friction, speed) { self.critical.at(friction) } else { 0.0 };
+        self.rate_beyond(critical, friction, speed)
+    }
+
+    /// [`PerturbationGrowth::rate`] at the critical speed `critical` (m/s) of this friction coefficient; 0: nothing grows.
+    fn rate_beyond(&self, critical: f64, friction: f64, speed: f64) -> f64 {
+        if self.rates.is_empty() || critical == 0.0 || speed <= critical {
             return 0.0;
         }
         let ratio = speed * friction / (self.slowest * self.friction);
@@ -79,11 +85,12 @@ impl PerturbationGrowth {
     /// Exponent by which perturbations grow while the velocity changes linearly between these (m/s) within `step` s: Simpson's rule
     /// over the time above the critical speed, in either direction.
     pub(crate) fn over(&self, friction: f64, [start, end]: [f64; 2], step: f64) -> f64 {
-        if self.rates.is_empty() || friction <= 0.0 {
+        let fastest = start.abs().max(end.abs());
+        if !self.critical.may_be_exceeded(friction, fastest) {
             return 0.0;
         }
         let critical = self.critical.at(friction);
-        let rate = |part: f64| self.rate(friction, (start + part * (end - start)).abs());
+        let rate = |part: f64| self.rate_beyond(critical, friction, (start + part * (end - start)).abs());
         if start == end {
             return step * rate(0.0);
         }
@@ -91,6 +98,9 @@ impl PerturbationGrowth {
             let crossing = ((sign * critical - start) / (end - start)).clamp(0.0, 1.0);
             let rises = sign * end > sign * start;
             let [from, to] = if rises { [crossing, 1.0] } else { [0.0, crossing] };
+            if from == to {
+                return 0.0;
+            }
             (to - from) / 6.0 * (rate(from) + 4.0 * rate(0.5 * (from + to)) + rate(to))
         };
         step * (exponent(1.0) + exponent(-1.0))

@@ -129,15 +129,11 @@ impl CriticalSpeed {
         self.modelled.at(friction)
     }
 
-    /// Whether pressure perturbations grow at this friction coefficient and speed, m/s.
+    /// Whether pressure perturbations may grow at this friction coefficient and speed, m/s. The table costs logarithms, and most steps are
+    /// far below it.
     #[inline]
-    pub(crate) fn is_exceeded(&self, friction: f64, speed: f64) -> bool {
-        // The table costs logarithms, and most steps are far below it.
-        if speed * friction <= self.least_product {
-            return false;
-        }
-        let critical = self.at(friction);
-        critical > 0.0 && speed > critical
+    pub(crate) fn may_be_exceeded(&self, friction: f64, speed: f64) -> bool {
+        friction > 0.0 && speed * friction > self.least_product
     }
 
     /// Whether nothing grows at any speed.

@@ -375,9 +375,6 @@ impl Lumped {
         }
         let speed = velocities[0].abs().max(velocities[1].abs());
         let friction = self.end_friction(speed);
-        if operators.growth.rate(friction, speed) == 0.0 {
-            return;
-        }
         self.state.growth += operators.growth.over(friction, velocities, step);
         if self.state.growth >= growth::noticeable(operators.scene.tolerance) {
             self.state.limits |= limit::UNSTABLE;
