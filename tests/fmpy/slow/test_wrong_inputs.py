@@ -298,7 +298,7 @@ WRONG = {
         ("simulate disc_brake --inputs twice.csv", ["twice.csv", "line 1", "column 3", "normal_load", "column 2"]),
         ("simulate disc_brake --inputs same.csv", ["same.csv, line 3", "a run needs a time interval"]),
         ("simulate disc_brake --inputs hole.csv", ["hole.csv, lines 2 to 3", "sliding_velocity has no value"]),
-        ("simulate disc_brake --inputs clock.csv", ["clock.csv, line 2, column 1 (time [s])", "00:00", "is no number"]),
+        ("simulate disc_brake --inputs clock.csv", ["clock.csv, line 2, column 1 (time [s])", "00:00", "is a time of day", "times are numbers"]),
         ("simulate disc_brake --inputs untimed.csv", ["untimed.csv, line 1: no column time", "found are sliding_velocity"]),
         ("simulate disc_brake --inputs .", [". is a folder; a CSV file is needed"]),
         ("simulate disc_brake --measured measured_unit.csv", ["measured_unit.csv, line 1, column 2", "MPa", "accepted are K, degC"]),
