@@ -11,6 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Operations on numbers in the formulas of the contact point.
 pub trait Scalar:
     Copy
+    + PartialEq
     + From<f64>
     + Add<Output = Self>
     + Sub<Output = Self>

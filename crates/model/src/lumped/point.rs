@@ -195,38 +195,35 @@ fn held_cooling<S: Scalar>(
             + into * frozen.direct(faces[face], Port::Contact as usize)
             + S::from(frozen.cooled[face])
     });
-    // Mostly the static correction is small against the resistance of the convection, and the fixed-point iteration contracts by
-    // their ratio. Where it does not, the flux through both in series keeps the face between the air and its level.
-    for _ in 0..5 {
+    // Each face lies between the air and its level: with the transfer coefficient at its temperature the flux through both in series.
+    // The coefficient depends on it by radiation alone, and the faces of a body hardly on each other.
+    for _ in 0..MOST_ROUNDS {
+        let before = flux;
         for face in 0..FACES {
             let air = &frozen.air[face];
             if air.acts() {
-                let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
                 let correction = frozen.direct(faces[face], PORTS_OF_FACES[face]);
-                let hottest = t.value().max(conditions.ambient.value());
-                flux[face] = if (correction * cooling_slope(air, reference, hottest, conditions.forced.value())).abs()
-                    <= CONTRACTING
-                {
-                    cooling_flux(air, reference, t, conditions.ambient, conditions.forced, neighbour)
+                let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
+                let without = t - flux[face] * correction;
+                let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
+                let by_air = (conditions.ambient - without) * transfer;
+                flux[face] = if air.path > 0.0 {
+                    (by_air + (neighbour - without) * air.path)
+                        / ((transfer + S::from(air.path)) * correction + S::from(1.0))
                 } else {
-                    let without = t - flux[face] * correction;
-                    let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
-                    let by_air = (conditions.ambient - without) * transfer;
-                    if air.path > 0.0 {
-                        (by_air + (neighbour - without) * air.path)
-                            / ((transfer + S::from(air.path)) * correction + S::from(1.0))
-                    } else {
-                        by_air / (transfer * correction + S::from(1.0))
-                    }
+                    by_air / (transfer * correction + S::from(1.0))
                 };
             }
+        }
+        if flux == before {
+            break;
         }
     }
     flux
 }
 
-/// Ratio of static correction and resistance of the convection up to which the fixed-point iteration for the cooling is used.
-const CONTRACTING: f64 = 0.5;
+/// Most rounds over the cooled faces of a body.
+const MOST_ROUNDS: usize = 8;
 
 /// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`cooling_flux`]: radiation as (a^2 + b^2)(a + b).
 fn transfer_coefficient<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
