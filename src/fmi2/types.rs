@@ -6,23 +6,23 @@
 use core::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi2Component`: here a handle, never dereferenced; see `registry`.
-pub(crate) type Component = *mut c_void;
+pub type Component = *mut c_void;
 /// `fmi2ComponentEnvironment`: the importer's own, passed back to its logger.
 pub type ComponentEnvironment = *mut c_void;
 /// `fmi2FMUstate`: here a handle, as [`Component`].
 pub type FmuState = *mut c_void;
 /// `fmi2ValueReference`
-pub(crate) type ValueReference = c_uint;
+pub type ValueReference = c_uint;
 /// `fmi2Real`
-pub(crate) type Real = f64;
+pub type Real = f64;
 /// `fmi2Integer`
-pub(crate) type Integer = c_int;
+pub type Integer = c_int;
 /// `fmi2Boolean`: 0 is false, 1 is true.
-pub(crate) type Boolean = c_int;
+pub type Boolean = c_int;
 /// `fmi2String`: UTF-8, ends with a zero.
 pub type String = *const c_char;
 /// `fmi2Byte`
-pub(crate) type Byte = c_char;
+pub type Byte = c_char;
 /// `fmi2EventInfo`, of model exchange: never read or written.
 #[repr(C)]
 pub struct EventInfo {
@@ -37,17 +37,17 @@ pub type StatusKind = c_uint;
 /// `fmi2CoSimulation`
 pub const CO_SIMULATION: FmuType = 1;
 /// `fmi2True`
-pub(crate) const TRUE: Boolean = 1;
+pub const TRUE: Boolean = 1;
 /// `fmi2False`
-pub(crate) const FALSE: Boolean = 0;
+pub const FALSE: Boolean = 0;
 /// `fmi2DoStepStatus`
-pub(crate) const DO_STEP_STATUS: StatusKind = 0;
+pub const DO_STEP_STATUS: StatusKind = 0;
 /// `fmi2PendingStatus`
-pub(crate) const PENDING_STATUS: StatusKind = 1;
+pub const PENDING_STATUS: StatusKind = 1;
 /// `fmi2LastSuccessfulTime`
 pub const LAST_SUCCESSFUL_TIME: StatusKind = 2;
 /// `fmi2Terminated`
-pub(crate) const TERMINATED: StatusKind = 3;
+pub const TERMINATED: StatusKind = 3;
 
 /// `fmi2Status`. Only handed out, never taken from an importer.
 #[repr(u32)]

@@ -114,7 +114,7 @@ fn types_have_the_sizes_of_the_headers() {
         types::Boolean = binding::fmi2Boolean;
         types::String = binding::fmi2String;
         types::Byte = binding::fmi2Byte;
-        types::Type = binding::fmi2Type;
+        types::FmuType = binding::fmi2Type;
         types::StatusKind = binding::fmi2StatusKind;
         Status = binding::fmi2Status;
         CallbackFunctions = binding::fmi2CallbackFunctions;
