@@ -203,7 +203,7 @@ impl SpeedPoint {
     }
 }
 
-/// SpeedInterval of the table.
+/// Interval of the table.
 #[derive(Clone, Debug)]
 struct SpeedInterval {
     left: SpeedPoint,
@@ -215,7 +215,7 @@ struct SpeedInterval {
 }
 
 impl SpeedInterval {
-    /// SpeedInterval between two points, refined for values of ln(Z/V) in `range`.
+    /// Interval between two points, refined for values of ln(Z/V) in `range`.
     fn new(families: &Families, range: [f64; 2], left: SpeedPoint, right: SpeedPoint) -> SpeedInterval {
         let length = right.speed - left.speed;
         let matters = |value: fn(&SpeedPoint) -> f64| value(&left) > range[0] && value(&right) < range[1];
