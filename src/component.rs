@@ -54,6 +54,15 @@ pub type Values = [f64; COUNT];
 
 const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
+/// Relative difference up to which steps have one length. Importers compute lengths as differences of times, and operators are found
+/// again by the bits of the length. What is left is carried on, and made up for when it exceeds this.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// Whether a step counts as long as another one.
+fn is_as_long(step: f64, other: f64) -> bool {
+    (step - other).abs() <= SAME_LENGTH * other
+}
+
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -91,6 +100,8 @@ pub struct Component {
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
     last_step: f64,
+    /// Time by which the model is behind the importer, s: see [`SAME_LENGTH`].
+    behind: f64,
     /// Limits already logged.
     reported: u8,
     messages: Messages,
@@ -116,6 +127,7 @@ impl Component {
             run_error: None,
             at_end: false,
             last_step: 0.0,
+            behind: 0.0,
             reported: 0,
             messages: Messages::default(),
         }
@@ -258,14 +270,23 @@ impl Component {
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let (began, slopes) = (inputs_of(&self.values), self.sloped.then(|| Inputs::from_array(self.slopes)));
-        model.step(&began, slopes.as_ref(), step).map_err(|failure| failure.to_string())?;
-        if let (Some(run_error), Some(prepared)) = (&mut self.run_error, &self.prepared)
-            && let Some(notice) = run_error.follow(prepared, model, &began, slopes.as_ref(), step)
-        {
-            self.messages.add(Subject::Warning, format_args!("{notice}"));
+        let due = step + self.behind;
+        let (unit, length) = match is_as_long(step, self.last_step) {
+            true if is_as_long(due, self.last_step) => (self.last_step, self.last_step),
+            true => (self.last_step, due),
+            false if due > 0.0 => (step, due),
+            false => (self.last_step, 0.0),
+        };
+        if length > 0.0 {
+            model.step(&began, slopes.as_ref(), length).map_err(|failure| failure.to_string())?;
+            if let (Some(run_error), Some(prepared)) = (&mut self.run_error, &self.prepared)
+                && let Some(notice) = run_error.follow(prepared, model, &began, slopes.as_ref(), length)
+            {
+                self.messages.add(Subject::Warning, format_args!("{notice}"));
+            }
         }
+        (self.last_step, self.behind) = (unit, due - length);
         self.at_end = !self.sloped && !model.has_bristle();
-        self.last_step = step;
         if self.sloped {
             for (value, slope) in self.values.iter_mut().zip(&mut self.slopes) {
                 *value += *slope * step;

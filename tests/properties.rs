@@ -500,3 +500,27 @@ fn a_damaged_number_of_a_state_is_refused_or_does_no_harm() {
         assert!(refused > count / 20, "{level:?}: {refused} refused");
     }
 }
+
+/// Lengths as differences of times far from 0, beside equal ones: the same bits while nothing is made up for, and the whole time.
+#[test]
+fn lengths_that_differ_by_rounding_are_one_length() {
+    for level in [2.0, 3.0] {
+        let (start, length) = (1e4, 0.1);
+        let drive = |uneven: bool, steps: u32| {
+            let mut drive = Drive::stock(&[("solver.fidelity", level), ("solver.cells", 5.0)]);
+            for k in 0..steps {
+                drive.set("sliding_velocity", 0.3).set("normal_load", 500.0);
+                let at = |k: u32| start + length * f64::from(k);
+                let step = if uneven && k > 0 { at(k + 1) - at(k) } else { length };
+                drive.0.step(step).unwrap();
+            }
+            drive
+        };
+        let [mut one, mut other] = [false, true].map(|uneven| drive(uneven, 30));
+        let of = real_outputs();
+        assert_eq!(first_difference(&of, &values(&mut one, &of), &values(&mut other, &of)), None, "{level}");
+        let mut long = drive(true, 3000);
+        let distance = long.get("sliding_distance");
+        assert!((distance / (0.3 * 300.0) - 1.0).abs() < 1e-11, "{level}: {distance}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
-use super::{Component, FIRST_PARAMETER, Phase, TUNABLES, Values, inputs_of, tunables_of};
+use super::{Component, FIRST_PARAMETER, Phase, TUNABLES, Values, inputs_of, is_as_long, tunables_of};
 use model::levels::{Model, ModelState};
 use model::lumped::conditions::Tunables;
 use model::lumped::state::LumpedState;
@@ -21,6 +21,7 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
+    behind: f64,
     /// Tunable parameters at initialisation: of those values are the states, and to that friction coefficient the wear law refers.
     built: [f64; TUNABLES.len()],
     state: Option<ModelState>,
@@ -46,7 +47,7 @@ impl Component {
         into.tolerance = self.tolerance;
         into.reported = self.reported;
         into.at_end = self.at_end;
-        into.last_step = self.last_step;
+        (into.last_step, into.behind) = (self.last_step, self.behind);
         into.state = None;
         into.run_error = SavedRunError::default();
         if let Some(model) = &self.model
@@ -141,7 +142,7 @@ impl Component {
         self.tolerance = from.tolerance;
         self.reported = from.reported;
         self.at_end = from.at_end;
-        self.last_step = from.last_step;
+        (self.last_step, self.behind) = (from.last_step, from.behind);
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -159,6 +160,7 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
+        put(self.behind);
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -196,7 +198,7 @@ impl Snapshot {
             Some(ModelState::Line(mean, line)) => mean.numbers().len() + 1 + line.len(),
         };
         let states = numbers(&self.state) + numbers(&self.run_error.companion);
-        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + TUNABLES.len() + 8 + 2 + states)
+        8 * (7 + 2 * self.changed.len() + 2 * INPUTS + TUNABLES.len() + 8 + 2 + states)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -222,9 +224,12 @@ impl Snapshot {
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
-        let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
+        let (phase, reported, at_end, last_step, behind) = (next()?, next()?, next()?, next()?, next()?);
         let (tolerance, count) = (next()?, next()?);
-        if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
+        if !(0.0..=COUNT as f64).contains(&count)
+            || !(0.0..=2.0).contains(&phase)
+            || !(0.0..256.0).contains(&reported)
+            || !is_as_long(last_step + behind, last_step)
         {
             return None;
         }
@@ -233,6 +238,7 @@ impl Snapshot {
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
+            behind,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };

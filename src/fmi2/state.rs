@@ -25,7 +25,7 @@ use crate::component::Snapshot;
 use scene::fnv::Fnv;
 
 const MAGIC: [u8; 4] = *b"SCfs";
-const VERSION: u16 = 10;
+const VERSION: u16 = 11;
 /// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
 /// instance, and may be restored into any instance of this library.
 pub(crate) static STATES: Registry<Saved> = Registry::new(3);

@@ -188,7 +188,7 @@ pub const STATES: &[Case] = &[
             })
         })],
         Error,
-        &["layout 1", "layout 10"],
+        &["layout 1", "layout 11"],
     ),
     stepping(
         "noise as a state",
