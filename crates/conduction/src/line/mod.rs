@@ -252,6 +252,12 @@ pub trait ThermalBody: Observed + Debug + Send + Sync {
     /// cost a comparison. The result is a function of the arguments and the parts in contact alone, never of earlier preparations.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
+    /// The same for a step in which no cell exchanges heat: its influence matrices are not to be used, nor the responses of faces by
+    /// cells.
+    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
+        self.prepare(step, velocity);
+    }
+
     /// Surface influence matrices of `stage`.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;
 

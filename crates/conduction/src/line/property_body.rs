@@ -202,6 +202,11 @@ impl ThermalBody for PropertyBody {
         self.take_influence();
     }
 
+    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
+        let pace = self.scales.pace;
+        self.constant.prepare_open(step * pace, velocity.map(|velocity| velocity / pace));
+    }
+
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.influence[stage as usize]
     }

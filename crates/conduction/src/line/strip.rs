@@ -64,7 +64,7 @@ use operators::StripOperators;
 pub(super) use scratch::Scratch;
 use stage_response::RANK;
 use std::sync::Arc;
-use step::{OWN, StageWeights, Step};
+use step::{Contact, OWN, StageWeights, Step};
 
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
@@ -243,15 +243,19 @@ impl ThermalBody for StripHeat {
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare(&self.operators, step, velocity);
+        self.step.prepare(&self.operators, step, velocity, Contact::Closed);
+    }
+
+    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare(&self.operators, step, velocity, Contact::Open);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.step.stage(stage).current_response().influence
     }
 
-    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, _work: &mut Workspace) {
-        self.respond_to_face(stage, face, influence);
+    fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
+        self.respond_to_face(stage, face, influence, work.strip());
     }
 
     fn first(

@@ -4,6 +4,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::operators::StripOperators;
+use super::robin_correction::RobinCorrection;
 use super::scratch::Scratch;
 use super::stage_response::RANK;
 use super::state_layout::{Carrier, Parts, add_products, carry, observe};
@@ -41,17 +42,66 @@ impl StripHeat {
         self.add_known_flux(scratch, weights);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
         let levels = self.mean_levels(state, surroundings, weights, fluxes);
-        self.project(scratch, stage, levels[0]);
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            scratch.projected[stage as usize] = self.project(robin_correction, scratch, levels[0]);
+        }
         levels
     }
 
-    /// Stores the projected temperature that drives the Robin correction of a stage, from the amplitudes in the
-    /// workspace and the temperature of the mean mode.
-    fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
-        if let Some(robin_correction) = &self.operators.robin_correction {
-            let mut projected = robin_correction.project(&scratch.amplitude);
-            projected[0] += robin_correction.unit[0] * level;
-            scratch.projected[stage as usize] = projected;
+    /// Projected temperature that drives the Robin correction, from the amplitudes in the workspace and the temperature of the mean
+    /// mode.
+    fn project(&self, robin_correction: &RobinCorrection, scratch: &Scratch, level: f64) -> [f64; RANK] {
+        let mut projected = robin_correction.project(&scratch.amplitude);
+        projected[0] += robin_correction.unit[0] * level;
+        projected
+    }
+
+    /// Adds the response of `stage` to its own flux, of the amplitudes in `scratch.heat_end` and the mean `mean` over the period
+    /// (W/m2), to the amplitudes in the workspace and the levels of the mean mode.
+    fn add_own_flux(&self, scratch: &mut Scratch, stage: Stage, mean: f64, levels: &mut [f64; 2]) {
+        let operators = &*self.operators;
+        let [re, im, moved_re, moved_im] = self.step.stage(stage).current_response().own();
+        let Scratch { heat_end: [heat_re, heat_im], amplitude, moved, .. } = scratch;
+        add_products(amplitude, [re, im], [heat_re, heat_im]);
+        if operators.expands {
+            add_products(moved, [moved_re, moved_im], [heat_re, heat_im]);
+        }
+        let observed = [&operators.mean.contact_temperature, &operators.mean.mean_temperature];
+        for (level, observed) in levels.iter_mut().zip(observed) {
+            *level += operators.remembered() * mean * self.mean_response(observed, stage, CONTACT);
+        }
+    }
+
+    /// Adds the Robin correction with the coefficients `amounts` in the same way; returns its mean flux over the period, W/m2.
+    fn add_given_back(
+        &self,
+        robin_correction: &RobinCorrection,
+        amounts: &[f64; RANK],
+        scratch: &mut Scratch,
+        stage: Stage,
+        levels: &mut [f64; 2],
+    ) -> f64 {
+        let mean = robin_correction.unit[0] * amounts[0] / self.operators.period;
+        robin_correction.amplitudes(amounts, &mut scratch.heat_end);
+        self.add_own_flux(scratch, stage, mean, levels);
+        mean
+    }
+
+    /// Temperature and distortion on the cells by the amplitudes in the workspace and the levels of the mean mode.
+    fn observe(
+        &self,
+        scratch: &mut Scratch,
+        [level, through_depth]: [f64; 2],
+        [temperature, distortion]: [&mut [f64]; 2],
+    ) {
+        let operators = &*self.operators;
+        let Scratch { amplitude, moved, response, .. } = scratch;
+        if operators.expands {
+            let levels = [level, operators.mean_distortion * through_depth];
+            operators.observe([amplitude, moved], response, levels, [temperature, distortion]);
+        } else {
+            operators.observe_one(amplitude, &mut response[0], level, temperature);
+            distortion.fill(0.0);
         }
     }
 
@@ -82,26 +132,15 @@ impl StripHeat {
     ) -> [f64; FACES] {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
-        let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
-        let Scratch { amplitude, moved, response, .. } = &mut *scratch;
-        if operators.expands {
-            let levels = [level, operators.mean_distortion * through_depth];
-            operators.observe([amplitude, moved], response, levels, [&mut *temperature, &mut *distortion]);
-        } else {
-            operators.observe_one(amplitude, &mut response[0], level, temperature);
-            distortion.fill(0.0);
-        }
+        let mut levels = self.known_levels(scratch, state, surroundings, stage);
         let mut own = 0.0;
         if let Some(robin_correction) = &operators.robin_correction {
             scratch.end.fill(0.0);
             let (projected, ambient) = (&scratch.projected[stage as usize], surroundings.at(stage).ambient);
             let amounts = robin_correction.amounts(weights.current_response(), projected, ambient, &scratch.end);
-            own = robin_correction.unit[0] * amounts[0] / operators.period;
-            dense::multiply_add(weights.current_response().lifted(0), &amounts, temperature);
-            if operators.expands {
-                dense::multiply_add(weights.current_response().lifted(1), &amounts, distortion);
-            }
+            own = self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
+        self.observe(scratch, levels, [&mut *temperature, distortion]);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), own];
         let mean = &operators.mean;
         // States of the whole strip, also where the contact is not affected by the heat left behind.
@@ -142,34 +181,31 @@ impl StripHeat {
     }
 
     /// See [`ThermalBody::face_influence`](crate::line::ThermalBody::face_influence).
-    pub(super) fn respond_to_face(&self, stage: Stage, face: usize, influence: &mut FaceInfluence) {
+    pub(super) fn respond_to_face(
+        &self,
+        stage: Stage,
+        face: usize,
+        influence: &mut FaceInfluence,
+        scratch: &mut Scratch,
+    ) {
         let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
         let mean = &operators.mean;
         let port = [CONTACT, BASE][face];
         // The cooling of the whole surface less that under the contact.
         let covered = if face == BESIDE { -1.0 } else { 0.0 };
-        let level = self.mean_response(&mean.contact_temperature, stage, port);
-        let through_depth = self.mean_response(&mean.mean_temperature, stage, port);
+        let mut levels =
+            [&mean.contact_temperature, &mean.mean_temperature].map(|seen| self.mean_response(seen, stage, port));
         let FaceInfluence { temperature, distortion, by_cell, .. } = influence;
-        temperature.fill(level);
-        distortion.fill(if operators.expands { operators.mean_distortion * through_depth } else { 0.0 });
         by_cell.fill(covered);
         let mut entering = self.mean_flux(by_cell, 0.0);
-        let mut amounts = [0.0; RANK];
+        scratch.amplitude.iter_mut().chain(&mut scratch.moved).for_each(|part| part.fill(0.0));
+        operators.transform(by_cell, &mut scratch.fold, &mut scratch.heat_end);
+        self.add_own_flux(scratch, stage, entering, &mut levels);
         if let Some(robin_correction) = &operators.robin_correction {
-            let mut projected = [0.0; RANK];
-            projected[0] = robin_correction.unit[0] * level;
-            amounts = robin_correction.amounts(response, &projected, 0.0, by_cell);
-            entering += robin_correction.unit[0] * amounts[0] / operators.period;
+            let amounts = RobinCorrection::solution(response, &self.project(robin_correction, scratch, levels[0]));
+            entering += self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
-        for (moving, values) in [&mut *temperature, distortion].into_iter().enumerate() {
-            if moving == 0 || operators.expands {
-                dense::multiply_add(response.uniform(moving), &[covered], values);
-                if operators.robin_correction.is_some() {
-                    dense::multiply_add(response.lifted(moving), &amounts, values);
-                }
-            }
-        }
+        self.observe(scratch, levels, [&mut *temperature, distortion]);
         let whole = |observed| {
             self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
         };
@@ -178,6 +214,9 @@ impl StripHeat {
         influence.mean = whole(&mean.mean_temperature);
         influence.faces = [self.beside(everywhere, temperature), base];
         let per_flux = self.mean_response(seen[face], stage, CONTACT) / operators.period;
+        if self.step.is_open() {
+            return by_cell.fill(0.0);
+        }
         let columns = response.influence.temperature.as_slice().chunks_exact(operators.widths.len());
         for (cell, (value, column)) in by_cell.iter_mut().zip(columns).enumerate() {
             let robin_correction = operators.robin_correction.as_ref();

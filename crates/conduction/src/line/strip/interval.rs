@@ -6,10 +6,11 @@ use crate::line::strip::CONTACT;
 use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::abreast::PhaseRotation;
-use crate::line::strip::stage_response::{Parts, RANK, StageResponse};
+use crate::line::strip::robin_correction::RobinWorkspace;
+use crate::line::strip::stage_response::{Parts, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
 use crate::line::{GAMMA, SurfaceInfluence};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::DMatrix;
 
 /// Index of the stage's own flux among its weights.
 pub(crate) const OWN: usize = 1;
@@ -23,20 +24,16 @@ pub(crate) struct Interval<'a> {
     pub mean_weight: &'a [[f64; 2]],
 }
 
-/// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion, and what
-/// the Robin correction gives back for a flux into each cell.
+/// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion, and those of
+/// the Robin correction.
 #[derive(Clone, Debug)]
 pub struct IntervalWorkspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
-    returned: Vec<f64>,
-    /// Response of each mode: of temperature and distortion.
-    pub influence: [Vec<Complex<f64>>; 2],
-    /// Phase factors of the modes; weights of fluxes in the states of one level, and the response of the modes to the
-    /// stage's own flux: of temperature and distortion; real and imaginary parts alternate.
+    robin: RobinWorkspace,
+    /// Phase factors of the modes, and weights of fluxes in the states of one level; real and imaginary parts alternate.
     phases: [Vec<f64>; 2],
     fluxes: [Vec<f64>; 4],
-    own: [Vec<f64>; 4],
 }
 
 impl IntervalWorkspace {
@@ -46,18 +43,10 @@ impl IntervalWorkspace {
         IntervalWorkspace {
             nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
-            returned: vec![0.0; RANK * count],
-            influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
+            robin: RobinWorkspace::new(count),
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),
-            own: [0; 4].map(|_| vec![0.0; waves]),
         }
-    }
-
-    /// Sums the mode responses at the nodes of the distance.
-    fn sum_waves(&mut self, operators: &StripOperators) {
-        let [warm, moved] = &self.influence;
-        operators.distance_sum.find([warm, moved], &mut self.nodes);
     }
 }
 
@@ -70,21 +59,42 @@ impl Interval<'_> {
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
-        self.weigh(operators, velocity, workspace, response);
-        for (influence, own) in workspace.influence.iter_mut().zip(workspace.own.chunks_exact(2)) {
-            let parts = own[0].iter().zip(&own[1]).zip(&operators.weight);
-            influence.iter_mut().zip(parts).for_each(|(gain, ((re, im), weight))| {
-                *gain = Complex::new(weight * re, weight * im);
-            });
-        }
-        workspace.sum_waves(operators);
+        self.respond_open(operators, velocity, workspace, response);
+        let [re, im, moved_re, moved_im] = response.own();
+        operators.distance_sum.find([[re, im], [moved_re, moved_im]], &mut workspace.nodes);
         self.assemble(operators, workspace, response);
+    }
+
+    /// The same without the influence on the cells, for an open contact.
+    pub(crate) fn respond_open(
+        &self,
+        operators: &StripOperators,
+        velocity: [f64; 2],
+        workspace: &mut IntervalWorkspace,
+        response: &mut StageResponse,
+    ) {
+        self.weigh(operators, velocity, workspace, response);
+        if let Some(robin_correction) = &operators.robin_correction {
+            robin_correction.solve(self.level(operators, 0), response.parts());
+        }
     }
 
     /// Mean damping rate of periodic images (1/s), and its factor over the interval.
     fn damping_of_images(&self, operators: &StripOperators, velocity: [f64; 2]) -> (f64, f64) {
         let fade = operators.image_damping.mean(velocity);
         (fade, (-fade * self.length).exp())
+    }
+
+    /// Response of the mean mode per heat into the contact: of temperature or distortion.
+    fn level(&self, operators: &StripOperators, moving: usize) -> f64 {
+        let mean = &operators.mean;
+        let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
+        let mut level = observed.direct[CONTACT];
+        for k in 0..mean.count {
+            level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
+        }
+        let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
+        level * operators.remembered() * distortion / operators.period
     }
 
     /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
@@ -94,35 +104,22 @@ impl Interval<'_> {
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
-        let mean = &operators.mean;
-        let IntervalWorkspace { nodes, slow, returned, .. } = workspace;
-        let level = |moving: usize| {
-            let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
-            let mut level = observed.direct[CONTACT];
-            for k in 0..mean.count {
-                level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
-            }
-            let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
-            level * operators.remembered() * distortion / operators.period
-        };
-        operators.distance_sum.set(nodes, &operators.widths, [level(0), level(1)], slow);
-        for (moving, slow) in slow.iter().enumerate().take(1 + usize::from(operators.expands)) {
-            let gain =
-                if moving == 1 { &mut response.influence.distortion } else { &mut response.influence.temperature };
+        let IntervalWorkspace { nodes, slow, robin, .. } = workspace;
+        let levels = [0, 1].map(|moving| self.level(operators, moving));
+        operators.distance_sum.set(nodes, &operators.widths, levels, slow);
+        let (SurfaceInfluence { temperature, distortion }, parts) = response.gains_and_parts();
+        for (slow, gain) in slow.iter().zip([&mut *temperature, &mut *distortion]).filter(|(slow, _)| !slow.is_empty())
+        {
             gain.copy_from(slow);
-            response.parts().set_uniform(moving, slow);
         }
         if let Some(robin_correction) = &operators.robin_correction {
-            let (influence, parts) = response.gains_and_parts();
-            let SurfaceInfluence { temperature, distortion } = influence;
             let distortion = if operators.expands { distortion.as_mut_slice() } else { &mut [] };
             let slow = slow.each_ref().map(|slow| slow.as_slice());
-            robin_correction.close(slow, [temperature.as_mut_slice(), distortion], parts, returned);
+            robin_correction.close(slow, [temperature.as_mut_slice(), distortion], parts, robin);
         }
     }
 
-    /// Computes the weights of the known fluxes and, at the end, those in the states, without the influence matrices.
-    /// The response of the modes to the stage's own flux is left in the workspace.
+    /// Computes the weights of both fluxes in the modes and, at the end, in the states, without the influence matrices.
     pub(crate) fn weigh(
         &self,
         operators: &StripOperators,
@@ -131,7 +128,7 @@ impl Interval<'_> {
         response: &mut StageResponse,
     ) {
         let (rate, factor) = self.damping_of_images(operators, velocity);
-        let IntervalWorkspace { phases: [cosine, sine], fluxes, own, .. } = workspace;
+        let IntervalWorkspace { phases: [cosine, sine], fluxes, .. } = workspace;
         state_layout::phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
         let turning = PhaseRotation {
             velocity,
@@ -140,16 +137,16 @@ impl Interval<'_> {
             phases: [cosine, sine],
             damping: [rate, factor],
         };
-        let Parts { weights: mut kept, mut carried, .. } = response.parts();
-        carried.iter_mut().for_each(|part| part.fill(0.0));
-        own.iter_mut().for_each(|part| part.fill(0.0));
+        let Parts { weights: mut kept, mut carried, mut own, .. } = response.parts();
+        carried.iter_mut().chain(own.iter_mut()).for_each(|part| part.fill(0.0));
         for level in &operators.state_layout {
             let mut weights = fluxes.each_mut().map(|part| &mut part[..level.len()]);
             let [a, b, c, d] = &mut weights;
             turning.weights(&operators.rate[level.clone()], &self.decay[level.clone()], [a, b, c, d]);
             let seen = [&operators.temperature[level.clone()], &operators.distortion[level.clone()]];
             let share = self.at_end.then_some(1.0 / (1.0 - GAMMA));
-            stage_weights(share, seen, [a, b, c, d], carried.each_mut().map(|part| &mut part[..]), own);
+            let [carried, own] = [&mut carried, &mut own].map(|parts| parts.each_mut().map(|part| &mut part[..]));
+            stage_weights(share, seen, [a, b, c, d], carried, own);
             if self.at_end {
                 for (kept, found) in kept.iter_mut().zip(&weights) {
                     kept[level.clone()].copy_from_slice(found);

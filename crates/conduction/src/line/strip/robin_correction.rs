@@ -25,8 +25,34 @@ pub(crate) struct RobinCorrection {
     /// V'W of a uniform temperature.
     pub unit: [f64; RANK],
     widths: Vec<f64>,
-    /// V'W of the shape of every mode.
+    /// V'W of the shape of every mode with the weight of its amplitude, and the amplitude of every mode in the polynomials; even
+    /// degrees have real parts alone, odd ones imaginary parts.
     waves: Vec<[f64; RANK]>,
+    heat: Vec<[f64; RANK]>,
+    /// V'W G V by the real and by the imaginary parts of the modes' responses: a column for each mode of the products of even and of
+    /// odd degrees, and of odd with even ones.
+    by_real: Vec<f64>,
+    by_imaginary: Vec<f64>,
+}
+
+/// Half of the degrees, even or odd, and number of their products.
+const HALF: usize = RANK / 2;
+const PRODUCTS: usize = HALF * HALF;
+
+/// Workspace of the influence with the Robin correction: response of the modes to the polynomials V, of temperature and distortion,
+/// and what it gives back for a flux into each cell.
+#[derive(Clone, Debug)]
+pub(crate) struct RobinWorkspace {
+    lifted: [Vec<f64>; 2],
+    returned: Vec<f64>,
+}
+
+impl RobinWorkspace {
+    /// For `count` cells.
+    pub(crate) fn new(count: usize) -> RobinWorkspace {
+        let zeros = || vec![0.0; RANK * count];
+        RobinWorkspace { lifted: [zeros(), zeros()], returned: zeros() }
+    }
 }
 
 impl RobinCorrection {
@@ -57,19 +83,38 @@ impl RobinCorrection {
             next.iter_mut().for_each(|value| *value /= norm);
             polynomials.push(next);
         }
-        let waves = (0..weight.len())
+        let heat: Vec<_> = (0..weight.len())
             .map(|wave| {
                 let mut row = [0.0; RANK];
                 for (degree, polynomial) in polynomials.iter().enumerate() {
                     let (even, odd) = over_cells(wave, polynomial);
-                    row[degree] = weight[wave] * if degree % 2 == 0 { even } else { -odd };
+                    row[degree] = if degree % 2 == 0 { even } else { -odd };
                 }
                 row
             })
             .collect();
+        let waves: Vec<_> = heat.iter().zip(weight).map(|(row, weight)| row.map(|part| weight * part)).collect();
+        let products = |parity: [usize; 2]| {
+            let of_mode = move |(row, heat): (&[f64; RANK], &[f64; RANK])| -> [f64; PRODUCTS] {
+                std::array::from_fn(|k| row[2 * (k % HALF) + parity[0]] * heat[2 * (k / HALF) + parity[1]])
+            };
+            waves.iter().zip(&heat).map(of_mode)
+        };
+        let by_real = products([0, 0]).zip(products([1, 1])).flat_map(|(even, odd)| [even, odd].concat()).collect();
+        let by_imaginary = products([1, 0]).flatten().collect();
         let mut unit = [0.0; RANK];
         unit[0] = (0..count).map(|i| widths[i] * polynomials[0][i]).sum();
-        RobinCorrection { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
+        RobinCorrection {
+            transfer,
+            rank,
+            polynomials: polynomials.concat(),
+            unit,
+            widths,
+            waves,
+            heat,
+            by_real,
+            by_imaginary,
+        }
     }
 
     /// V'W of the temperature given by mode amplitudes (real and imaginary parts).
@@ -86,6 +131,13 @@ impl RobinCorrection {
         std::array::from_fn(|degree| partial_sums[0][degree] + partial_sums[1][degree])
     }
 
+    /// Polynomial coefficients (W/m2) by the projected temperature that drives the correction.
+    pub(crate) fn solution(response: &StageResponse, driving: &[f64; RANK]) -> [f64; RANK] {
+        let mut amounts = [0.0; RANK];
+        dense::multiply_add(response.robin()[1], driving, &mut amounts);
+        amounts
+    }
+
     /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
     /// projected temperature of the free response.
     pub(crate) fn amounts(
@@ -97,16 +149,15 @@ impl RobinCorrection {
     ) -> [f64; RANK] {
         let mut driving = *level;
         driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
-        dense::multiply_add(response.response(), flux, &mut driving);
-        let mut amounts = [0.0; RANK];
-        dense::multiply_add(response.solution(), &driving, &mut amounts);
-        amounts
+        dense::multiply_add(response.robin()[0], flux, &mut driving);
+        RobinCorrection::solution(response, &driving)
     }
 
     /// Coefficient of the constant polynomial under a unit flux into cell `cell`.
     pub(crate) fn constant_by_cell(&self, response: &StageResponse, cell: usize) -> f64 {
-        let driving = &response.response()[cell * RANK..(cell + 1) * RANK];
-        response.solution().chunks_exact(RANK).zip(driving).map(|(column, driving)| column[0] * driving).sum()
+        let [by_cell, solution] = response.robin();
+        let driving = &by_cell[cell * RANK..(cell + 1) * RANK];
+        solution.chunks_exact(RANK).zip(driving).map(|(column, driving)| column[0] * driving).sum()
     }
 
     /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
@@ -128,43 +179,70 @@ impl RobinCorrection {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
-    /// Computes the operators of the Robin correction for a stage whose modes have the influence matrices `slow` (N x N:
-    /// temperature, distortion; the latter may be empty), and adds the response by way of the correction to `influence`.
-    /// `returned` is workspace of [`RANK`] N numbers.
+    /// Amplitudes of the modes in the polynomials with the coefficients `amounts`.
+    pub(crate) fn amplitudes(&self, amounts: &[f64; RANK], [re, im]: &mut [Vec<f64>; 2]) {
+        for (row, (re, im)) in self.heat.iter().zip(re.iter_mut().zip(im)) {
+            let part = |first: usize| (first..RANK).step_by(2).map(|degree| row[degree] * amounts[degree]).sum();
+            (*re, *im) = (part(0), part(1));
+        }
+    }
+
+    /// Computes the solution of a stage, and V'W G for even fluxes, from the response of the modes to its own flux; `level`: of the mean
+    /// mode, per heat.
+    pub(crate) fn solve(&self, level: f64, parts: Parts<'_>) {
+        let Parts { own: [own_re, own_im, ..], response, solution, .. } = parts;
+        let (mut same, mut mixed) = ([0.0; 2 * PRODUCTS], [0.0; PRODUCTS]);
+        dense::multiply_add(&self.by_real, own_re, &mut same);
+        dense::multiply_add(&self.by_imaginary, own_im, &mut mixed);
+        same[0] += level * self.unit[0] * self.unit[0];
+        // Without a polynomial of a degree its row and column are those of the unit matrix.
+        let mut matrix = IDENTITY;
+        for (k, (even, (odd, mixed))) in same[..PRODUCTS].iter().zip(same[PRODUCTS..].iter().zip(&mixed)).enumerate() {
+            let (a, b) = (2 * (k % HALF), 2 * (k / HALF));
+            matrix[a][b] -= self.transfer * even;
+            matrix[a + 1][b + 1] -= self.transfer * odd;
+            // A polynomial of odd degree gives an imaginary amplitude.
+            matrix[a + 1][b] -= self.transfer * mixed;
+            matrix[b][a + 1] += self.transfer * mixed;
+        }
+        // Where no cell exchanges heat, the flux into the cells is even.
+        let (columns, _) = response.as_chunks_mut::<RANK>();
+        for (column, (even, width)) in columns.iter_mut().zip(self.polynomials.iter().zip(&self.widths)) {
+            *column = std::array::from_fn(|a| even * width * if a % 2 == 0 { same[a / 2] } else { mixed[a / 2] });
+        }
+        let inverse = inverse(matrix);
+        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
+        }
+    }
+
+    /// Computes V'W G of a stage whose modes have the influence matrices `slow` (N x N: temperature, distortion; the latter may be
+    /// empty), and adds the response by way of the correction to `influence`.
     ///
     /// The strip is homogeneous along the path and the cells are symmetric about x = 0: G_jl/w_l is the same for a pair of
     /// cells and its mirror image, so V'W G follows from G V.
-    pub(crate) fn close(&self, slow: [&[f64]; 2], influence: [&mut [f64]; 2], parts: Parts<'_>, returned: &mut [f64]) {
+    pub(crate) fn close(
+        &self,
+        slow: [&[f64]; 2],
+        influence: [&mut [f64]; 2],
+        parts: Parts<'_>,
+        workspace: &mut RobinWorkspace,
+    ) {
         let count = self.widths.len();
-        let Parts { response, mut lifted, solution, .. } = parts;
-        for (slow, lifted) in slow.iter().zip(&mut lifted) {
+        let Parts { response, solution, .. } = parts;
+        let RobinWorkspace { lifted, returned } = workspace;
+        for (slow, lifted) in slow.iter().zip(&mut *lifted).filter(|(slow, _)| !slow.is_empty()) {
             lifted.fill(0.0);
-            if !slow.is_empty() {
-                dense::multiply_add_columns(slow, &self.polynomials, &mut lifted[..self.polynomials.len()], count);
-            }
+            dense::multiply_add_columns(slow, &self.polynomials, &mut lifted[..self.polynomials.len()], count);
         }
         let (columns, _) = response.as_chunks_mut::<RANK>();
         for ((l, column), width) in columns.iter_mut().enumerate().zip(&self.widths) {
             let mirrored = |a: usize| lifted[0][a * count + count - 1 - l];
             *column = std::array::from_fn(|a| if a % 2 == 0 { width * mirrored(a) } else { -width * mirrored(a) });
         }
-        let mut projected = [0.0; RANK * RANK];
-        let polynomials = &self.polynomials[..];
-        dense::multiply_add_columns(response, polynomials, &mut projected[..RANK * self.rank], RANK);
-        // Without a polynomial of a degree its row and column are those of the unit matrix.
-        let mut matrix = IDENTITY;
-        for (b, column) in projected.chunks_exact(RANK).enumerate() {
-            for a in 0..RANK {
-                matrix[a][b] -= self.transfer * column[a];
-            }
-        }
-        let inverse = inverse(matrix);
-        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
-            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
-        }
         returned.fill(0.0);
         dense::multiply_add_columns(solution, response, returned, RANK);
-        for (influence, lifted) in influence.into_iter().zip(&lifted).filter(|(influence, _)| !influence.is_empty()) {
+        for (influence, lifted) in influence.into_iter().zip(lifted).filter(|(influence, _)| !influence.is_empty()) {
             dense::multiply_add_columns(lifted, returned, influence, count);
         }
     }
@@ -213,20 +291,38 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// With the polynomials V and the widths W, the influence with the correction is `G + G V (1 - H0 V'W G V)^-1 H0 V'W G`.
+    /// With the polynomials V and the widths W, the influence with the correction is `G + G V (1 - H0 V'W G V)^-1 H0 V'W G`; G by its
+    /// definition as a sum over modes and the mean mode.
     #[test]
     fn the_closed_influence_is_that_of_the_definition() {
+        let (transfer, level) = (40.0, 0.3);
+        let numbers: Vec<f64> = (1..40).map(|n| 60.0 * f64::from(n)).collect();
+        let weight: Vec<f64> = numbers.iter().map(|q| 2.0 / (1.0 + 1e-3 * q)).collect();
+        // Warmer behind the source than ahead of it.
+        let own: Vec<[f64; 2]> =
+            numbers.iter().map(|q| [0.3 / (1.0 + 0.01 * q), 1e-3 * q / (1.0 + 1e-4 * q * q)]).collect();
         for count in [1, 2, 7, 8, 17, 30] {
             let cells = Cells::graded(0.02, count).unwrap();
-            let transfer = 40.0;
-            let robin = RobinCorrection::new(&cells, transfer, &[], |_, _| (0.0, 0.0));
             let (x, widths) = (cells.centres(), cells.widths());
+            let shape = |wave: usize, i: usize| (numbers[wave] * x[i]).sin_cos();
+            let robin = RobinCorrection::new(&cells, transfer, &weight, |wave, polynomial| {
+                (0..count).fold((0.0, 0.0), |(even, odd), i| {
+                    let (sine, cosine) = shape(wave, i);
+                    (even + widths[i] * polynomial[i] * cosine, odd + widths[i] * polynomial[i] * sine)
+                })
+            });
             let influence = |scale: f64| {
-                // Warmer behind the source than ahead of it.
-                let kernel = |r: f64| scale * (-40.0 * r.abs() - 30.0 * r).exp();
-                DMatrix::from_fn(count, count, |j, l| widths[l] * kernel(x[j] - x[l]))
+                DMatrix::from_fn(count, count, |j, l| {
+                    let by_modes: f64 = (0..numbers.len())
+                        .map(|wave| {
+                            let turned = numbers[wave] * (x[j] - x[l]);
+                            weight[wave] * (own[wave][0] * turned.cos() - own[wave][1] * turned.sin())
+                        })
+                        .sum();
+                    scale * widths[l] * (by_modes + level)
+                })
             };
-            let slow = [influence(0.5), influence(-1e-7)];
+            let slow = [influence(1.0), influence(-1e-7)];
             let rank = robin.rank;
             let v = DMatrix::from_column_slice(count, rank, &robin.polynomials);
             let projection = v.transpose() * DMatrix::from_diagonal(&DVector::from_column_slice(widths));
@@ -234,14 +330,19 @@ mod tests {
             let closed = (identity - transfer * &projection * &slow[0] * &v).try_inverse().unwrap();
             let returned = transfer * &v * &closed * &projection * &slow[0];
             let expected = slow.each_ref().map(|slow| slow + slow * &returned);
-            let mut response = StageResponse::new(Layout { count, states: 0, waves: 0, rank: RANK });
+            let mut response = StageResponse::new(Layout { count, states: 0, waves: numbers.len(), rank: RANK });
+            let [re, im, ..] = response.parts().own;
+            for (wave, own) in own.iter().enumerate() {
+                [re[wave], im[wave]] = *own;
+            }
+            robin.solve(level, response.parts());
             let mut found = slow.clone();
             let [temperature, distortion] = &mut found;
             robin.close(
                 slow.each_ref().map(|slow| slow.as_slice()),
                 [temperature.as_mut_slice(), distortion.as_mut_slice()],
                 response.parts(),
-                &mut vec![0.0; RANK * count],
+                &mut RobinWorkspace::new(count),
             );
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected).amax() < 1e-12 * expected.amax(), "{count}");

@@ -25,8 +25,7 @@ pub(crate) struct Layout {
 
 impl Layout {
     fn lengths(&self) -> [usize; 5] {
-        let lifted = self.rank * self.count;
-        [4 * self.states, 4 * self.waves, 2 * self.count, 3 * lifted, self.rank * self.rank]
+        [4 * self.states, 4 * self.waves, 4 * self.waves, self.rank * self.count, self.rank * self.rank]
     }
 }
 
@@ -47,12 +46,10 @@ pub(crate) struct Parts<'a> {
     pub weights: [&'a mut [f64]; 4],
     /// Surface amplitude and distortion of each mode due to the known flux, real and imaginary parts alternate.
     pub carried: [&'a mut [f64]; 4],
-    /// Response of the modes to a uniform flux, without direct feedthrough.
-    pub uniform: [&'a mut [f64]; 2],
-    /// V'W G of the Robin correction: one row per polynomial, by columns.
+    /// The same due to the stage's own flux.
+    pub own: [&'a mut [f64]; 4],
+    /// V'W G of the Robin correction: one row per polynomial, by columns. In open contact for even fluxes only.
     pub response: &'a mut [f64],
-    /// Response of the modes to the polynomials V, N values each.
-    pub lifted: [&'a mut [f64]; 2],
     /// `(1 - H0 V'W G V)^-1 H0`, by columns.
     pub solution: &'a mut [f64],
 }
@@ -86,20 +83,13 @@ impl StageResponse {
 
     /// Influence matrices and parts.
     pub(crate) fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
-        let [states, waves, cells, lifted, _] = self.layout.lengths();
+        let [states, waves, _, polynomials, _] = self.layout.lengths();
         let (weights, rest) = self.rest.split_at_mut(states);
         let (carried, rest) = rest.split_at_mut(waves);
-        let (uniform, rest) = rest.split_at_mut(cells);
-        let (polynomials, solution) = rest.split_at_mut(lifted);
-        let (response, lifted) = polynomials.split_at_mut(lifted / 3);
-        let parts = Parts {
-            weights: quarters(weights),
-            carried: quarters(carried),
-            uniform: halves(uniform),
-            response,
-            lifted: halves(lifted),
-            solution,
-        };
+        let (own, rest) = rest.split_at_mut(waves);
+        let (response, solution) = rest.split_at_mut(polynomials);
+        let parts =
+            Parts { weights: quarters(weights), carried: quarters(carried), own: quarters(own), response, solution };
         (&mut self.influence, parts)
     }
 
@@ -115,33 +105,17 @@ impl StageResponse {
         std::array::from_fn(|part| &self.rest[first + part * n..first + (part + 1) * n])
     }
 
-    /// See [`Parts::uniform`].
-    pub(crate) fn uniform(&self, moving: usize) -> &[f64] {
-        let (first, n) = (4 * (self.layout.states + self.layout.waves), self.layout.count);
-        &self.rest[first + moving * n..first + (moving + 1) * n]
+    /// See [`Parts::own`].
+    pub(crate) fn own(&self) -> [&[f64]; 4] {
+        let (first, n) = (4 * (self.layout.states + self.layout.waves), self.layout.waves);
+        std::array::from_fn(|part| &self.rest[first + part * n..first + (part + 1) * n])
     }
 
-    fn polynomials(&self) -> (usize, usize) {
-        let Layout { count, states, waves, rank } = self.layout;
-        (4 * (states + waves) + 2 * count, rank * count)
-    }
-
-    /// See [`Parts::response`].
-    pub(crate) fn response(&self) -> &[f64] {
-        let (first, n) = self.polynomials();
-        &self.rest[first..first + n]
-    }
-
-    /// See [`Parts::lifted`].
-    pub(crate) fn lifted(&self, moving: usize) -> &[f64] {
-        let (first, n) = self.polynomials();
-        &self.rest[first + (1 + moving) * n..first + (2 + moving) * n]
-    }
-
-    /// See [`Parts::solution`].
-    pub(crate) fn solution(&self) -> &[f64] {
-        let (first, n) = self.polynomials();
-        &self.rest[first + 3 * n..]
+    /// See [`Parts::response`] and [`Parts::solution`].
+    pub(crate) fn robin(&self) -> [&[f64]; 2] {
+        let [states, waves, own, polynomials, _] = self.layout.lengths();
+        let (response, solution) = self.rest[states + waves + own..].split_at(polynomials);
+        [response, solution]
     }
 
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
@@ -183,16 +157,5 @@ fn sum(
             dense::combine(target, sources, [f, g, h, i, *share, *rest]);
         }
         _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),
-    }
-}
-
-impl Parts<'_> {
-    /// Sets the response to a uniform flux from the influence matrix of the modes (N x N): its row sums.
-    pub(crate) fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
-        let uniform = &mut self.uniform[moving];
-        uniform.fill(0.0);
-        for column in slow.as_slice().chunks_exact(uniform.len().max(1)) {
-            uniform.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry);
-        }
     }
 }

@@ -193,15 +193,15 @@ pub(crate) fn stage_weights(
     seen: Parts<'_>,
     weights: [&mut [f64]; 4],
     known: [&mut [f64]; 4],
-    own: &mut [Vec<f64>; 4],
+    own: [&mut [f64]; 4],
 ) {
-    struct StageWeights<'a>(Option<f64>, Parts<'a>, [&'a mut [f64]; 4], [&'a mut [f64]; 4], &'a mut [Vec<f64>; 4]);
+    struct StageWeights<'a>(Option<f64>, Parts<'a>, [&'a mut [f64]; 4], [&'a mut [f64]; 4], [&'a mut [f64]; 4]);
     impl WithSimd for StageWeights<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(share, [warm, moved], [a, b, c, d], mut known, own) = self;
+            let Self(share, [warm, moved], [a, b, c, d], mut known, mut own) = self;
             let count = warm.len();
             let ([share, taken], moved) = (share.map_or([1.0, 0.0], |share| [share, share]), &moved[..count]);
             let (a, b, c, d) = (&mut a[..count], &mut b[..count], &mut c[..count], &mut d[..count]);

@@ -13,12 +13,20 @@ use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
 use numerics::dense;
 
+/// Whether cells exchange heat in a step: the influence on them is not made for an open contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Contact {
+    Closed,
+    Open,
+}
+
 /// The prepared step.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
     /// Length, s, and velocities, m/s; not a number before the first step.
     pub length: f64,
     pub velocity: [f64; 2],
+    contact: Contact,
     pub first: StageWeights,
     pub end: StageWeights,
     /// Index of the cached responses after the first: those of steps at a constant velocity, by the bits of length and velocity. A
@@ -84,6 +92,7 @@ impl Step {
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
+            contact: Contact::Closed,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             steady: KeyedCache::new(vec![(); cached]),
@@ -99,26 +108,41 @@ impl Step {
         }
     }
 
+    /// Whether the responses of a step are kept.
+    fn keeps(&self, [from, to]: [f64; 2]) -> bool {
+        from == to && self.steady.capacity() > 0
+    }
+
     /// Place of the responses of a step among the cached ones, and whether they are stored there; place 0 serves varying velocities.
-    fn response_place(&mut self, length: f64, [from, to]: [f64; 2]) -> (usize, bool) {
-        if from != to || self.steady.capacity() == 0 {
+    fn response_place(&mut self, length: f64, velocity: [f64; 2]) -> (usize, bool) {
+        if !self.keeps(velocity) {
             return (0, false);
         }
-        let key = [length.to_bits(), from.to_bits()];
+        let key = [length, velocity[0]].map(f64::to_bits);
         let known = self.steady.lookup(&key);
         (1 + known.unwrap_or_else(|| self.steady.insert(key)), known.is_some())
     }
 
-    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
-        if self.length == length && self.velocity == velocity {
+    /// Whether the influence on the cells is not there.
+    pub(crate) fn is_open(&self) -> bool {
+        self.contact == Contact::Open
+    }
+
+    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], contact: Contact) {
+        // Responses at a constant velocity are kept, and serve an open contact too.
+        let contact = if self.keeps(velocity) { Contact::Closed } else { contact };
+        if self.length == length && self.velocity == velocity && self.contact == contact {
             return;
         }
-        (self.length, self.velocity) = (length, velocity);
+        (self.length, self.velocity, self.contact) = (length, velocity, contact);
         let (place, known) = self.response_place(length, velocity);
         (self.first.current, self.end.current) = (place, place);
         if known {
             self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
             self.end.resume(operators, length, velocity);
+        } else if self.is_open() {
+            self.first.prepare_open(operators, GAMMA * length, to_first_stage(velocity), &mut self.workspace);
+            self.end.prepare_open(operators, length, velocity, &mut self.workspace);
         } else {
             self.find(operators, length, velocity);
         }

@@ -95,6 +95,20 @@ impl StageWeights {
         self.carry(operators, velocity);
     }
 
+    /// Prepares the stage of an open contact, see [`Interval::respond_open`].
+    pub(crate) fn prepare_open(
+        &mut self,
+        operators: &StripOperators,
+        length: f64,
+        velocity: [f64; 2],
+        workspace: &mut IntervalWorkspace,
+    ) {
+        self.take_length(operators, length);
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        interval.respond_open(operators, velocity, workspace, &mut self.responses[self.current]);
+        self.carry(operators, velocity);
+    }
+
     /// Prepares the stage with its response in the cache.
     pub(crate) fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         self.take_length(operators, length);

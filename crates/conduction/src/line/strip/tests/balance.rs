@@ -250,3 +250,49 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
         }
     }
 }
+
+#[test]
+fn an_open_contact_is_one_without_fluxes_whatever_was_prepared_before() {
+    for (path, convection, base) in [
+        (SlidingPath::Closed(0.1), 2000.0, FarBoundary::Convecting(500.0)),
+        (SlidingPath::Unidirectional, 1000.0, FarBoundary::Insulated),
+        (SlidingPath::Closed(0.3), 0.0, FarBoundary::Held),
+    ] {
+        let mut properties = steel(0.02, base, path, convection);
+        properties.expansion = expanding(0.3, elasticity::Base::Bonded);
+        let cells = Cells::graded(0.02, 9).unwrap();
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let held = base == FarBoundary::Held;
+        let mut state = vec![0.0; body.states()];
+        let (hot, none) = (uneven(&cells, 0), vec![0.0; 9]);
+        let mut used = body.clone();
+        used.prepare(0.3, [0.4, 0.5]);
+        used.step(&mut state, &Surroundings::default(), &hot, &hot);
+        let at = |cooling: f64, ambient: f64| Boundary { cooling, ambient, far: 0.3 * cooling };
+        let air = Surroundings::linear(at(-900.0, 4.0), at(-700.0, 5.0));
+        let (step, velocity) = (0.2, [0.5, 0.7]);
+        let mut found = [body.clone(), body.clone(), used].into_iter().enumerate().map(|(case, mut body)| {
+            if case == 0 {
+                body.prepare(step, velocity)
+            } else {
+                body.prepare_open(step, velocity)
+            }
+            let seen = at_stage(&body, &state, &air, (Stage::End, held), [&none, &none]);
+            let mut after = state.clone();
+            body.step(&mut after, &air, &none, &none);
+            (seen, after)
+        });
+        let [closed, open, again] = [(); 3].map(|()| found.next().unwrap());
+        assert_eq!(open, again, "{base:?}");
+        let near = |one: &[f64], other: &[f64]| {
+            let largest = one.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            one.iter().zip(other).all(|(one, other)| (one - other).abs() <= 1e-6 * largest)
+        };
+        assert!(near(&closed.1, &open.1), "{base:?}: state");
+        for (one, other) in [(&closed.0.0, &open.0.0), (&closed.0.1, &open.0.1)] {
+            assert!(near(one, other), "{base:?}: {one:?} {other:?}");
+        }
+        assert!(near(&closed.0.2, &open.0.2), "{base:?}: faces {:?} {:?}", closed.0.2, open.0.2);
+    }
+}
