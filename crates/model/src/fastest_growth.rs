@@ -64,13 +64,9 @@ impl Conductor {
         }
     }
 
-    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which
-    /// absorbs no heat.
-    fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
-        if self.conductivity == 0.0 {
-            return Complex::new(wave, 0.0);
-        }
-        Complex::new(wave * wave, -wave * speed * self.capacity / self.conductivity).sqrt()
+    /// Magnitude of the decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame: `|m^2 - i m V/kd|^(1/2)`.
+    fn decay(&self, wave: f64, speed: f64) -> f64 {
+        (wave * wave).hypot(wave * speed * self.capacity / self.conductivity).sqrt()
     }
 }
 
@@ -186,7 +182,7 @@ impl FastestGrowth {
         let (resistance, part) = if self.free || mate.conductivity == 0.0 {
             (None, 1.0)
         } else {
-            let uptake = mate.conductivity * mate.decay(wave, speed).norm();
+            let uptake = mate.conductivity * mate.decay(wave, speed);
             let half = self.pair.half_resistance;
             (Some(uptake.recip() + 2.0 * half), uptake.recip() + half)
         };
@@ -273,7 +269,8 @@ mod tests {
             if growth.of_body(0, 0.4, middle) > 0.0 { high = middle } else { low = middle }
         }
         let wave = 800.0;
-        let [own, other] = [LINING.decay(wave, 0.0) * 1.2, mate.decay(wave, -high) * 54.0];
+        let own = Complex::from(wave) * 1.2;
+        let other = Complex::new(wave * wave, wave * high * mate.capacity / 54.0).sqrt() * 54.0;
         let warm = other * 25e-6 + 1.0;
         let heat = own * warm + other * (own * 25e-6 + 1.0);
         let exact = (heat / (warm * LINING.expansion / (2.0 * wave) * 1.056e9 * wave)).re / 0.4;

@@ -151,6 +151,8 @@ pub(crate) struct ThermalCoupling {
     /// Length, s, and sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
+    /// Nothing touches in it: the bodies are prepared without the influence on cells.
+    open: bool,
     /// Properties of the bodies.
     frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
@@ -190,7 +192,7 @@ impl ThermalCoupling {
         let conductance = operators.scene.conductance;
         let strip = &operators.scene.strip;
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
-        let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
+        let partition = || HeatPartition::new(&operators.radius_ratio, conductance);
         let before = bodies.states.map(|states| vec![0.0; states]);
         let mut bodies = bodies.prototypes.clone();
         // The first preparation allocates the weights, so that no step does.
@@ -220,6 +222,7 @@ impl ThermalCoupling {
             growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
+            open: false,
             frozen: FrozenProperties::new(),
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],

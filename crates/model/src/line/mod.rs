@@ -424,7 +424,8 @@ impl Line {
         self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
         if let Some(heat) = &self.state.heat {
             let lowest = heat.lowest() + self.mean.state().reference;
-            let highest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
+            let highest = heat.temperature.iter().flatten().copied().fold(f64::NEG_INFINITY, maximum)
+                + self.mean.state().reference;
             if lowest.is_nan() || lowest < 0.0 {
                 let count = self.state.pressure.len();
                 let carrying = self.state.pressure.iter().filter(|&&p| p > 0.0).count();
@@ -438,7 +439,11 @@ impl Line {
                     highest = Number(highest)
                 )));
             }
-            self.state.limits |= lumped::limits_of_temperature(scene, highest);
+            // Means over a length are below the hottest cell.
+            if lumped::limits_of_temperature(scene, highest) != 0 {
+                let hottest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
+                self.state.limits |= lumped::limits_of_temperature(scene, hottest);
+            }
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {
             self.state.limits |= limit::VALIDITY;

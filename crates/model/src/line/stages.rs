@@ -135,6 +135,26 @@ impl ContactStages {
         self.contact.stage_into(&self.gap, 0.0, &self.conditions, &mut self.end)
     }
 
+    /// A stage in which nothing touches, on the distorted `gap`: where the bodies would meet, without pressure and wear.
+    ///
+    /// # Errors
+    /// The contact has no equilibrium.
+    pub(crate) fn leave_open(
+        &mut self,
+        stage: Stage,
+        given: &StepData<'_>,
+        moment: &StageConditions,
+        gap: &[f64],
+    ) -> Result<(), StageError> {
+        self.set_equilibrium(given, moment);
+        self.rates[stage as usize].iter_mut().for_each(|rates| rates.fill(0.0));
+        let found = match stage {
+            Stage::First => &mut self.first,
+            Stage::End => &mut self.end,
+        };
+        self.contact.stage_into(gap, 0.0, &self.conditions, found)
+    }
+
     /// Solves the contact at the conditions `moment` on the worn shape, with the distortion at the end of the last step, into `shown`.
     /// The warm start of the next step stays as it is.
     ///

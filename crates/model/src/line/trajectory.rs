@@ -4,6 +4,7 @@
 
 use super::operators::LineOperators;
 use crate::Inputs;
+use conduction::line::GAMMA;
 use contact::friction::FrictionLaw;
 
 /// Lumped temperature and expansion over a piece, linear between its ends.
@@ -184,6 +185,12 @@ impl InputTrajectory {
             heat_per_pressure,
             released,
         }
+    }
+
+    /// Whether nothing touches in a step of `step` s from `start` (s from the start of the piece) on: without load, and without heat
+    /// that a bristle leaves.
+    pub(crate) fn is_open(&self, start: f64, step: f64) -> bool {
+        [GAMMA * step, step].map(|time| self.at(start + time)).iter().all(|at| at.load == 0.0 && at.released == 0.0)
     }
 
     /// Whether the contact is open or at rest throughout.

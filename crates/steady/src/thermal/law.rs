@@ -164,7 +164,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
-    let mut partition = ActivePartition::new(influence, cells.widths(), scene.conductance);
+    let mut partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     partition.set_active_set(influence, &vec![true; cells.count()]);
     let friction = cold.strokes[0].friction;
     let [mut punch, strip] = [compliances[0].clone(), compliances[1].clone()];

@@ -30,11 +30,10 @@ pub(crate) struct ActivePartition {
 }
 
 impl ActivePartition {
-    /// Heat partition between bodies of these influence matrices (`None`: an insulator), on cells of these widths (m), with the
+    /// Heat partition between bodies of these influence matrices (`None`: an insulator), on `count` cells, with the
     /// contact conductance `conductance` (W/(m2 K)). No cell is in contact.
-    pub(crate) fn new(influence: [Option<&SurfaceInfluence>; 2], widths: &[f64], conductance: f64) -> ActivePartition {
-        let count = widths.len();
-        let mut partition = HeatPartition::new(widths, &vec![1.0; count], conductance);
+    pub(crate) fn new(influence: [Option<&SurfaceInfluence>; 2], count: usize, conductance: f64) -> ActivePartition {
+        let mut partition = HeatPartition::new(&vec![1.0; count], conductance);
         partition.build((0.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), influence);
         ActivePartition {
             partition,
@@ -130,7 +129,7 @@ mod tests {
         let base = [vec![3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], vec![0.5; 7]];
         for (conductance, closed) in [(0.0, closed), (0.3, closed), (1e9, closed), (0.3, few)] {
             let influence = [Some(&punch), Some(&strip)];
-            let mut partition = ActivePartition::new(influence, &vec![1.0; count], conductance);
+            let mut partition = ActivePartition::new(influence, count, conductance);
             partition.set_active_set(influence, &closed);
             let heat: Vec<f64> = (0..count).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
             let mut q1 = vec![0.0; count];

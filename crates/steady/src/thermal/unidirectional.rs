@@ -79,7 +79,7 @@ pub(super) fn solve(
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [velocity; 2]));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
-    let partition = ActivePartition::new(influence, cells.widths(), scene.conductance);
+    let partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let mut problem = Problem {
         contact: Contact::new(scene, cells, compliances, sliding),

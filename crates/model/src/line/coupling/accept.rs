@@ -47,36 +47,12 @@ impl Solved<'_> {
         self.0.step > if whole > nominal { part } else { part.min(shortest.max(LEAST_PART * part)) }
     }
 
-    /// Inexpensive upper bound of [`Solved::error`].
-    fn bound_of_error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
-        let heat = &mut *self.0;
-        let cells = &operators.cells;
-        let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, LEAST_RISE);
-        let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
-        for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
-            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
-            let room = heat.iterate.difference.iter().zip(&mut heat.iterate.sums[0]);
-            for ((difference, weighted), c) in room.zip(cells.widths()) {
-                *weighted = c * *difference;
-            }
-            let square = dense::dot(&heat.iterate.difference, &heat.iterate.sums[0]);
-            let change = (square / (2.0 * cells.half_width())).sqrt();
-            moved += of_distortion * change;
-            temperature_error = maximum(temperature_error, of_temperature * change);
-            rise = maximum(rise, largest(&heat.temperature[1][side]));
-        }
-        // Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
-        let allowance = if heat.reference.exact { 1.0 } else { 2.0 };
-        allowance * maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise))
-    }
-
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
-    /// `bound` is that of the displacement, in m. Where the error is small, an upper bound of it.
+    /// `bound` is that of the displacement, in m.
     pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
-        let (most, faces) = (self.bound_of_error(operators, bound), self.error_of_faces(operators, bound));
-        // Error, in units of the tolerance, below which a bound suffices.
-        if most < 0.15 {
-            return maximum(most, faces);
+        let faces = self.error_of_faces(operators, bound);
+        if self.0.open {
+            return faces;
         }
         let heat = &mut *self.0;
         let widths = operators.cells.widths();
@@ -116,7 +92,8 @@ impl Solved<'_> {
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
     fn error_of_faces(&self, operators: &LineOperators, bound: f64) -> f64 {
         let heat = &*self.0;
-        let touch = heat.partitions[0].closed().iter().chain(heat.partitions[1].closed()).any(|closed| *closed);
+        let touch =
+            !heat.open && heat.partitions[0].closed().iter().chain(heat.partitions[1].closed()).any(|closed| *closed);
         let [error, of_faces, moved] = heat.errors_of_faces(touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
         let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);

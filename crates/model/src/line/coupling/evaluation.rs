@@ -286,7 +286,7 @@ impl ThermalCoupling {
         for side in 0..2 {
             let temperature = &mut self.temperature[s][side];
             temperature.copy_from_slice(&self.iterate.free_response[side]);
-            if let Some(own) = &self.bodies[side] {
+            if let (Some(own), false) = (&self.bodies[side], self.open) {
                 dense::multiply_add(own.influence(stage).temperature.as_slice(), &self.flux[s][side], temperature);
             }
         }

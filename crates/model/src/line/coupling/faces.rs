@@ -245,7 +245,7 @@ impl ThermalCoupling {
     /// Prepares the responses of the faces by way of the exchange of heat, for the cells that exchange heat at the stage.
     pub(super) fn couple_faces(&mut self, stage: Stage) {
         let s = stage as usize;
-        let exchanges = self.conducts() == [true, true] && self.parameters.half_resistance > 0.0;
+        let exchanges = !self.open && self.conducts() == [true, true] && self.parameters.half_resistance > 0.0;
         let Faces { faces, influence, exchanged, exchanging, coupled, .. } = &mut self.faces;
         if faces.is_empty() || *coupled && *exchanging == self.iterate.closed {
             return;

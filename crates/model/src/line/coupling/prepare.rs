@@ -20,8 +20,11 @@ impl ThermalCoupling {
         heat.freeze_properties(given, step);
         let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity, heat.frozen.scales);
+        heat.open = path.is_open(start, step);
         heat.set_contact_parts(given, step);
-        heat.take_partitions(key);
+        if !heat.open {
+            heat.take_partitions(key);
+        }
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
         let kinetic_coefficient = if flat {
@@ -52,8 +55,10 @@ impl ThermalCoupling {
                 Boundary { ambient: at.ambient, far, cooling: 0.0 }
             };
             heat.surroundings[side] = Surroundings::linear(around(&from), around(&end));
-            if let Some(own) = &mut heat.bodies[side] {
-                own.prepare(step, velocity);
+            match &mut heat.bodies[side] {
+                Some(own) if heat.open => own.prepare_open(step, velocity),
+                Some(own) => own.prepare(step, velocity),
+                None => {}
             }
         }
         Prepared(heat)
@@ -98,7 +103,10 @@ impl ThermalCoupling {
             // Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
             // increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end
             // of the next.
-            edges.find(&state.edges, ahead.min(2.0 * state.last_step), contact_parts);
+            match self.open {
+                true => contact_parts.make_whole(),
+                false => edges.find(&state.edges, ahead.min(2.0 * state.last_step), contact_parts),
+            }
         }
         if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {
             return;

@@ -46,6 +46,10 @@ impl<'a> Prepared<'a> {
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
         let firsts = heat.begin_first(state);
+        if heat.open {
+            heat.leave_open(Stage::First, given, stages, moment)?;
+            return Ok(FirstSolved(heat, firsts));
+        }
         // The active set is first that of the start of the step, then that of the iterates.
         let untouched = pressure.iter().all(|p| *p == 0.0);
         for (i, (closed, p)) in heat.iterate.closed.iter_mut().zip(pressure).enumerate() {
@@ -73,6 +77,10 @@ impl<'a> FirstSolved<'a> {
     ) -> Result<Solved<'a>, StageError> {
         let (heat, state) = (self.0, state_of(given));
         heat.begin_end(self.1, state);
+        if heat.open {
+            heat.leave_open(Stage::End, given, stages, moment)?;
+            return Ok(Solved(heat));
+        }
         heat.predict_end(state, [&given.state.pressure, &stages.first.pressure]);
         let [first, end] = &mut heat.contacts;
         end.set_status(first.status());
@@ -254,6 +262,36 @@ impl ThermalCoupling {
             }
         }
         Err(StageError::NotConverged { stage: motion.tau, iterations: MAXIMUM_ITERATIONS })
+    }
+
+    /// A stage in which nothing touches: no cell has pressure or exchanges heat, and the temperatures are the free response.
+    fn leave_open(
+        &mut self,
+        stage: Stage,
+        given: &StepData<'_>,
+        stages: &mut ContactStages,
+        moment: &StageConditions,
+    ) -> Result<(), StageError> {
+        let s = stage as usize;
+        self.exact[s] = false;
+        self.iterate.closed.fill(false);
+        let [punch, strip] = &mut self.flux[s];
+        [punch, strip, &mut self.friction[s], &mut self.iterate.pressure]
+            .into_iter()
+            .for_each(|values| values.fill(0.0));
+        self.couple_faces(stage);
+        self.solve_faces(stage);
+        self.surround_by_faces(stage);
+        self.update_contact_temperature(stage, given);
+        let [punch, strip] = &self.iterate.free_distortion;
+        let cells =
+            self.distortion.iter_mut().zip(punch.iter().zip(strip)).zip(self.iterate.gap.iter_mut().zip(&stages.gap));
+        for ((moved, (punch, strip)), (gap, worn)) in cells {
+            *moved = punch + strip;
+            *gap = worn + *moved;
+        }
+        stages.budget.solutions += 1;
+        stages.leave_open(stage, given, moment, &self.iterate.gap)
     }
 
     /// Gives the open surfaces the heat of a bristle that the contact no longer holds, W/m2, half to each body that conducts.

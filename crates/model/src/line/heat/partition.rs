@@ -34,7 +34,6 @@ use conduction::properties::Scales;
 use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
 use numerics::dense;
-use numerics::maximum::{largest, maximum};
 
 /// Operators on all cells, by columns.
 #[derive(Clone, Debug)]
@@ -93,10 +92,6 @@ pub struct HeatPartition {
     per_pressure: f64,
     /// Sliding velocity of the cells over that at the mean radius.
     ratio: Vec<f64>,
-    /// Widths of the cells, m.
-    widths: Vec<f64>,
-    /// See [`HeatPartition::norms`].
-    norms: [[f64; 2]; 2],
     /// Low-rank update of the thermal compliance by open cells, for the heat per pressure `reduced_by`; see [`LowRankUpdate`].
     left: Vec<f64>,
     right: Vec<f64>,
@@ -108,9 +103,9 @@ pub struct HeatPartition {
 }
 
 impl HeatPartition {
-    /// Workspace for cells of these widths (m) that slide at `ratio` times the velocity at the mean radius, with the contact
+    /// Workspace for cells that slide at `ratio` times the velocity at the mean radius, with the contact
     /// conductance `conductance` (W/(m2 K)).
-    pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> HeatPartition {
+    pub fn new(ratio: &[f64], conductance: f64) -> HeatPartition {
         let count = ratio.len();
         HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
@@ -128,8 +123,6 @@ impl HeatPartition {
             thermal_compliance: dense::untouched(count),
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
-            widths: widths.to_vec(),
-            norms: [[0.0; 2]; 2],
             left: vec![0.0; count * largest_update_rank(count)],
             right: vec![0.0; count * largest_update_rank(count)],
             reduced_by: f64::NAN,
@@ -142,7 +135,7 @@ impl HeatPartition {
     /// Workspace for another heat partition of these cells.
     pub(crate) fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
-        let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
+        let partition = HeatPartition::new(&self.ratio, conductance);
         let partition = HeatPartition { resistance: self.resistance, ..partition };
         if self.of_whole.is_some() { partition.with_parts() } else { partition }
     }
@@ -170,12 +163,6 @@ impl HeatPartition {
         self.key = Some(key);
         self.known = false;
         self.per_pressure = f64::NAN;
-        for (norms, influence) in self.norms.iter_mut().zip(influence) {
-            *norms = influence.map_or([0.0; 2], |influence| {
-                [&influence.temperature, &influence.distortion]
-                    .map(|matrix| norm(matrix, &self.widths, &mut self.column))
-            });
-        }
         match influence {
             [Some(punch), Some(strip)] => {
                 let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
@@ -394,11 +381,6 @@ impl HeatPartition {
         dense::multiply_add(&self.operators.relative_distortion, flux, moved);
     }
 
-    /// Norms of the surface influence matrices of each body, K and m per W/m2: bounds in the root mean square over the contact.
-    pub(crate) fn norms(&self) -> &[[f64; 2]; 2] {
-        &self.norms
-    }
-
     /// Current thermal compliance, by columns, m/Pa.
     pub(crate) fn thermal_compliance_values(&self) -> &[f64] {
         self.thermal_compliance.as_slice()
@@ -429,20 +411,4 @@ impl HeatPartition {
         }
         true
     }
-}
-
-/// Bound of the operator norm of a matrix, in the root mean square over cells of these widths, by Schur's test: the geometric
-/// mean of the largest row sum and the largest column sum weighted by width. `sums` is workspace for one number per cell.
-fn norm(matrix: &DMatrix<f64>, widths: &[f64], sums: &mut [f64]) -> f64 {
-    sums.fill(0.0);
-    let mut column_sum: f64 = 0.0;
-    for (column, heated) in matrix.as_slice().chunks_exact(sums.len().max(1)).zip(widths) {
-        let mut own = 0.0;
-        for ((sum, entry), width) in sums.iter_mut().zip(column).zip(widths) {
-            *sum += entry.abs();
-            own += width * entry.abs();
-        }
-        column_sum = maximum(column_sum, own / heated);
-    }
-    (column_sum * largest(sums.iter().copied())).sqrt()
 }

@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn the_last_steps_are_kept() {
-        let partition = || HeatPartition::new(&[1.0; 5], &[1.0; 5], 0.7);
+        let partition = || HeatPartition::new(&[1.0; 5], 0.7);
         let most = cache_capacity(5);
         let mut partitions = PartitionCache::new(&partition(), 5);
         assert_eq!(partitions.cache.capacity(), most);

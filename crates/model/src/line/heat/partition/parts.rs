@@ -16,7 +16,7 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use super::{HeatPartition, Operators, PartitionKey, norm};
+use super::{HeatPartition, Operators, PartitionKey};
 use conduction::line::SurfaceInfluence;
 use conduction::line::contact_parts::ContactParts;
 use contact::largest_update_rank;
@@ -72,8 +72,6 @@ impl HeatPartition {
         self.contact_parts.copy_from(contact_parts);
         self.known = false;
         self.per_pressure = f64::NAN;
-        self.norms[0] =
-            [&punch[1].temperature, &punch[1].distortion].map(|matrix| norm(matrix, &self.widths, &mut self.column));
         self.operators.copy_from(of_whole);
         self.in_part.clear();
         self.in_part.extend((0..count).filter(|&cell| contact_parts.is_partial(cell)));
