@@ -17,7 +17,7 @@ use std::process::Command;
 use std::time::Instant;
 
 /// Communication step, s.
-pub(crate) const STEP: f64 = 0.1;
+pub const STEP: f64 = 0.1;
 /// Turns of every timing.
 pub const TURNS: usize = 30;
 /// Factor by which a time may exceed its limit before a test fails, to allow for other work on the machine. The ratio to
@@ -251,7 +251,7 @@ fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
 ///
 /// # Errors
 /// Where the cycle cannot be read.
-pub(crate) fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
+pub fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
     let path = project::root().join("examples/data/udds.csv");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let speeds: Vec<f64> = text

@@ -179,8 +179,9 @@ impl TimedLine {
     }
 }
 
-/// One dense system with cached factors.
+/// One dense system and its factors.
 pub struct DenseSolution {
+    matrix: Mat<f64>,
     factors: Mat<f64>,
     forward: Vec<usize>,
     inverse: Vec<usize>,
@@ -189,44 +190,65 @@ pub struct DenseSolution {
 }
 
 impl DenseSolution {
-    /// Factors of a diagonally dominant matrix of `count` unknowns.
+    /// A diagonally dominant matrix of `count` unknowns.
     pub fn new(count: usize) -> Self {
         let entry = |i: usize, j: usize| if i == j { 4.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64) };
-        let mut factors = Mat::from_fn(count, count, entry);
-        let (mut forward, mut inverse) = (vec![0; count], vec![0; count]);
-        let parameters = Default::default();
-        let mut memory = MemBuffer::new(
-            lu::factor::lu_in_place_scratch::<usize, f64>(count, count, Par::Seq, parameters)
-                .or(lu::solve::solve_in_place_scratch::<usize, f64>(count, 1, Par::Seq)),
-        );
-        lu::factor::lu_in_place(
-            factors.as_mut(),
-            &mut forward,
-            &mut inverse,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            parameters,
-        );
-        Self { factors, forward, inverse, right: Mat::from_fn(count, 1, |i, _| i as f64), memory }
+        let matrix = Mat::from_fn(count, count, entry);
+        let memory = lu::factor::lu_in_place_scratch::<usize, f64>(count, count, Par::Seq, Default::default())
+            .or(lu::solve::solve_in_place_scratch::<usize, f64>(count, 1, Par::Seq));
+        let mut system = Self {
+            factors: matrix.clone(),
+            matrix,
+            forward: vec![0; count],
+            inverse: vec![0; count],
+            right: Mat::zeros(count, 1),
+            memory: MemBuffer::new(memory),
+        };
+        system.factorise();
+        system
     }
 
-    /// Seconds per solution, of so many one after the other.
-    pub fn seconds(&mut self, solutions: usize) -> f64 {
+    fn factorise(&mut self) {
+        let Self { matrix, factors, forward, inverse, memory, .. } = self;
+        factors.copy_from(matrix);
+        lu::factor::lu_in_place(
+            factors.as_mut(),
+            forward,
+            inverse,
+            Par::Seq,
+            MemStack::new(memory),
+            Default::default(),
+        );
+    }
+
+    fn solve(&mut self) {
         let count = self.factors.nrows();
-        let exchange = PermRef::new_checked(&self.forward, &self.inverse, count);
+        for i in 0..count {
+            self.right[(i, 0)] = i as f64;
+        }
+        lu::solve::solve_in_place(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            PermRef::new_checked(&self.forward, &self.inverse, count),
+            self.right.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
+    }
+
+    /// Seconds per solution with cached factors, of so many one after the other.
+    pub fn seconds(&mut self, solutions: usize) -> f64 {
+        let begin = Instant::now();
+        (0..solutions).for_each(|_| self.solve());
+        begin.elapsed().as_secs_f64() / solutions as f64
+    }
+
+    /// The same with factors made anew for every solution.
+    pub fn seconds_anew(&mut self, solutions: usize) -> f64 {
         let begin = Instant::now();
         for _ in 0..solutions {
-            for i in 0..count {
-                self.right[(i, 0)] = i as f64;
-            }
-            lu::solve::solve_in_place(
-                self.factors.as_ref(),
-                self.factors.as_ref(),
-                exchange,
-                self.right.as_mut(),
-                Par::Seq,
-                MemStack::new(&mut self.memory),
-            );
+            self.factorise();
+            self.solve();
         }
         begin.elapsed().as_secs_f64() / solutions as f64
     }

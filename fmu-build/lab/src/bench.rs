@@ -1,8 +1,8 @@
 //! `cargo fmu bench --line`: costs of the contact line, solvers and level alike.
 
+mod drives;
 mod level;
 mod line;
-mod stop;
 
 use anyhow::Result;
 use fmu_build::bench::{Cost, TURNS, report};
@@ -18,8 +18,8 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Turns of a whole brake stop.
-const STOP_TURNS: usize = 3;
+/// Turns of a whole drive.
+const DRIVE_TURNS: usize = 3;
 
 /// Runs the command.
 ///
@@ -28,6 +28,6 @@ const STOP_TURNS: usize = 3;
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut costs = line::measure()?;
     costs.extend(level::measure()?);
-    costs.extend(stop::measure()?);
+    costs.extend(drives::measure()?);
     report(&costs, arguments.json)
 }
