@@ -75,9 +75,10 @@ pub struct HeatPartition {
     /// Parts in contact for which they were built.
     contact_parts: ContactParts,
     operators: Operators,
-    /// Those of whole cells with the same step and velocity, where cells may be partly in contact; and the cells that are.
+    /// Those of whole cells with the same step and velocity, where cells may be partly in contact; the cells that are, and their rows of V'.
     of_whole: Option<Operators>,
     in_part: Vec<usize>,
+    rows: Vec<f64>,
     /// Cells that exchange heat; the others, and the factors of their block of the inverse.
     closed: Vec<bool>,
     open: Vec<usize>,
@@ -114,6 +115,7 @@ impl HeatPartition {
             operators: Operators::new(count),
             of_whole: None,
             in_part: Vec::new(),
+            rows: Vec::new(),
             closed: vec![false; count],
             open: Vec::with_capacity(count),
             known: false,

@@ -45,6 +45,7 @@ impl HeatPartition {
         let count = self.closed.len();
         self.of_whole = Some(Operators::new(count));
         self.in_part = Vec::with_capacity(count);
+        self.rows = vec![0.0; count * largest_update_rank(count) / 2];
         self
     }
 
@@ -82,7 +83,7 @@ impl HeatPartition {
         let temperature = punch.map(|influence| influence.temperature.as_slice());
         let distorted = punch.map(|influence| influence.distortion.as_slice());
         let Operators { inverse, shares, relative_distortion, distortion } = &mut self.operators;
-        let HeatPartition { in_part, column, factors, exchanged, left, right, removed, .. } = self;
+        let HeatPartition { in_part, rows, column, factors, exchanged, left, right, removed, .. } = self;
         let extra = |cell: usize| resistance / contact_parts.fraction(cell) - resistance;
         let rank = 2 * m;
         // W, and (D_1 - D_2) W.
@@ -99,27 +100,37 @@ impl HeatPartition {
             of_row.copy_from_slice(&inverse[k * count..][..count]);
         }
         dense::multiply_add_columns(relative_distortion, w, moved, count);
+        for (row, &k) in rows.chunks_exact_mut(count).zip(&*in_part) {
+            row_change(temperature, k, row);
+            in_part.iter().for_each(|&other| row[other] = 0.0);
+        }
         // `target = V' matrix`, by columns.
-        let project = |matrix: &[f64], target: &mut [f64], column: &mut [f64]| {
-            for (a, &k) in in_part.iter().enumerate() {
-                row_change(temperature, k, column);
-                in_part.iter().for_each(|&other| column[other] = 0.0);
-                for (target, matrix) in target.chunks_exact_mut(rank).zip(matrix.chunks_exact(count)) {
-                    target[a] = matrix[k];
-                    target[m + a] = dense::dot(column, matrix);
+        let project = |matrix: &[f64], target: &mut [f64]| {
+            for (target, column) in target.chunks_exact_mut(rank).zip(matrix.chunks_exact(count)) {
+                for ((a, &k), row) in in_part.iter().enumerate().zip(rows.chunks_exact(count)) {
+                    (target[a], target[m + a]) = (column[k], dense::dot(row, column));
                 }
             }
         };
-        let s = &mut factors[..rank * rank];
-        project(w, s, column);
+        let (s, solution) = factors[..2 * rank * rank].split_at_mut(rank * rank);
+        project(w, s);
         (0..rank).for_each(|i| s[i * rank + i] += 1.0);
         dense::factorise(s, rank, &mut exchanged[..rank]);
-        let x = &mut right[..rank * count];
+        // -S^-1.
+        for (k, column) in solution.chunks_exact_mut(rank).enumerate() {
+            column.fill(0.0);
+            column[k] = -1.0;
+            dense::substitute(s, rank, &exchanged[..rank], column);
+        }
+        let (x, projected) = (&mut right[..rank * count], &mut column[..rank]);
         for (of_distortion, matrix) in [(false, &mut *inverse), (true, &mut *shares)] {
-            project(matrix, x, column);
+            project(matrix, x);
             for x in x.chunks_exact_mut(rank) {
-                dense::substitute(s, rank, &exchanged[..rank], x);
-                x.iter_mut().for_each(|x| *x = -*x);
+                projected.copy_from_slice(x);
+                x.fill(0.0);
+                for (column, part) in solution.chunks_exact(rank).zip(&*projected) {
+                    x.iter_mut().zip(column).for_each(|(x, entry)| *x += part * entry);
+                }
             }
             dense::multiply_add_columns(w, x, matrix, count);
             if of_distortion {
