@@ -389,9 +389,9 @@ fn prepare(scene: &Scene) -> Result<Arc<BuiltModel>, String> {
     on_own_thread(move || interruption::within(flag, prepare))
 }
 
-/// Whether a derivative differs from 0.
+/// Whether a derivative differs from 0; by the bits, as [`inputs::needs_check`].
 fn is_sloped(slopes: &[f64; INPUTS]) -> bool {
-    slopes.iter().any(|slope| *slope != 0.0)
+    slopes.iter().any(|slope| slope.abs().to_bits() != 0)
 }
 
 fn inputs_of(values: &Values) -> Inputs {

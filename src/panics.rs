@@ -56,12 +56,9 @@ pub(crate) fn install_hook() {
 /// Runs `body`; a panic in it becomes an `Err` with its message and place.
 #[inline(always)]
 pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
-    let result = INSIDE.with(|inside| {
-        let before = inside.replace(true);
-        let result = panic::catch_unwind(AssertUnwindSafe(body));
-        inside.set(before);
-        result
-    });
+    let before = INSIDE.replace(true);
+    let result = panic::catch_unwind(AssertUnwindSafe(body));
+    INSIDE.set(before);
     result.map_err(|payload| {
         let message = match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
             (Some(text), _) => text,

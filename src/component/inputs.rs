@@ -24,9 +24,8 @@ const FIRST_TEMPERATURE: usize = reference("ambient_temperature_offset") as usiz
 /// Whether a new `value` of the input `index` has to be checked before the next step.
 #[inline(always)]
 pub(super) fn needs_check(index: usize, value: f64) -> bool {
-    // A comparison with NaN is false.
-    let within = value.abs() <= LARGEST_INPUT;
-    !within | (index >= FIRST_TEMPERATURE)
+    // By the bits, in the order of which NaN is the largest: setting an input computes nothing in the host's floating-point environment.
+    (value.abs().to_bits() > LARGEST_INPUT.to_bits()) | (index >= FIRST_TEMPERATURE)
 }
 
 /// Name and unit of an input.

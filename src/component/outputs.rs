@@ -90,12 +90,16 @@ impl Component {
     /// are 0, and their last values where the parameters set so far are no valid scene.
     #[inline]
     pub fn get(&mut self, reference: ValueReference) -> f64 {
-        let index = reference as usize;
-        let wanted = GROUPS[index];
-        if wanted & !self.current != 0 {
-            self.compute(wanted);
+        if !self.is_current(reference) {
+            self.compute(GROUPS[reference as usize]);
         }
-        self.values[index]
+        self.values[reference as usize]
+    }
+
+    /// Whether [`Component::get`] computes nothing.
+    #[inline]
+    pub(crate) fn is_current(&self, reference: ValueReference) -> bool {
+        GROUPS[reference as usize] & !self.current == 0
     }
 
     fn compute(&mut self, wanted: u8) {

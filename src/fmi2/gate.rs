@@ -23,7 +23,7 @@ pub(crate) static INSTANCES: Registry<Instance> = Registry::new(1);
 /// without a message, because the logger belongs to the instance that cannot be accessed.
 #[inline(always)]
 pub(crate) fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
-    let _environment = Environment::enter();
+    let _environment = function.computes().then(Environment::enter);
     let Ok(mut guard) = INSTANCES.acquire(component) else { return Status::Error };
     let instance = &mut *guard;
     let result = catch(|| {

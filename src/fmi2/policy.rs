@@ -253,6 +253,14 @@ impl Function {
     pub(crate) const fn rule(self) -> &'static Rule {
         &RULES[self as usize]
     }
+
+    /// Whether the call always computes. Getting and setting values mostly copies numbers; where it computes, it sees to the
+    /// floating-point environment itself.
+    #[inline(always)]
+    pub(crate) const fn computes(self) -> bool {
+        use Function::{GetBoolean, GetInteger, GetReal, SetBoolean, SetInteger, SetReal};
+        !matches!(self, GetReal | GetInteger | GetBoolean | SetReal | SetInteger | SetBoolean)
+    }
 }
 
 /// Type of a variable at the interface; enumerations are integers.

@@ -4,6 +4,7 @@
 
 use super::Instance;
 use crate::fmi2::arguments::{Sink, Source};
+use crate::fmi2::floating_point::Environment;
 use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER};
 use crate::fmi2::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::types::{Integer, Real};
@@ -34,19 +35,13 @@ impl Instance {
             if !access.is(kind) || !access.settable().contains(self.phase) {
                 return Err(reference_problem(reference, Some(kind), Some(self.phase)));
             }
-            if !access.is_input() {
-                tunes = true;
-                let value = values.at(index).into();
-                if variables::check_parameter(reference, value).is_err() {
-                    return Err(self.refused_values(kind, references, values));
-                }
-            }
+            tunes |= !access.is_input();
         }
+        let _environment = tunes.then(Environment::enter);
         if tunes {
-            let changes = (0..references.count()).map(|index| (references.at(index), values.at(index).into()));
-            self.component
-                .check_tuning(changes)
-                .map_err(|text| Problem { fault: Fault::Value, text: format!("{text}; the old value stays") })?;
+            self.check_parameters(
+                (0..references.count()).map(|index| (references.at(index), values.at(index).into())),
+            )?;
         }
         for index in 0..references.count() {
             let (reference, value) = (references.at(index), values.at(index).into());
@@ -59,28 +54,19 @@ impl Instance {
         Ok(())
     }
 
-    /// All refused values of a vector in one problem; a wrong reference among the rest takes precedence.
+    /// Checks the parameters among the variables that are to be set; all refused values are one problem.
     #[cold]
-    fn refused_values<T: Copy + Into<f64>>(
-        &self,
-        kind: policy::Type,
-        references: Source<'_, ValueReference>,
-        values: Source<'_, T>,
-    ) -> Problem {
-        let mut refusals = Vec::new();
-        for index in 0..references.count() {
-            let reference = references.at(index);
-            let access = policy::access(reference);
-            if !access.is(kind) || !access.settable().contains(self.phase) {
-                return reference_problem(reference, Some(kind), Some(self.phase));
-            }
-            if !access.is_input()
-                && let Err(refusal) = variables::check_parameter(reference, values.at(index).into())
-            {
-                refusals.push(refusal.to_string());
-            }
+    fn check_parameters(&self, changes: impl Iterator<Item = (ValueReference, f64)> + Clone) -> Outcome {
+        let parameters = changes.clone().filter(|(reference, _)| !policy::access(*reference).is_input());
+        let refused: Vec<String> = parameters
+            .filter_map(|(reference, value)| variables::check_parameter(reference, value).err())
+            .map(|refusal| refusal.to_string())
+            .collect();
+        let refusal = |text: String| Problem { fault: Fault::Value, text: format!("{text}; the old value stays") };
+        if !refused.is_empty() {
+            return Err(refusal(refused.join("; ")));
         }
-        Problem { fault: Fault::Value, text: format!("{}; the old value stays", refusals.join("; ")) }
+        self.component.check_tuning(changes).map_err(refusal)
     }
 
     /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`. An output that is no finite number is an error that names the input
@@ -93,11 +79,15 @@ impl Instance {
         values: Sink<'_, T>,
         convert: impl Fn(f64) -> T,
     ) -> Outcome {
+        let mut computes = false;
         for index in 0..references.count() {
-            if !policy::access(references.at(index)).is(kind) {
-                return Err(reference_problem(references.at(index), Some(kind), None));
+            let reference = references.at(index);
+            if !policy::access(reference).is(kind) {
+                return Err(reference_problem(reference, Some(kind), None));
             }
+            computes |= !self.component.is_current(reference);
         }
+        let _environment = computes.then(Environment::enter);
         for index in 0..references.count() {
             let reference = references.at(index);
             let value = self.component.get(reference);
@@ -112,6 +102,7 @@ impl Instance {
     /// An output that has no value at the present inputs.
     #[cold]
     fn no_number(&self, reference: ValueReference, value: f64) -> Problem {
+        let _environment = Environment::enter();
         let name = variables::lookup(reference).map_or_else(String::new, |(row, at)| row.element_name(at));
         let reason = self.component.check_inputs(0.0).err().unwrap_or_else(|| "the inputs are out of range".to_owned());
         Problem { fault: Fault::Undefined, text: format!("{name} = {value} is not a finite number: {reason}") }

@@ -107,7 +107,7 @@ impl Lumped {
     }
 
     /// Temperatures (K) of whose properties a step of `step` (s) is computed. `attempt`: number of attempts of the same step before.
-    #[inline]
+    #[inline(always)]
     fn predict(&mut self, step: f64, attempt: usize) -> [f64; 2] {
         match &mut self.property_step {
             None => [0.0; 2],

@@ -158,8 +158,10 @@ pub(crate) fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, f
 /// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
 pub(crate) fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
-    let by_air =
-        forced * air.forced + air.rest + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
+    let mut by_air = forced * air.forced + air.rest;
+    if air.emissivity > 0.0 {
+        by_air += 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
+    }
     if air.path > 0.0 { by_air + air.path } else { by_air }
 }
 

@@ -89,17 +89,17 @@ pub(crate) fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
     [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
 }
 
-/// Dot product of the first `count` entries. Later entries are zero, so whole groups of four are added, which the compiler
+/// Dot products of `rows` with the first `count` states. Later entries are zero, so whole groups of four are added, which the compiler
 /// vectorises in an order that does not depend on the machine.
 #[inline(always)]
-fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64 {
-    let mut sum = [0.0; LANES];
-    for (left, right) in
-        left.as_chunks::<LANES>().0.iter().zip(right.as_chunks::<LANES>().0).take(count.div_ceil(LANES))
-    {
-        accumulate(&mut sum, left, right);
+fn dots<const N: usize>(rows: [&[f64; MAX_STATES]; N], states: &[f64; MAX_STATES], count: usize) -> [f64; N] {
+    let mut sums = [[0.0; LANES]; N];
+    for (group, states) in states.as_chunks::<LANES>().0.iter().enumerate().take(count.div_ceil(LANES)) {
+        for n in 0..N {
+            accumulate(&mut sums[n], &rows[n].as_chunks::<LANES>().0[group], states);
+        }
     }
-    total(sum)
+    totals(sums)
 }
 
 /// Observed temperature over a step: free response of the initial states, and gains from the stage fluxes.
@@ -149,7 +149,8 @@ impl Observed {
     /// Observation at `point` from the initial states alone.
     #[inline(always)]
     pub(crate) fn of_states(&self, point: usize, states: &[f64; MAX_STATES], count: usize) -> f64 {
-        dot(&self.homogeneous[point], states, count)
+        let [sum] = dots([&self.homogeneous[point]], states, count);
+        sum
     }
 
     /// Gain matrix from the stage fluxes of `port` to the observation at the stages.
@@ -289,6 +290,17 @@ fn total(sum: [f64; LANES]) -> f64 {
     (sum[0] + sum[2]) + (sum[1] + sum[3])
 }
 
+/// [`total`] of each.
+#[inline(always)]
+fn totals<const N: usize>(sums: [[f64; LANES]; N]) -> [f64; N] {
+    // Not by `map`, which is compiled without the vector unit.
+    let mut found = [0.0; N];
+    for n in 0..N {
+        found[n] = total(sums[n]);
+    }
+    found
+}
+
 impl Propagator {
     /// Propagator of the body `of` over the step `step` (s) at the properties `scales`; `None` for an insulator. The temperature of a face
     /// is observed where its cooling acts.
@@ -367,7 +379,7 @@ impl Propagator {
     #[inline(always)]
     pub(crate) fn linear_flux(&self, face: usize, states: &[f64; MAX_STATES], count: usize, values: &[Pair]) -> Pair {
         let LinearFaces { by_state, by_port, .. } = &self.linear;
-        let mut flux = [dot(&by_state[face][0], states, count), dot(&by_state[face][1], states, count)];
+        let mut flux = dots(by_state[face].each_ref(), states, count);
         for (value, by) in values.iter().zip(by_port) {
             flux = sum(flux, apply(&by[face], *value));
         }
@@ -379,7 +391,8 @@ impl Propagator {
     pub(crate) fn lost(&self, states: &[f64; MAX_STATES], count: usize, values: &[Pair; PORTS]) -> f64 {
         let (by_state, by_port) = &self.lost;
         let driven = |port: usize| by_port[port][0] * values[port][0] + by_port[port][1] * values[port][1];
-        dot(by_state, states, count) + ((driven(0) + driven(1)) + (driven(2) + driven(3)))
+        let [stored] = dots([by_state], states, count);
+        stored + ((driven(0) + driven(1)) + (driven(2) + driven(3)))
     }
 
     /// Temperature of the contact surface at `points` from the initial states alone.
@@ -397,24 +410,12 @@ impl Propagator {
                 accumulate(&mut sums[n], &weights.contact[points[n]], &states);
             }
         }
-        // Not by `map`, which is compiled without the vector unit.
-        let mut found = [0.0; N];
-        for n in 0..N {
-            found[n] = total(sums[n]);
-        }
-        found
+        totals(sums)
     }
 
-    /// Advances `states` over the step under the stage fluxes of every port; that of the contact is always active.
+    /// Advances `states` over the step under the stage fluxes of the contact and of the cooling.
     #[inline(always)]
-    pub(crate) fn advance(
-        &self,
-        states: &mut [f64; MAX_STATES],
-        count: usize,
-        fluxes: &[Pair; PORTS],
-        active: [bool; PORTS],
-    ) {
-        let [contact, cooling, ..] = fluxes;
+    pub(crate) fn advance(&self, states: &mut [f64; MAX_STATES], count: usize, contact: Pair, cooling: Option<Pair>) {
         for (weights, states) in self.groups.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES)) {
             // In a local copy, stored at the end: the compiler then need not prove that nothing overlaps.
             let mut new = *states;
@@ -423,22 +424,23 @@ impl Propagator {
                     + weights.update[0][lane] * contact[0]
                     + weights.update[1][lane] * contact[1];
             }
-            if active[Port::Cooling as usize] {
-                accumulate(&mut new, &weights.cooling[0], &[cooling[0]; LANES]);
-                accumulate(&mut new, &weights.cooling[1], &[cooling[1]; LANES]);
+            if let Some([first, last]) = cooling {
+                accumulate(&mut new, &weights.cooling[0], &[first; LANES]);
+                accumulate(&mut new, &weights.cooling[1], &[last; LANES]);
             }
             *states = new;
         }
-        for port in [Port::Ambient as usize, Port::Base as usize] {
-            if active[port] {
-                let ([first, second], [left, right]) = (&self.update[port - 2], fluxes[port]);
-                let rows = first.as_chunks::<LANES>().0.iter().zip(second.as_chunks::<LANES>().0);
-                let groups = states.as_chunks_mut::<LANES>().0.iter_mut().zip(rows);
-                for (states, (first, second)) in groups.take(count.div_ceil(LANES)) {
-                    accumulate(states, first, &[left; LANES]);
-                    accumulate(states, second, &[right; LANES]);
-                }
-            }
+    }
+
+    /// Adds to advanced `states` what the stage fluxes of another port bring.
+    #[inline(always)]
+    pub(crate) fn add(&self, states: &mut [f64; MAX_STATES], count: usize, port: usize, [left, right]: Pair) {
+        let [first, second] = &self.update[port - 2];
+        let rows = first.as_chunks::<LANES>().0.iter().zip(second.as_chunks::<LANES>().0);
+        let groups = states.as_chunks_mut::<LANES>().0.iter_mut().zip(rows);
+        for (states, (first, second)) in groups.take(count.div_ceil(LANES)) {
+            accumulate(states, first, &[left; LANES]);
+            accumulate(states, second, &[right; LANES]);
         }
     }
 }

@@ -67,6 +67,12 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     /// Number of faces that may be cooled.
     const COOLED: usize = if COMMON { 1 } else { FACES };
 
+    /// Whether heat may pass a port: in the common form that of the ambient temperature has none.
+    #[inline(always)]
+    fn may_pass(port: usize) -> bool {
+        !COMMON || port != Port::Ambient as usize
+    }
+
     /// Body in this state between the prescribed temperatures at both stages; `cools` and `source` as in the fields.
     #[inline(always)]
     pub(crate) fn new(
@@ -167,14 +173,19 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         let Some((own, _)) = self.own else { return };
         for face in 0..Self::COOLED {
             if self.cools[face] {
-                let (t, air) = (self.faces[face].at(self.flux[0]), &own.air[face]);
-                let law = |i: usize| {
+                let air = &own.air[face];
+                let law = |i: usize, t: f64| {
                     let (ambient, forced) = (around.ambient[i], around.forced[i]);
-                    let slope = cooling_slope(air, reference, t[i], forced);
-                    let flux = cooling_flux(air, reference, t[i], ambient, forced, around.neighbour[i]);
-                    (slope, flux + slope * t[i])
+                    let slope = cooling_slope(air, reference, t, forced);
+                    (slope, cooling_flux(air, reference, t, ambient, forced, around.neighbour[i]) + slope * t)
                 };
-                let (first, last) = (law(0), law(1));
+                let (first, last) = if air.emissivity > 0.0 {
+                    let t = self.faces[face].at(self.flux[0]);
+                    (law(0, t[0]), law(1, t[1]))
+                } else {
+                    // A linear law is the same at every temperature.
+                    (law(0, 0.0), law(1, 0.0))
+                };
                 (self.slope[face], self.offset[face]) = ([first.0, last.0], [first.1, last.1]);
             }
         }
@@ -295,18 +306,21 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         self.own.is_some_and(|(own, _)| own.is_linear(BESIDE) || own.is_linear(FAR))
     }
 
-    /// Sets the fluxes into the linear faces to those under the others.
+    /// Sets the fluxes into the linear faces to those under the others, of which none is linear.
     #[inline(always)]
     pub(crate) fn take_linear(&mut self, state: &BodyState) {
+        // Not in a loop or a closure: where every index is a constant, the compiler keeps a body in registers.
+        self.take_linear_face(BESIDE, state);
+        self.take_linear_face(FAR, state);
+    }
+
+    #[inline(always)]
+    fn take_linear_face(&mut self, face: usize, state: &BodyState) {
         let Some((own, count)) = self.own else { return };
-        let ports = if COMMON { 2 } else { PORTS };
-        for face in 0..FACES {
-            if own.is_linear(face) {
-                // No linear flux is among those that drive it.
-                let (flux, port) =
-                    (own.linear_flux(face, &state.heat, count, &self.flux[..ports]), PORTS_OF_FACES[face]);
-                (self.flux[port], self.active[port]) = (flux, true);
-            }
+        if own.is_linear(face) {
+            let (port, drivers) = (PORTS_OF_FACES[face], if COMMON { 2 } else { PORTS });
+            self.flux[port] = own.linear_flux(face, &state.heat, count, &self.flux[..drivers]);
+            self.active[port] = true;
         }
     }
 
@@ -315,35 +329,44 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     /// that relaxes deviates from the line through both stages by at most half their difference.
     #[inline(always)]
     pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around, relaxes: bool) -> [f64; 2] {
-        let (mut error, mut rise) = (0.0, 0.0);
+        let beside = self.error_of_face(BESIDE, state, reference, middle, relaxes);
+        let far = self.error_of_face(FAR, state, reference, middle, relaxes);
+        [beside[0] + far[0], maximum(beside[1], far[1])]
+    }
+
+    /// [`StageBody::cooling_error`] of one face.
+    #[inline(always)]
+    fn error_of_face(
+        &self,
+        face: usize,
+        state: &BodyState,
+        reference: f64,
+        middle: &Around,
+        relaxes: bool,
+    ) -> [f64; 2] {
         let Some((own, count)) = self.own else { return [0.0; 2] };
-        let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
-        for face in 0..FACES {
-            if !self.cools[face] && !own.is_linear(face) {
-                continue;
-            }
-            if relaxes && !self.cools[face] {
-                let [first, last] = self.flux[PORTS_OF_FACES[face]];
-                error += cooling_error(0.5 * (last - first), own.air[face].rest, own.by_face[face]);
-                continue;
-            }
-            let (air, port, is_contact) = (&own.air[face], PORTS_OF_FACES[face], COMMON && self.cools[face]);
-            let observed = if is_contact { &own.contact } else { &own.cooled[face] };
-            let free = if is_contact {
-                own.contact_at([1], &state.heat, count)[0]
-            } else {
-                observed.of_states(1, &state.heat, count) + self.prescribed(observed, 1)
-            };
-            let t = self.add_fluxes(free, observed, 1);
-            let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
-            let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
-            error += cooling_error(residual, cooling_slope(air, reference, t, forced), own.by_face[face]);
-            if self.cools[face] {
-                let [first, last] = self.face(face);
-                rise = maximum(rise, maximum(first.abs(), last.abs()));
-            }
+        let cools = face < Self::COOLED && self.cools[face];
+        if !cools && !own.is_linear(face) {
+            return [0.0; 2];
         }
-        [error, rise]
+        let (air, port, is_contact) = (&own.air[face], PORTS_OF_FACES[face], COMMON && cools);
+        if relaxes && !cools {
+            let [first, last] = self.flux[port];
+            return [cooling_error(0.5 * (last - first), air.rest, own.by_face[face]), 0.0];
+        }
+        let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
+        let observed = if is_contact { &own.contact } else { &own.cooled[face] };
+        let free = if is_contact {
+            own.contact_at([1], &state.heat, count)[0]
+        } else {
+            observed.of_states(1, &state.heat, count) + self.prescribed(observed, 1)
+        };
+        let t = self.add_fluxes(free, observed, 1);
+        let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
+        let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
+        let error = cooling_error(residual, cooling_slope(air, reference, t, forced), own.by_face[face]);
+        let [first, last] = if cools { self.face(face) } else { [0.0; 2] };
+        [error, maximum(first.abs(), last.abs())]
     }
 
     /// Mean temperature of a body with a table of properties at the end of the step, K above the reference; 0 for another.
@@ -365,7 +388,8 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
         let [contact, cooling, ambient, far] = self.flux;
-        all_finite(&[contact[0], contact[1], cooling[0], cooling[1], ambient[0], ambient[1], far[0], far[1]])
+        all_finite(&[contact[0], contact[1], cooling[0], cooling[1], far[0], far[1]])
+            && (COMMON || all_finite(&[ambient[0], ambient[1]]))
     }
 
     /// Advances the thermal states and the received heat of the ports over the step; `table`: properties of both bodies, and which of
@@ -384,11 +408,22 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         if table.is_some() && self.body.loses_to_air {
             state.lost += own.lost(&state.heat, count, &self.flux);
         }
-        own.advance(&mut state.heat, count, &self.flux, self.active);
+        let [contact, cooling, ..] = self.flux;
+        own.advance(&mut state.heat, count, contact, self.active[Port::Cooling as usize].then_some(cooling));
+        const AMBIENT: usize = Port::Ambient as usize;
+        const BASE: usize = Port::Base as usize;
+        if Self::may_pass(AMBIENT) && self.active[AMBIENT] {
+            own.add(&mut state.heat, count, AMBIENT, self.flux[AMBIENT]);
+        }
+        if self.active[BASE] {
+            own.add(&mut state.heat, count, BASE, self.flux[BASE]);
+        }
         let mut passed = [0.0; PORTS];
         for port in 0..PORTS {
-            passed[port] = step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
-            state.received[port] += passed[port];
+            if Self::may_pass(port) {
+                passed[port] = step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
+                state.received[port] += passed[port];
+            }
         }
         if let Some((properties, side)) = table {
             properties.settle(side, self.body, state, &passed, step);

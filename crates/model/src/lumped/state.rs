@@ -151,7 +151,7 @@ impl LumpedState {
     }
 
     /// Adds the worn depths `worn` (m; punch, strip) under a contact that moves by `travel` (m).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
         self.punch.worn += worn[0];
         self.punch.depth += worn[0];
