@@ -34,7 +34,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// Where the environment cannot be made, or with the warnings of the pages: links, anchors and pictures that do not exist.
 pub(crate) fn build(folder: &Path) -> Result<PathBuf> {
     reference::write(None)?;
-    let python = python::site_environment()?;
+    let python = python::own(python::SITE)?;
     // Beside the site, so that nothing but the site is in its folder.
     let cache = project::target().join("site-cache");
     let output = Command::new(&python)

@@ -28,7 +28,7 @@ impl Script {
 /// # Errors
 /// Where something cannot be built or the script fails.
 pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
-    let python = python::batch_environment()?;
+    let python = python::own(python::BATCH)?;
     let is_given = |name: &str| {
         arguments.iter().any(|argument| {
             argument.strip_prefix(name).is_some_and(|rest| matches!(rest.chars().next(), None | Some('=')))
