@@ -69,9 +69,6 @@ pub fn environment() -> Result<PathBuf> {
 
 /// As [`environment`], with the rest of its packages installed while `work` is done, which needs those of [`Tier::Build`]
 /// only: compiling seldom keeps every core busy.
-///
-/// # Errors
-/// As [`environment`], and those of the work.
 pub(crate) fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBuf, T)> {
     environment_for(Tier::Build)?;
     thread::scope(|scope| {
@@ -84,17 +81,11 @@ pub(crate) fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<
 }
 
 /// Makes the environment for `tier` unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
 pub(crate) fn environment_for(tier: Tier) -> Result<PathBuf> {
     ensure("python", &requirements(tier))
 }
 
 /// Makes an environment unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
 pub fn own((folder, packages): Own) -> Result<PathBuf> {
     ensure(folder, packages)
 }

@@ -18,9 +18,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("site"));

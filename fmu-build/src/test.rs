@@ -54,9 +54,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// Where anything failed.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.only && !(arguments.slow || arguments.importers || arguments.platforms) {
         bail!("--only needs the name of a tier: --slow, --importers or --platforms");

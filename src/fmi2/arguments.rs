@@ -78,9 +78,6 @@ impl<T: Copy> Source<'_, T> {
 impl<T: Copy> Sink<'_, T> {
     /// As [`Source::new`].
     ///
-    /// # Errors
-    /// As [`Source::new`].
-    ///
     /// # Safety
     /// As [`Source::new`], and the elements can be written.
     #[inline(always)]
