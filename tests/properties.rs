@@ -131,10 +131,6 @@ fn first_difference(of: &[u32], one: &[f64], other: &[f64]) -> Option<String> {
     Some(format!("{} = {:e} and {:e}", name(of[at]), one[at], other[at]))
 }
 
-fn stations(drive: &mut Drive, name: &str) -> Vec<f64> {
-    (1..=33).map(|station| drive.get(&format!("{name}[{station}]"))).collect()
-}
-
 #[test]
 fn heat_is_balanced_worn_volumes_grow_and_pressures_carry_the_load() {
     let of = real_outputs();
@@ -162,7 +158,7 @@ fn heat_is_balanced_worn_volumes_grow_and_pressures_carry_the_load() {
             if level == Level::Lumped {
                 continue;
             }
-            let pressure = stations(&mut drive, "profile.pressure");
+            let pressure = drive.profile("pressure");
             assert!(pressure.iter().all(|p| *p >= 0.0), "{text}, step {step}: {pressure:?}");
             // The trapezoid sum over the stations is the integral over the cells; of an annulus it has no factor of the radius.
             let mean = pressure.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / 32.0;
@@ -261,7 +257,7 @@ fn sliding_the_other_way_mirrors_the_contact() {
         alike("friction_force", -1.0);
         if !annular {
             for station in 1..=33 {
-                let [one, other] = drives.each_mut().map(|drive| stations(drive, "profile.pressure"));
+                let [one, other] = drives.each_mut().map(|drive| drive.profile("pressure"));
                 let largest = one.iter().fold(0.0, |most: f64, p| most.max(*p));
                 let apart = (one[station - 1] - other[33 - station]).abs();
                 assert!(apart <= 1e-6 * largest, "{text}, station {station}: {apart:e} of {largest:e}");

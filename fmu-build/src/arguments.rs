@@ -31,9 +31,6 @@ impl Columns {
 }
 
 /// A number.
-///
-/// # Errors
-/// Where it is none.
 pub fn number(given: &str) -> Result<f64, String> {
     given.trim().parse().map_err(|_| match given.contains(',') {
         true => "numbers have a decimal point".to_owned(),
@@ -58,9 +55,6 @@ pub fn whole<T: TryFrom<u64> + Send + Sync + 'static>(
 }
 
 /// A time, in seconds or with its unit as in "20 ms"; in s.
-///
-/// # Errors
-/// With the units that are accepted.
 pub fn time(given: &str) -> Result<f64, String> {
     text(given, &SECOND, true)
 }

@@ -74,9 +74,6 @@ impl fmt::Display for Cost {
 }
 
 /// The FMU of a scene at the lumped level, for comparison with a plain C lumped brake.
-///
-/// # Errors
-/// Where the scene cannot be read, or the FMU not be built.
 pub(crate) fn lumped(scene: Option<&str>) -> Result<PathBuf> {
     let mut scene = scenes::load(scene)?;
     scenes::assign(&mut scene, "solver.fidelity=lumped")?;
@@ -100,9 +97,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 /// Prints costs.
-///
-/// # Errors
-/// Where one exceeds its limit with the allowance.
 pub fn report(costs: &[Cost], json: bool) -> Result<()> {
     if json {
         print_line!("{}", serde_json::to_string_pretty(costs)?);
@@ -116,9 +110,6 @@ pub fn report(costs: &[Cost], json: bool) -> Result<()> {
 }
 
 /// Measures an FMU.
-///
-/// # Errors
-/// Where a library cannot be built or loaded or a call fails.
 pub(crate) fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     let folder = project::target().join("bench");
     fs::create_dir_all(&folder)?;
@@ -188,9 +179,6 @@ pub(crate) struct Drive {
 }
 
 /// Variables of this project's FMU that are exchanged in a step.
-///
-/// # Errors
-/// Where the table of variables has them no more.
 pub(crate) fn variables() -> Result<Variables> {
     let reference = |name| scene::variables::find(name).with_context(|| format!("no variable {name}"));
     Ok(Variables {
@@ -248,9 +236,6 @@ fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
 
 /// Sliding velocity and load of a brake over the UDDS, one pair per communication step of `step` s. The load here is 2 kN for every 1 m/s2 of
 /// deceleration: what matters is that both change as they do in a drive.
-///
-/// # Errors
-/// Where the cycle cannot be read.
 pub fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
     let path = project::root().join("examples/data/udds.csv");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
@@ -274,9 +259,6 @@ pub fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
 
 impl Drive {
     /// A brake over the UDDS, its inputs held during a step; see [`drive`].
-    ///
-    /// # Errors
-    /// Where the speeds cannot be read.
     pub(crate) fn udds() -> Result<Self> {
         Ok(Self { inputs: drive(STEP)?, slopes: None })
     }

@@ -120,9 +120,6 @@ impl Drop for Heartbeat {
 
 /// Refuses a file that could not be written, or whose ending promises another format than those of `endings`, one of which is written:
 /// before anything is computed for it. Folders above it that are missing are made when it is written.
-///
-/// # Errors
-/// With what is accepted.
 pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     check_file("--output", path)?;
@@ -136,9 +133,6 @@ pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
 }
 
 /// Refuses a file of this option that could not be written.
-///
-/// # Errors
-/// Where it is a folder, a device or below a file.
 pub fn check_file(option: &str, path: &Path) -> Result<()> {
     project::replaceable(path).with_context(|| format!("{option} {}", path.display()))?;
     check_above(option, path)
@@ -153,9 +147,6 @@ fn check_above(option: &str, path: &Path) -> Result<()> {
 }
 
 /// Makes the folders above a file that is to be written.
-///
-/// # Errors
-/// Where one cannot be made.
 pub fn make_above(path: &Path) -> Result<()> {
     match path.parent() {
         Some(folder) => fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display())),
@@ -189,9 +180,6 @@ pub(crate) fn counted(count: usize, thing: &str) -> String {
 const FILES: [&str; 8] = ["csv", "html", "json", "parquet", "pdf", "png", "svg", "txt"];
 
 /// Refuses a path for a folder of results that is meant, or exists, as a file.
-///
-/// # Errors
-/// With what is accepted.
 pub fn check_folder(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let file = path.extension().is_some_and(|given| FILES.iter().any(|ending| given.eq_ignore_ascii_case(ending)));

@@ -85,9 +85,6 @@ fn write_columns(columns: &[(String, Column<'_>)], parquet: &Path) -> Result<()>
 
 /// Writes the table of a CSV file as Parquet. Columns of whole numbers, of numbers and of truths have that type, with missing values
 /// where cells are empty; all others are texts.
-///
-/// # Errors
-/// Where a file cannot be read or written.
 pub fn write(csv: &Path, parquet: &Path) -> Result<()> {
     let reading = || format!("reading {}", csv.display());
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(csv).with_context(reading)?;

@@ -205,9 +205,6 @@ impl Figure {
     }
 
     /// The drawing as the text of an SVG file.
-    ///
-    /// # Errors
-    /// Errors of the drawing library.
     pub fn svg(&self) -> Result<String> {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns) as u32;
@@ -261,9 +258,6 @@ impl Figure {
     }
 
     /// Writes [`Figure::svg`] to a file, and the folders above it.
-    ///
-    /// # Errors
-    /// Errors of the drawing library or the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.svg()?;
         if let Some(folder) = path.parent() {

@@ -44,9 +44,6 @@ pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
 }
 
 /// Path of this program. Where a build has replaced the file while it runs, Linux calls the old one deleted; the new one is meant.
-///
-/// # Errors
-/// Where the system does not tell.
 pub fn program() -> std::io::Result<PathBuf> {
     let path = std::env::current_exe()?;
     Ok(match path.to_str().and_then(|text| text.strip_suffix(" (deleted)")) {
@@ -56,9 +53,6 @@ pub fn program() -> std::io::Result<PathBuf> {
 }
 
 /// Leaves Ctrl-C to the program that this process waits for: what it keeps and tells comes before the end of this process.
-///
-/// # Errors
-/// Where the handler is refused.
 pub(crate) fn leave_ctrl_c() -> Result<()> {
     flag::register(SIGINT, Arc::default())?;
     Ok(())

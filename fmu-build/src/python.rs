@@ -43,20 +43,21 @@ const REQUIREMENTS: [(Tier, &str, &str); 4] = [
     (Tier::Test, "test", include_str!("../python/test.txt")),
     (Tier::Importers, "importers", include_str!("../python/importers.txt")),
 ];
-/// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
-const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
+/// An environment of its own: folder under `target`, and its packages.
+type Own = (&'static str, &'static [Requirements]);
 
-/// Further packages for the tests of the Python package.
-const PACKAGE: Requirements = ("package", include_str!("../python/package.txt"));
-
-/// Packages that write the bill of materials of a release.
-const RELEASE: Requirements = ("release", include_str!("../python/release.txt"));
-
-/// Packages that make the site of the documentation.
-const SITE: Requirements = ("site", include_str!("../python/site.txt"));
-
-/// Packages of the peers that the charts compare with.
-const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirements.txt"));
+const BATCH_PACKAGES: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
+/// Of the batch examples: a cluster's workers need the same and no more.
+pub(crate) const BATCH: Own = ("python-batch", &[BATCH_PACKAGES]);
+/// Of the tests of the Python package.
+pub(crate) const PACKAGE: Own =
+    ("python-package-environment", &[BATCH_PACKAGES, ("package", include_str!("../python/package.txt"))]);
+/// Writes the bill of materials of a release.
+pub(crate) const RELEASE: Own = ("python-release", &[("release", include_str!("../python/release.txt"))]);
+/// Makes the site of the documentation.
+pub(crate) const SITE: Own = ("python-site", &[("site", include_str!("../python/site.txt"))]);
+/// Of the peers that the charts compare with.
+pub const PEERS: Own = ("python-peers", &[("peers", include_str!("../../benches/peers/requirements.txt"))]);
 
 /// Makes the environment for [`Tier::Run`] unless it is there and returns its Python.
 ///
@@ -68,9 +69,6 @@ pub fn environment() -> Result<PathBuf> {
 
 /// As [`environment`], with the rest of its packages installed while `work` is done, which needs those of [`Tier::Build`]
 /// only: compiling seldom keeps every core busy.
-///
-/// # Errors
-/// As [`environment`], and those of the work.
 pub(crate) fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBuf, T)> {
     environment_for(Tier::Build)?;
     thread::scope(|scope| {
@@ -83,53 +81,13 @@ pub(crate) fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<
 }
 
 /// Makes the environment for `tier` unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
 pub(crate) fn environment_for(tier: Tier) -> Result<PathBuf> {
     ensure("python", &requirements(tier))
 }
 
-/// Makes the environment of the batch examples, `target/python-batch`, unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
-pub(crate) fn batch_environment() -> Result<PathBuf> {
-    ensure("python-batch", &[BATCH])
-}
-
-/// Makes the environment of the tests of the Python package, `target/python-package-environment`, unless it is there and returns its
-/// Python.
-///
-/// # Errors
-/// As [`environment`].
-pub(crate) fn package_environment() -> Result<PathBuf> {
-    ensure("python-package-environment", &[BATCH, PACKAGE])
-}
-
-/// Makes the environment that writes the bill of materials of a release, `target/python-release`, unless it is there and returns its
-/// Python.
-///
-/// # Errors
-/// As [`environment`].
-pub(crate) fn release_environment() -> Result<PathBuf> {
-    ensure("python-release", &[RELEASE])
-}
-
-/// Makes the environment that makes the site of the documentation, `target/python-site`, unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
-pub(crate) fn site_environment() -> Result<PathBuf> {
-    ensure("python-site", &[SITE])
-}
-
-/// Makes the environment of the peers in benches/peers, `target/python-peers`, unless it is there and returns its Python.
-///
-/// # Errors
-/// As [`environment`].
-pub fn peers_environment() -> Result<PathBuf> {
-    ensure("python-peers", &[PEERS])
+/// Makes an environment unless it is there and returns its Python.
+pub fn own((folder, packages): Own) -> Result<PathBuf> {
+    ensure(folder, packages)
 }
 
 /// Requirements of a tier, including those of the tiers before it.
@@ -421,26 +379,18 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned_and_listed_once_per_python() {
-        // The environments of batch, peers, release and site are their own.
-        let mut seen = std::collections::BTreeSet::new();
-        let mut seen_by_batch = std::collections::BTreeSet::new();
-        let mut seen_by_peers = std::collections::BTreeSet::new();
-        let mut seen_by_release = std::collections::BTreeSet::new();
-        let mut seen_by_site = std::collections::BTreeSet::new();
-        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PACKAGE, PEERS, RELEASE, SITE]) {
-            let seen = match name {
-                _ if [BATCH.0, PACKAGE.0].contains(&name) => &mut seen_by_batch,
-                _ if name == PEERS.0 => &mut seen_by_peers,
-                _ if name == RELEASE.0 => &mut seen_by_release,
-                _ if name == SITE.0 => &mut seen_by_site,
-                _ => &mut seen,
-            };
-            for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
+        let tiers = requirements(Tier::Importers);
+        for (folder, packages) in [("python", &tiers[..]), PACKAGE, RELEASE, SITE, PEERS] {
+            let mut seen = std::collections::BTreeSet::new();
+            for line in packages.iter().flat_map(|(_, text)| text.lines()) {
+                if line.is_empty() || line.starts_with('#') {
+                    continue;
+                }
                 let (package, rest) =
-                    line.split_once("==").unwrap_or_else(|| panic!("{name}.txt: {line} has no version"));
+                    line.split_once("==").unwrap_or_else(|| panic!("{folder}: {line} has no version"));
                 let (version, marker) = rest.split_once("; ").unwrap_or((rest, ""));
-                assert!(version.chars().all(|c| c.is_ascii_alphanumeric() || c == '.'), "{name}.txt: {line}");
-                assert!(seen.insert((package.to_lowercase(), marker)), "{name}.txt: {package} stands twice");
+                assert!(version.chars().all(|c| c.is_ascii_alphanumeric() || c == '.'), "{folder}: {line}");
+                assert!(seen.insert((package.to_lowercase(), marker)), "{folder}: {package} stands twice");
             }
         }
     }
@@ -457,7 +407,7 @@ mod tests {
         fs::write(stamp(&folder, "test"), "pytest==1.0\n").unwrap();
         assert!(is_current(&folder, &requirements(Tier::Run)));
         assert!(!is_current(&folder, &requirements(Tier::Test)));
-        assert!(!is_current(&folder, &[BATCH]));
+        assert!(!is_current(&folder, BATCH.1));
         fs::remove_file(executable(&folder)).unwrap();
         assert!(!is_current(&folder, &requirements(Tier::Run)));
         fs::remove_dir_all(&folder).unwrap();

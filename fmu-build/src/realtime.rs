@@ -139,9 +139,6 @@ pub(crate) struct Run {
 }
 
 /// Runs the stock brake on the line level.
-///
-/// # Errors
-/// Where the FMU cannot be built or refuses a step.
 pub(crate) fn measure(case: &Case) -> Result<Run> {
     let Case { contact, cells, seconds, speed, paced } = *case;
     ensure!(speed > 0.0 && speed <= FASTEST, "--speed {} must be above 0 and at most {FASTEST}", Number(speed));

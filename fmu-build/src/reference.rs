@@ -18,9 +18,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`write()`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     for path in write(arguments.output.as_deref())? {
@@ -31,9 +28,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Writes the pages to a folder and returns their paths. By default they lie in the source tree wherever cargo's target folder is,
 /// because the site is made of it.
-///
-/// # Errors
-/// Where a scene cannot be read or a page not be written.
 pub fn write(folder: Option<&Path>) -> Result<Vec<PathBuf>> {
     let folder = folder.map_or_else(|| project::root().join("target").join("reference"), Path::to_owned);
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;

@@ -32,9 +32,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let own = || project::target().join("dist").join(format!("sliding-contact-{VERSION}"));
@@ -72,9 +69,6 @@ fn buildable() -> Vec<Platform> {
 }
 
 /// Makes a release, which takes the place of the folder where it is complete, and returns the names of its files.
-///
-/// # Errors
-/// Where a file cannot be made or written.
 pub(crate) fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
     let folder = &std::path::absolute(folder)?;
     let mut name = folder.file_name().with_context(|| format!("{} names no folder", folder.display()))?.to_owned();

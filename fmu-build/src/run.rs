@@ -124,9 +124,6 @@ const HOLDERS: [(&str, &[&str]); 2] = [
 ];
 
 /// Runs the command.
-///
-/// # Errors
-/// Where packaging, the Python environment or the drive fails.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let example = arguments.example.unwrap_or(Example::DiscBrake);
     check_options(example, arguments)?;
@@ -257,9 +254,6 @@ fn steady_states(scene: &str, changes: &[String], folder: &Path) -> Result<Vec<P
 }
 
 /// Drives an .fmu through the UDDS without printing anything and returns the recording.
-///
-/// # Errors
-/// As [`execute`].
 pub(crate) fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
     let udds = cycle::file(CYCLE, &Reading::default(), folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);

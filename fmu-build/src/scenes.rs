@@ -15,16 +15,10 @@ pub(crate) fn folder() -> PathBuf {
 }
 
 /// As [`shipped::load`].
-///
-/// # Errors
-/// As [`shipped::load`].
 pub fn load(scene: Option<&str>) -> Result<SceneFile> {
     shipped::load(scene, &folder())
 }
 
-/// As [`shipped::locate`].
-///
-/// # Errors
 /// As [`shipped::locate`].
 pub fn locate(scene: &str) -> Result<PathBuf> {
     shipped::locate(scene, &folder())
@@ -43,9 +37,6 @@ pub fn warn(scene: &SceneFile) {
 }
 
 /// A relative tolerance as an argument, in the limits of those of scene files.
-///
-/// # Errors
-/// With the limits.
 pub fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if TOLERANCES.contains(&value) => Ok(value),

@@ -18,9 +18,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("site"));
@@ -34,7 +31,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// Where the environment cannot be made, or with the warnings of the pages: links, anchors and pictures that do not exist.
 pub(crate) fn build(folder: &Path) -> Result<PathBuf> {
     reference::write(None)?;
-    let python = python::site_environment()?;
+    let python = python::own(python::SITE)?;
     // Beside the site, so that nothing but the site is in its folder.
     let cache = project::target().join("site-cache");
     let output = Command::new(&python)

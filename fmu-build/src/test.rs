@@ -54,9 +54,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// Where anything failed.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.only && !(arguments.slow || arguments.importers || arguments.platforms) {
         bail!("--only needs the name of a tier: --slow, --importers or --platforms");
@@ -94,17 +91,22 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 fn fast(tally: &mut Tally) {
     lints(tally);
     tally.step("unit tests", |step| step.run(rust_tests(&["--lib", "--bins"]), Counter::CargoTest));
-    tally.step("golden scenes", |step| {
-        let mut command = Command::new(project::program()?);
-        command.current_dir(project::root()).args(["golden", "compare"]);
-        step.check(command)?;
-        step.pass();
-        Ok(())
-    });
+    own_command(tally, "golden scenes", &["golden", "compare"]);
     tally.step("FMI policy", |step| step.run(rust_tests(&["--test", "fmi_policy"]), Counter::CargoTest));
     for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time", "slow tests"] {
         tally.skip(name, "not requested: --fast");
     }
+}
+
+/// Runs a command of this program as a step.
+fn own_command(tally: &mut Tally, name: &str, arguments: &[&str]) {
+    tally.step(name, |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(arguments);
+        step.check(command)?;
+        step.pass();
+        Ok(())
+    });
 }
 
 /// Tests of all crates; the whole workspace, so that no selection of crates compiles a dependency anew.
@@ -155,13 +157,7 @@ fn usual(tally: &mut Tally) {
 
 /// Checks that take long.
 fn slow(tally: &mut Tally) {
-    tally.step("fuzzing", |step| {
-        let mut command = Command::new(project::program()?);
-        command.current_dir(project::root()).args(["fuzz", "--seconds", FUZZED]);
-        step.check(command)?;
-        step.pass();
-        Ok(())
-    });
+    own_command(tally, "fuzzing", &["fuzz", "--seconds", FUZZED]);
     tally.step("site", |step| {
         site::build(&project::target().join("site"))?;
         step.pass();
@@ -178,17 +174,11 @@ fn slow(tally: &mut Tally) {
         // Requirements of the batch tests: the Python package, the example's own environment, and this program.
         command
             .env("PYTHONPATH", package::wheel::unpacked(&[BRAKE])?)
-            .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
+            .env("SLIDING_CONTACT_BATCH_PYTHON", python::own(python::BATCH)?)
             .env("SLIDING_CONTACT_RELEASE", released()?);
         step.run(command, Counter::Pytest)
     });
-    tally.step("soak", |step| {
-        let mut command = Command::new(project::program()?);
-        command.current_dir(project::root()).args(["soak", "--short"]);
-        step.check(command)?;
-        step.pass();
-        Ok(())
-    });
+    own_command(tally, "soak", &["soak", "--short"]);
     tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
 }
 
@@ -200,17 +190,24 @@ fn package_scenes() -> Result<()> {
     Ok(())
 }
 
-/// Tests of the packaged FMUs from fmpy, those that these arguments of pytest select.
-fn fmpy(selection: &[&str]) -> Result<Command> {
-    let mut command = Command::new(python::environment_for(Tier::Test)?);
+/// pytest in an environment, of the tests that these arguments select.
+fn pytest(python: PathBuf, selection: &[&str]) -> Command {
+    let mut command = Command::new(python);
     command
         .current_dir(project::root())
         .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short"])
         .args(selection)
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    command
+}
+
+/// Tests of the packaged FMUs from fmpy.
+fn fmpy(selection: &[&str]) -> Result<Command> {
+    let mut command = pytest(python::environment_for(Tier::Test)?, selection);
+    command
         .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
         .env("SLIDING_CONTACT_COMMAND", project::program()?)
-        .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+        .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"));
     Ok(command)
 }
 
@@ -218,16 +215,13 @@ fn fmpy(selection: &[&str]) -> Result<Command> {
 /// environment.
 fn python_package() -> Result<Command> {
     let names = scenes::names();
-    let mut command = Command::new(python::package_environment()?);
+    let mut command = pytest(python::own(python::PACKAGE)?, &["tests/python"]);
     command
-        .current_dir(project::root())
-        .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/python"])
         .env("PYTHONPATH", package::wheel::unpacked(&names.iter().map(String::as_str).collect::<Vec<_>>())?)
         .env("SLIDING_CONTACT_WHEEL", package::wheel::build(&project::target().join("dist"), None)?)
         .env("SLIDING_CONTACT_COMMAND", project::program()?)
         .env("MPLBACKEND", "Agg")
-        .env("MPLCONFIGDIR", project::target().join("python-package-environment").join("matplotlib"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+        .env("MPLCONFIGDIR", project::target().join("python-package-environment").join("matplotlib"));
     Ok(command)
 }
 
@@ -324,13 +318,10 @@ fn importers() -> Result<Command> {
 
 /// Tests of importers for Python; each gets an environment of its own.
 fn wheels() -> Result<Command> {
-    let mut command = Command::new(python::environment_for(Tier::Test)?);
+    let mut command = pytest(python::environment_for(Tier::Test)?, &["tests/importers/wheels"]);
     command
-        .current_dir(project::root())
-        .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/importers/wheels"])
         .env("SLIDING_CONTACT_FMU", package::build(Some(BRAKE), &package::Options::default())?)
-        .env("SLIDING_CONTACT_IMPORTERS", project::target().join("importers").join("wheels"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+        .env("SLIDING_CONTACT_IMPORTERS", project::target().join("importers").join("wheels"));
     Ok(command)
 }
 

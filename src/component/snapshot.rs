@@ -155,7 +155,17 @@ const LARGEST_STATE: f64 = 1e60;
 impl Snapshot {
     /// Appends the bytes of the snapshot to `out`.
     pub fn encode(&self, out: &mut Vec<u8>) {
-        let mut put = |number: f64| out.extend(number.to_le_bytes());
+        self.put_numbers(|number| out.extend(number.to_le_bytes()));
+    }
+
+    /// Number of bytes that [`Snapshot::encode`] appends.
+    pub fn encoded_size(&self) -> usize {
+        let mut count = 0;
+        self.put_numbers(|_| count += 1);
+        8 * count
+    }
+
+    fn put_numbers(&self, mut put: impl FnMut(f64)) {
         put(f64::from(self.phase));
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
@@ -188,17 +198,6 @@ impl Snapshot {
                 }
             }
         }
-    }
-
-    /// Number of bytes that [`Snapshot::encode`] appends.
-    pub fn encoded_size(&self) -> usize {
-        let numbers = |state: &Option<ModelState>| match state {
-            None => 0,
-            Some(ModelState::Lumped(mean)) => mean.numbers().len(),
-            Some(ModelState::Line(mean, line)) => mean.numbers().len() + 1 + line.len(),
-        };
-        let states = numbers(&self.state) + numbers(&self.run_error.companion);
-        8 * (7 + 2 * self.changed.len() + 2 * INPUTS + TUNABLES.len() + 8 + 2 + states)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.

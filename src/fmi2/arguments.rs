@@ -5,8 +5,7 @@
 
 use core::marker::PhantomData;
 
-use super::problem::Problem;
-use crate::fmi2::policy::Fault;
+use super::problem::{Problem, argument};
 use scene::variables::COUNT;
 
 /// Most elements of an array of variables: each once. A larger number is an uninitialised one.
@@ -28,23 +27,13 @@ pub(crate) struct Sink<'a, T> {
     lifetime: PhantomData<&'a T>,
 }
 
-#[cold]
-fn missing(what: &str, count: usize) -> Problem {
-    Problem { fault: Fault::Argument, text: format!("{what} is NULL, but has {count} elements") }
-}
-
-#[cold]
-fn too_many(what: &str, count: usize, most: usize) -> Problem {
-    Problem { fault: Fault::Argument, text: format!("{what} has {count} elements; there can be {most} at most") }
-}
-
 #[inline(always)]
 fn check(what: &str, null: bool, count: usize, most: usize) -> Result<(), Problem> {
     if null && count > 0 {
-        return Err(missing(what, count));
+        return argument(format!("{what} is NULL, but has {count} elements"));
     }
     if count > most {
-        return Err(too_many(what, count, most));
+        return argument(format!("{what} has {count} elements; there can be {most} at most"));
     }
     Ok(())
 }
@@ -89,9 +78,6 @@ impl<T: Copy> Source<'_, T> {
 impl<T: Copy> Sink<'_, T> {
     /// As [`Source::new`].
     ///
-    /// # Errors
-    /// As [`Source::new`].
-    ///
     /// # Safety
     /// As [`Source::new`], and the elements can be written.
     #[inline(always)]
@@ -112,6 +98,11 @@ impl<T: Copy> Sink<'_, T> {
         assert!(index < self.count);
         // SAFETY: `new`'s caller vouched for `count` elements that can be written.
         unsafe { self.start.add(index).write_unaligned(value) }
+    }
+
+    /// Writes the first elements.
+    pub(crate) fn put_all(&self, values: &[T]) {
+        values.iter().enumerate().for_each(|(index, &value)| self.put(index, value));
     }
 }
 

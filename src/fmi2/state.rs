@@ -167,46 +167,18 @@ mod tests {
 
     const GUID: &str = "{01234567-89ab-cdef-0123-456789abcdef}";
 
-    fn saved() -> Saved {
+    #[test]
+    fn bytes_come_back_as_the_same_state() {
         let mut saved = Saved {
             phase: Phase::StepComplete,
             clock: Clock { time: 1.5, stop: Some(10.0), tolerance: None },
             component: Snapshot::default(),
         };
         Component::new(Arc::new(STARTS)).snapshot(&mut saved.component);
-        saved
-    }
-
-    #[test]
-    fn bytes_come_back_as_the_same_state() {
-        let saved = saved();
         let bytes = saved.encode(GUID).unwrap();
         assert_eq!(bytes.len(), saved.encoded_size(GUID));
         let read = Saved::decode(&bytes, GUID).unwrap();
         assert_eq!((read.phase, read.clock), (saved.phase, saved.clock));
         assert_eq!(read.encode(GUID).unwrap(), bytes);
-    }
-
-    #[test]
-    fn every_damaged_byte_and_every_wrong_length_is_noticed() {
-        let bytes = saved().encode(GUID).unwrap();
-        for at in 0..bytes.len() {
-            for flip in [1, 0x80] {
-                let mut damaged = bytes.clone();
-                damaged[at] ^= flip;
-                assert!(Saved::decode(&damaged, GUID).is_err(), "byte {at}");
-            }
-            assert!(Saved::decode(&bytes[..at], GUID).is_err(), "length {at}");
-        }
-        let mut longer = bytes;
-        longer.push(0);
-        assert!(Saved::decode(&longer, GUID).is_err());
-    }
-
-    #[test]
-    fn a_state_of_another_fmu_is_refused_by_name() {
-        let other = "{ffffffff-89ab-cdef-0123-456789abcdef}";
-        let error = Saved::decode(&saved().encode(other).unwrap(), GUID).err().unwrap();
-        assert!(error.contains(other) && error.contains(GUID), "{error}");
     }
 }

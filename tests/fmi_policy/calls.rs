@@ -1,4 +1,4 @@
-//! Calls and values with the status that each must return.
+//! Calls and values with the status that each must return; [`super::sequences`] has every function in every phase.
 
 use std::ptr;
 
@@ -18,7 +18,6 @@ const ERROR: Status = Status::Error;
 type Case = (&'static [Stage], &'static str, fn(&Importer) -> Status, Status, &'static str);
 
 const I: &[Stage] = &[Instantiated];
-const N: &[Stage] = &[Initialization];
 const S: &[Stage] = &[Stepping];
 const IN: &[Stage] = &[Instantiated, Initialization];
 const INS: &[Stage] = &[Instantiated, Initialization, Stepping];
@@ -45,7 +44,6 @@ const CASES: &[Case] = &[
     (I, "start infinite", |x| x.setup(None, f64::INFINITY, None), ERROR, "start time inf"),
     (I, "stop NaN", |x| x.setup(None, 0.0, Some(f64::NAN)), ERROR, "stop time NaN"),
     (I, "stop before the start", |x| x.setup(None, 1.0, Some(0.5)), ERROR, "stop time 0.5"),
-    (I, "experiment left out", |x| x.enter(), OK, ""),
     // Inputs take any value while they can be set.
     (INS, "input", |x| x.set_real(&["sliding_velocity"], &[1.5]), OK, ""),
     (INS, "input NaN is stored", |x| x.set_real(&["sliding_velocity"], &[f64::NAN]), OK, ""),
@@ -149,8 +147,6 @@ const CASES: &[Case] = &[
     (INS, "set no strings", |x| unsafe { fmi2SetString(x.component, ptr::null(), 0, ptr::null()) }, OK, ""),
     (ALL, "a string", |x| unsafe { fmi2GetString(x.component, &0, 1, &mut c"".as_ptr()) }, ERROR, "not String"),
     (INS, "set a string", |x| unsafe { fmi2SetString(x.component, &0, 1, &c"".as_ptr()) }, ERROR, "not String"),
-    // Initialisation.
-    (N, "initialise", |x| x.exit(), OK, ""),
     // Steps.
     (S, "a step", |x| x.step(0.0, 0.1), OK, ""),
     (S, "a step of 0", |x| x.step(0.0, 0.0), OK, ""),
@@ -201,7 +197,6 @@ const CASES: &[Case] = &[
         "",
     ),
     // Asynchronous steps and their statuses do not exist; the standard's other two do.
-    (ALL, "cancel", |x| unsafe { fmi2CancelStep(x.component) }, ERROR, "not allowed"),
     (STE, "step status", |x| unsafe { fmi2GetStatus(x.component, 0, &mut Status::Ok) }, DISCARD, "fmi2DoStepStatus"),
     (STE, "last time", |x| unsafe { fmi2GetRealStatus(x.component, 2, &mut 0.0) }, OK, ""),
     (STE, "real, other kind", |x| unsafe { fmi2GetRealStatus(x.component, 3, &mut 0.0) }, DISCARD, "fmi2Terminated"),
@@ -217,16 +212,6 @@ const CASES: &[Case] = &[
         DISCARD,
         "fmi2PendingStatus",
     ),
-    // Model exchange; `sequences` calls all of them in every phase.
-    (
-        ALL,
-        "derivatives of states",
-        |x| unsafe { fmi2GetDerivatives(x.component, nowhere(), 3) },
-        ERROR,
-        "co-simulation",
-    ),
-    (ALL, "event mode", |x| unsafe { fmi2EnterEventMode(x.component) }, ERROR, "function of model exchange"),
-    (ALL, "discrete states", |x| unsafe { fmi2NewDiscreteStates(x.component, nowhere()) }, ERROR, "co-simulation"),
     // FMU states.
     (ALL, "no place for a state", |x| unsafe { fmi2GetFMUstate(x.component, ptr::null_mut()) }, ERROR, "NULL"),
     (ALL, "a state that never was, to write over", |x| x.save(&mut nowhere()), ERROR, "never came from this FMU"),
@@ -252,9 +237,6 @@ const CASES: &[Case] = &[
     (ALL, "unknown category", |x| x.debug(true, &[c"logAll", c"", c"logEvents"]), OK, ""),
     (ALL, "NULL categories", |x| unsafe { fmi2SetDebugLogging(x.component, 1, 2, ptr::null()) }, ERROR, "NULL"),
     (ALL, "a NULL category", |x| unsafe { fmi2SetDebugLogging(x.component, 1, 1, &ptr::null()) }, ERROR, "NULL"),
-    // Ends.
-    (&[Stepping, Failed], "terminate", |x| x.terminate(), OK, ""),
-    (ALL, "reset", |x| x.reset(), OK, ""),
 ];
 
 #[test]
@@ -297,6 +279,7 @@ fn an_output_without_a_value_is_an_error_that_names_the_input() {
     let log = importer.take_log();
     let told = |text: &str| text.contains("friction_force = NaN") && text.contains("normal_load = NaN");
     assert!(log.iter().any(|(_, _, text)| told(text)), "{log:?}");
+    assert_eq!(status(importer.directional_derivative("friction_force", "sliding_velocity", 1.0)), ERROR);
     // Nothing but the value is refused: the instance goes on.
     assert_eq!(importer.set_real(&["normal_load"], &[100.0]), OK);
     assert!(importer.get_real("friction_force").is_finite());
@@ -317,31 +300,6 @@ fn values_come_back_as_they_were_set_without_a_step() {
     assert_eq!(importer.get_integer("solver.fidelity"), Ok(2));
     assert_eq!(importer.set_boolean("contact.shear_coupling", 0), OK);
     assert_eq!(importer.get_boolean("contact.shear_coupling"), Ok(0));
-}
-
-#[test]
-fn an_input_that_is_no_number_fails_the_next_step_by_name() {
-    for name in ["sliding_velocity", "normal_load", "cooling_velocity"] {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            for derivative in [false, true] {
-                let importer = Importer::at(Stepping);
-                let status = if derivative {
-                    importer.set_derivative(name, 1, value)
-                } else {
-                    importer.set_real(&[name], &[value])
-                };
-                assert_eq!(status, OK);
-                assert_eq!(importer.step(0.0, 0.1), ERROR);
-                let log = importer.take_log();
-                assert!(log.iter().any(|entry| entry.0 == ERROR && entry.2.contains(name)), "{name}: {log:?}");
-                assert_eq!(importer.step(0.0, 0.1), ERROR, "the error phase takes no step");
-                assert!(importer.get_reals(&[reference("wear_depth")]).is_ok());
-                assert_eq!(importer.reset(), OK);
-                importer.go(Stepping);
-                assert_eq!(importer.step(0.0, 0.1), OK);
-            }
-        }
-    }
 }
 
 #[test]

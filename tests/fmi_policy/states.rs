@@ -2,23 +2,14 @@
 
 use std::ptr;
 
-use scene::variables::{COUNT, Causality, Kind, lookup};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{FmuState, Status};
 
 use test_support::importer::{Importer, Stage};
+use test_support::real_outputs;
 
 const OK: Status = Status::Ok;
 const ERROR: Status = Status::Error;
-
-fn real_outputs() -> Vec<u32> {
-    (0..COUNT as u32)
-        .filter(|&reference| {
-            let row = lookup(reference).unwrap().0;
-            matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
-        })
-        .collect()
-}
 
 /// Steps 20 to 40 of a run with a reversal, with derivatives; every output of every step, bit by bit.
 fn stretch(importer: &Importer, from: i32, to: i32) -> Vec<u64> {

@@ -103,7 +103,7 @@ fn at_a_limit(importer: &Importer, level: Level, name: &str, value: f64) -> Resu
     if status != Status::Ok {
         return Err(format!("fmi2Reset returns {status:?}"));
     }
-    set_up(importer, level, "", &[(name, value)])?;
+    set_up(importer, level, "", &[(name.to_owned(), value)])?;
     importer.take_log();
     let told = |what: &str| {
         let log = importer.take_log();

@@ -1,6 +1,7 @@
 //! Runs a row of the table.
 
 use std::collections::HashMap;
+use std::panic::{self, AssertUnwindSafe};
 use std::ptr;
 use std::sync::LazyLock;
 
@@ -9,6 +10,7 @@ use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, FmuState, Status};
 
 use test_support::importer::{Entry, Importer, reference};
+use test_support::real_outputs;
 
 /// Level of the model, with the cells of its contact line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -40,18 +42,16 @@ impl Level {
 }
 
 /// One call of the interface.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub enum Call {
     /// `fmi2SetReal`, `fmi2SetInteger` or `fmi2SetBoolean`, by the variable's type.
-    Set(&'static str, f64),
+    Set(String, f64),
     /// `fmi2SetRealInputDerivatives` of order 1.
-    Slope(&'static str, f64),
-    /// `fmi2DoStep` from the communication point.
-    Step(f64),
-    /// As many of them, up to the first that is refused.
+    Slope(String, f64),
+    /// `fmi2DoStep` from the communication point, as many times, up to the first that is refused.
     Steps(f64, usize),
-    /// `fmi2DoStep` from a time.
-    StepFrom(f64, f64),
+    /// `fmi2SetupExperiment` with a tolerance and a start time.
+    SetUp(Option<f64>, f64),
     /// `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
     Initialise,
     /// Any other.
@@ -61,19 +61,19 @@ pub enum Call {
 /// A row of the table.
 pub struct Case {
     /// The hostile part.
-    pub what: &'static str,
-    pub levels: &'static [Level],
+    pub what: String,
+    pub levels: Vec<Level>,
     /// Name of an example scene; the stock scene if it is empty.
-    pub example: &'static str,
+    pub example: String,
     /// Parameters, all of them accepted.
-    pub scene: &'static [(&'static str, f64)],
+    pub scene: Vec<(String, f64)>,
     /// Phase in which the calls begin.
     pub from: From,
-    pub calls: &'static [Call],
-    /// Status of the last call.
-    pub status: Status,
+    pub calls: Vec<Call>,
+    /// Status of the last call; `None`: `fmi2OK`, or a refusal with a message.
+    pub status: Option<Status>,
     /// Parts of its message; with `fmi2OK`, of a warning that is logged on the way.
-    pub says: &'static [&'static str],
+    pub says: Vec<String>,
 }
 
 /// Phase in which the calls of a row begin.
@@ -86,7 +86,7 @@ pub enum From {
 
 /// Communication steps before and after the hostile calls.
 const USUAL_STEPS: usize = 3;
-const USUAL: [Call; 3] = [Call::Set("sliding_velocity", 2.0), Call::Set("normal_load", 2e3), Call::Step(0.01)];
+const USUAL: [(&str, f64); 2] = [("sliding_velocity", 2.0), ("normal_load", 2e3)];
 
 /// Bytes of a serialised state before its GUID; the phase is the first byte behind the GUID.
 const HEADER: usize = 20;
@@ -98,7 +98,7 @@ static EXAMPLES: LazyLock<HashMap<&'static str, [f64; COUNT]>> = LazyLock::new(|
     names.into_iter().map(|name| (name, test_support::scene(name))).collect()
 });
 
-fn kind(name: &str) -> Kind {
+pub fn kind(name: &str) -> Kind {
     TABLE[FLAT[reference(name) as usize].0 as usize].kind
 }
 
@@ -120,16 +120,15 @@ fn time(importer: &Importer) -> f64 {
 }
 
 impl Call {
-    fn make(self, importer: &Importer) -> Status {
+    fn make(&self, importer: &Importer) -> Status {
         match self {
-            Call::Set(name, value) => set(importer, name, value),
-            Call::Slope(name, value) => importer.set_derivative(name, 1, value),
-            Call::Step(step) => importer.step(time(importer), step),
+            Call::Set(name, value) => set(importer, name, *value),
+            Call::Slope(name, value) => importer.set_derivative(name, 1, *value),
             Call::Steps(step, count) => {
-                let mut made = (0..count).map(|_| Call::Step(step).make(importer));
+                let mut made = (0..*count).map(|_| importer.step(time(importer), *step));
                 made.find(|status| *status != Status::Ok).unwrap_or(Status::Ok)
             }
-            Call::StepFrom(from, step) => importer.step(from, step),
+            Call::SetUp(tolerance, start) => importer.setup(*tolerance, *start, None),
             Call::Initialise => match importer.enter() {
                 Status::Ok => importer.exit(),
                 refused => refused,
@@ -137,16 +136,15 @@ impl Call {
             Call::Other(call) => call(importer),
         }
     }
+
+    /// Whether outputs are judged after it.
+    fn has_outputs(&self) -> bool {
+        matches!(self, Call::Steps(..) | Call::Initialise)
+    }
 }
 
 /// References of every Real output and local.
-pub static OUTPUTS: LazyLock<Vec<u32>> = LazyLock::new(|| {
-    let calculated = |reference: &u32| {
-        let row = &TABLE[FLAT[*reference as usize].0 as usize];
-        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
-    };
-    (0..COUNT as u32).filter(calculated).collect()
-});
+static OUTPUTS: LazyLock<Vec<u32>> = LazyLock::new(real_outputs);
 
 /// The first output that is not finite, or an `estimated_error` that is none.
 pub fn nonsense(importer: &Importer) -> Option<String> {
@@ -155,8 +153,13 @@ pub fn nonsense(importer: &Importer) -> Option<String> {
         Err(status) => return Some(format!("fmi2GetReal returns {status:?}")),
     };
     let name = |reference: u32| lookup(reference).map_or_else(String::new, |(row, element)| row.element_name(element));
-    if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-        return Some(format!("{} = {}", name(OUTPUTS[at]), values[at]));
+    // Bodies of a few modes undershoot where a face is at temperatures that no contact has.
+    let is_valid = importer.get_integer("limit_reached").is_ok_and(|bits| bits & 4 == 0);
+    for (&reference, value) in OUTPUTS.iter().zip(values) {
+        let name = name(reference);
+        if !value.is_finite() || is_valid && value < 0.0 && name.contains("temperature") && !name.contains("rate") {
+            return Some(format!("{name} = {value}"));
+        }
     }
     let estimated = importer.get_real("estimated_error");
     (!(0.0..=1.0).contains(&estimated)).then(|| format!("estimated_error = {estimated}"))
@@ -171,15 +174,15 @@ fn without_phase(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Gives an instance the parameters of a level and a scene; it is not initialised.
-pub fn set_up(importer: &Importer, level: Level, example: &str, scene: &[(&str, f64)]) -> Result<(), String> {
+pub fn set_up(importer: &Importer, level: Level, example: &str, scene: &[(String, f64)]) -> Result<(), String> {
     let differs = |(index, value): &(usize, f64)| *value != STARTS[*index];
     let starts = EXAMPLES.get(example).map(|starts| starts.iter().copied().enumerate().filter(differs));
     let starts = starts.into_iter().flatten().filter_map(|(index, value)| {
         let (row, element) = lookup(index as u32)?;
         (row.causality == Causality::Parameter).then(|| (row.element_name(element), value))
     });
-    let parameters = level.parameters().iter().chain(scene).map(|(name, value)| ((*name).to_owned(), *value));
-    for (name, value) in starts.chain(parameters) {
+    let level = level.parameters().iter().map(|(name, value)| ((*name).to_owned(), *value));
+    for (name, value) in starts.chain(level).chain(scene.iter().cloned()) {
         let status = set(importer, &name, value);
         if status != Status::Ok {
             return Err(format!("{name} = {value} is refused with {status:?}: {:?}", importer.take_log()));
@@ -202,7 +205,8 @@ fn usual(importer: &Importer, from: From, steps: usize) -> Result<Vec<u64>, Stri
     }
     let mut bits = Vec::new();
     for _ in 0..steps {
-        for call in USUAL {
+        let calls = USUAL.map(|(name, value)| Call::Set(name.to_owned(), value));
+        for call in calls.iter().chain([&Call::Steps(0.01, 1)]) {
             let status = call.make(importer);
             if status != Status::Ok {
                 return failed("a usual step", status);
@@ -225,10 +229,11 @@ fn saved(importer: &Importer) -> Result<FmuState, String> {
 }
 
 /// Whether the log has what the row requires.
-fn is_told(case: &Case, log: &[Entry]) -> bool {
-    let status = if case.status == Status::Ok { Status::Warning } else { case.status };
+fn is_told(case: &Case, status: Status, log: &[Entry]) -> bool {
+    let silent = status == Status::Ok && case.says.is_empty();
+    let status = if status == Status::Ok { Status::Warning } else { status };
     let whole = |text: &str| case.says.iter().all(|part| text.contains(part));
-    (case.status == Status::Ok && case.says.is_empty()) || log.iter().any(|entry| entry.0 == status && whole(&entry.2))
+    silent || log.iter().any(|entry| entry.0 == status && whole(&entry.2))
 }
 
 /// Runs rows.
@@ -246,7 +251,7 @@ impl Runner {
     /// # Errors
     /// Deviations from the requirements of the row.
     pub fn run(&mut self, case: &Case, level: Level) -> Result<(), String> {
-        let (example, scene, from) = (case.example, case.scene, case.from);
+        let (example, scene, from) = (&case.example[..], &case.scene[..], case.from);
         let key = format!("{level:?} {example} {scene:?}");
         let expected = format!("{key} {}", from == From::Stepping);
         if !self.references.contains_key(&expected) {
@@ -279,8 +284,7 @@ impl Case {
     fn run(&self, importer: &Importer) -> Result<Vec<u64>, String> {
         let mut state = saved(importer)?;
         importer.take_log();
-        self.hostile_calls(importer)?;
-        let is_refused = self.status != Status::Ok;
+        let is_refused = self.hostile_calls(importer)? != Status::Ok;
         // A refused call that was the only one and leaves the phase as it was needs no saved state.
         let goes_on =
             is_refused && self.calls.len() == 1 && importer.bytes() == importer.serialize(state).unwrap_or_default();
@@ -294,39 +298,33 @@ impl Case {
         }
     }
 
-    /// Makes the calls of the row and judges the last one.
-    fn hostile_calls(&self, importer: &Importer) -> Result<(), String> {
+    /// Makes the calls of the row and judges the last one; its status.
+    fn hostile_calls(&self, importer: &Importer) -> Result<Status, String> {
         let (last, first) = self.calls.split_last().ok_or("no calls")?;
-        let is_read = self
-            .calls
-            .iter()
-            .any(|call| matches!(call, Call::Step(_) | Call::Steps(..) | Call::StepFrom(..) | Call::Initialise));
-        let has_outputs =
-            |call: &Call| matches!(call, Call::Step(_) | Call::Steps(..) | Call::StepFrom(..) | Call::Initialise);
         for (number, call) in first.iter().enumerate() {
             let status = call.make(importer);
             if status != Status::Ok {
                 return Err(format!("call {} returns {status:?}: {:?}", number + 1, importer.take_log()));
             }
-            if let Some(text) = Some(call).filter(|call| has_outputs(call)).and_then(|_| nonsense(importer)) {
+            if let Some(text) = Some(call).filter(|call| call.has_outputs()).and_then(|_| nonsense(importer)) {
                 return Err(format!("after call {} {text}", number + 1));
             }
-        }
-        if self.status != Status::Ok {
-            importer.take_log();
         }
         // To leave initialisation is the call that is judged.
         let last = match last {
             Call::Initialise if importer.enter() == Status::Ok => &Call::Other(Importer::exit),
             other => other,
         };
-        let before = importer.bytes();
+        let (before, earlier) = (importer.bytes(), importer.take_log());
         let status = last.make(importer);
-        let log = importer.take_log();
-        if status != self.status {
+        let mut log = importer.take_log();
+        if self.status.is_some_and(|expected| status != expected) {
             return Err(format!("{status:?} in place of {:?}: {log:?}", self.status));
         }
-        if !is_told(self, &log) {
+        if status == Status::Ok {
+            log.extend(earlier);
+        }
+        if !is_told(self, status, &log) {
             return Err(format!("no message with {:?}: {log:?}", self.says));
         }
         // A NaN is told where it was given, never as the result of a computation.
@@ -337,19 +335,36 @@ impl Case {
             return Err(format!("a message with a result that is no number: {log:?}"));
         }
         if status == Status::Ok {
-            return nonsense(importer).filter(|_| is_read).map_or(Ok(()), |text| Err(format!("fmi2OK with {text}")));
+            let is_read = self.calls.iter().any(Call::has_outputs);
+            return nonsense(importer)
+                .filter(|_| is_read)
+                .map_or(Ok(status), |text| Err(format!("fmi2OK with {text}")));
         }
         let after = importer.bytes();
         if after == before {
-            return Ok(());
+            return Ok(status);
         }
         if without_phase(before) != without_phase(after) {
             return Err(format!("a refused call changes the state: {log:?}"));
         }
         // In the error phase every further step is refused.
-        match Call::Step(0.01).make(importer) {
-            Status::Error => Ok(()),
-            status => Err(format!("a step in the error phase returns {status:?}")),
+        match Call::Steps(0.01, 1).make(importer) {
+            Status::Error => Ok(status),
+            other => Err(format!("a step in the error phase returns {other:?}")),
         }
     }
+}
+
+/// Runs rows.
+pub fn check(cases: &[Case]) {
+    let (mut runner, mut failures) = (Runner::default(), Vec::new());
+    for case in cases {
+        for &level in &case.levels {
+            let run = panic::catch_unwind(AssertUnwindSafe(|| runner.run(case, level)));
+            if let Err(text) = run.unwrap_or_else(|_| Err("panicked".into())) {
+                failures.push(format!("{}, {level:?}: {text}", case.what));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }

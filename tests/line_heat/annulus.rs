@@ -62,10 +62,7 @@ fn the_account_closes_with_every_cooling() {
 fn friction_heat_is_torque_times_speed() {
     for changes in [&[][..], &PADS] {
         let mut drive = clutch(&[changes, &[("contact.stick_stiffness", 0.0), ("solver.tolerance", 1e-4)]].concat());
-        drive.set("angular_velocity", 200.0).set("normal_load", 5e3);
-        for _ in 0..20 {
-            drive.step(0.01);
-        }
+        drive.set("angular_velocity", 200.0).set("normal_load", 5e3).steps(20, 0.01);
         let (torque, power) = (drive.get("friction_torque"), drive.get("friction_power"));
         let heat = drive.get("heat_flow_punch") + drive.get("heat_flow_strip");
         assert!((power / (200.0 * torque) - 1.0).abs() < 1e-9, "{power} {torque}");
@@ -106,8 +103,7 @@ fn slow_down(parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
         drive.step(step);
     }
     assert!(drive.get("contact_fraction") > 0.999);
-    ["pressure", "temperature"]
-        .map(|name| (1..=33).map(|station| drive.get(&format!("profile.{name}[{station}]"))).collect())
+    ["pressure", "temperature"].map(|name| drive.profile(name))
 }
 
 #[test]

@@ -37,9 +37,7 @@ fn a_saved_state_goes_on_to_the_same_bits_from_within_a_cell() {
         bits
     };
     let mut drive = brake(9.0, &[]);
-    (0..15).for_each(|_| {
-        drive.step(0.4);
-    });
+    drive.steps(15, 0.4);
     assert!(drive.get("contact_fraction") < 0.95);
     let mut saved = Snapshot::default();
     drive.0.snapshot(&mut saved);

@@ -112,10 +112,7 @@ fn a_line_whose_bodies_do_not_expand_resolves_its_heat() {
         ("nominal.duration", 100.0 * width / velocity),
     ];
     let mut drive = Drive::stock(&changes);
-    drive.set("sliding_velocity", velocity).set("normal_load", 1e3);
-    (0..50).for_each(|_| {
-        drive.step(2.0 * width / velocity);
-    });
+    drive.set("sliding_velocity", velocity).set("normal_load", 1e3).steps(50, 2.0 * width / velocity);
     let flux = drive.get("friction_power") / (width * depth);
     let unit = flux * 0.5 * width / conductivity;
     let [mean, highest] =
@@ -212,10 +209,7 @@ fn the_error_of_mean_heat_is_measured() {
             ("solver.tolerance", 1e-2),
         ];
         let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
-        drive.set("sliding_velocity", 3.8).set("normal_load", 2.6e3);
-        (0..30).for_each(|_| {
-            drive.step(1.0);
-        });
+        drive.set("sliding_velocity", 3.8).set("normal_load", 2.6e3).steps(30, 1.0);
         (drive.get("estimated_error"), drive.get("contact_temperature"))
     };
     let [resolved, mean] = [1.0, 2.0].map(stated);

@@ -130,11 +130,8 @@ fn a_long_step_follows_one_of_microseconds() {
         for (velocity, load, step) in [(0.26, 1800.0, 0.05), (-0.26, 1400.0, 5.5e-5), (0.045, 2.3, 6.2e-6)] {
             drive.set("sliding_velocity", velocity).set("normal_load", load).step(step);
         }
-        drive.set("normal_load", 0.0);
-        for _ in 0..parts {
-            drive.step(0.7 / f64::from(parts));
-        }
-        (1..=33).map(|station| drive.get(&format!("profile.temperature[{station}]"))).collect::<Vec<_>>()
+        drive.set("normal_load", 0.0).steps(parts, 0.7 / f64::from(parts));
+        drive.profile("temperature")
     };
     let (one, many) = (lifted(1), lifted(100));
     for (one, many) in one.iter().zip(&many) {

@@ -117,16 +117,10 @@ fn beside_an_insulator_open_cells_have_the_temperature_of_the_conductor() {
                 ("nominal.duration", 100.0),
                 ("solver.tolerance", 1e-3),
             ]);
-            drive.set("sliding_velocity", 5.0).set("normal_load", 200.0);
-            (0..10).for_each(|_| {
-                drive.step(1.0);
-            });
+            drive.set("sliding_velocity", 5.0).set("normal_load", 200.0).steps(10, 1.0);
             drive.set("sliding_velocity", 0.0);
             for load in [200.0, 0.0] {
-                drive.set("normal_load", load);
-                (0..10).for_each(|_| {
-                    drive.step(30.0);
-                });
+                drive.set("normal_load", load).steps(10, 30.0);
                 let mean = drive.get(&format!("{body}.mean_temperature"));
                 let (contact, highest) = (drive.get("contact_temperature"), drive.get("contact_temperature_max"));
                 let edge = drive.get("profile.temperature[1]");

@@ -61,8 +61,29 @@ fn run_up_like(power: i32, last: f64, parts: u32, changes: &[(&str, f64)]) -> [V
     }
     let fraction = drive.get("contact_fraction");
     assert!(fraction > 0.999, "{fraction}");
-    ["pressure", "temperature"]
-        .map(|name| (1..=33).map(|station| drive.get(&format!("profile.{name}[{station}]"))).collect())
+    ["pressure", "temperature"].map(|name| drive.profile(name))
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Order of the changes between four runs, each with steps half as long, and the last change.
+#[track_caller]
+fn order(runs: [&[f64]; 4], what: &dyn std::fmt::Debug, expected: std::ops::Range<f64>) -> f64 {
+    let differences = [0, 1, 2].map(|k| distance(runs[k], runs[k + 1]));
+    let order = (differences[0] / differences[2]).log2() / 2.0;
+    println!("{what:?}: order {order}, {differences:?}");
+    assert!(expected.contains(&order), "{what:?}: {order} {differences:?}");
+    differences[2]
+}
+
+/// Second order of pressure and temperature.
+#[track_caller]
+fn both_of_second_order(runs: &[[Vec<f64>; 2]; 4], what: &dyn std::fmt::Debug) {
+    for (quantity, name) in ["pressure", "temperature"].iter().enumerate() {
+        order([0, 1, 2, 3].map(|k| &runs[k][quantity][..]), &(name, what), 1.9..2.1);
+    }
 }
 
 /// Second order in full contact from a smooth start: the first stage's flux has the slope of the step before, which avoids the
@@ -70,20 +91,7 @@ fn run_up_like(power: i32, last: f64, parts: u32, changes: &[(&str, f64)]) -> [V
 #[test]
 fn pressure_and_temperature_are_of_second_order() {
     for wear in [0.0, 4e-14] {
-        let finest = run_up(640, wear);
-        let errors = [20, 40, 80].map(|parts| {
-            let values = run_up(parts, wear);
-            [0, 1].map(|quantity| {
-                let pairs = values[quantity].iter().zip(&finest[quantity]);
-                pairs.map(|(value, exact)| (value - exact).powi(2)).sum::<f64>().sqrt()
-            })
-        });
-        println!("{wear:e}: {errors:?}");
-        for quantity in 0..2 {
-            let order = (errors[0][quantity] / errors[2][quantity]).log2() / 2.0;
-            println!("{wear:e} {quantity}: order {order}");
-            assert!((1.9..2.1).contains(&order), "{wear:e} {quantity}: {order} {errors:?}");
-        }
+        both_of_second_order(&[20, 40, 80, 160].map(|parts| run_up(parts, wear)), &wear);
     }
 }
 
@@ -96,7 +104,6 @@ fn cooling_leaves_the_temperature_of_second_order() {
     let moving = both(["punch.convection_forced", "strip.convection_forced"], 1000.0);
     let radiation = both(["punch.emissivity", "strip.emissivity"], 0.9);
     let wear = [("punch.wear_coefficient", 4e-14)];
-    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
     let warm = run_up_to(0.01, 320, &[wear[0], still[0], still[1]])[1].clone();
     let [strong, boiling] = [1e5, 1e6].map(|most| both(["punch.convection_forced", "strip.convection_forced"], most));
@@ -104,11 +111,8 @@ fn cooling_leaves_the_temperature_of_second_order() {
     for case in [&air[..], mixed[0], mixed[1], &strong, &boiling] {
         let changes = [case, &wear].concat();
         let runs = [40, 80, 160, 320].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
-        let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
-        let order = (differences[0] / differences[2]).log2() / 2.0;
+        order(runs.each_ref().map(|run| &run[..]), &changes, 1.9..2.1);
         let cooled = distance(&warm, &runs[3]) / distance(&warm, &[293.15; 33]);
-        println!("{changes:?}: order {order}, {differences:?}, cooled by {cooled}");
-        assert!((1.9..2.1).contains(&order), "{changes:?}: {order} {differences:?}");
         assert!(cooled > 1e-4, "{changes:?}: {cooled}");
     }
 }
@@ -121,7 +125,6 @@ fn cooling_leaves_the_temperature_of_second_order() {
 /// temperature under the contact is the friction heat. For half derivatives of piecewise linear functions the order is 2 - 1/2.
 #[test]
 fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_the_step() {
-    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     // K c of steel, W2 s/(m4 K2).
     let effusivity_square = 46.0 * 7800.0 * 500.0;
     let unidirectional = [("nominal.stroke", 0.0)];
@@ -130,13 +133,11 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
     {
         let changes = [&[("punch.convection", convection), ("strip.convection", convection)], more].concat();
         let runs = [80, 160, 320, 640].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
-        let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
-        let order = (differences[0] / differences[2]).log2() / 2.0;
+        // Steps over the time of the cooled layer.
         let steps = 2.0 / 160.0 * convection * convection / effusivity_square;
-        println!("{changes:?}: order {order}, {differences:?}, steps of {steps} times the layer's");
         let expected = if steps < 10.0 { 1.9..2.25 } else { 1.45..1.9 };
-        assert!(expected.contains(&order), "{changes:?}: {order} {differences:?}");
-        assert!(differences[2] < 1e-3, "{changes:?}: {differences:?}");
+        let last = order(runs.each_ref().map(|run| &run[..]), &(&changes, steps), expected);
+        assert!(last < 1e-3, "{changes:?}: {last}");
     }
 }
 
@@ -145,18 +146,12 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
 #[test]
 fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
-    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let moving = [("punch.convection_forced", 1e5), ("strip.convection_forced", 1e5)];
     // Faster and slower than that speed, 1 mm/s in the scene's 754 s and .36 m/s in the 2 s of the run-up.
     for (power, changes) in [(1, &[][..]), (2, &still), (2, &moving), (3, &[]), (3, &[("nominal.duration", 2.0)])] {
         let changes = [changes, &[("nominal.stroke", 0.0)]].concat();
         let runs = [40, 80, 160, 320].map(|parts| run_up_like(power, 0.01, parts, &changes));
-        for (quantity, name) in ["pressure", "temperature"].iter().enumerate() {
-            let differences = [0, 1, 2].map(|k| distance(&runs[k][quantity], &runs[k + 1][quantity]));
-            let order = (differences[0] / differences[2]).log2() / 2.0;
-            println!("{power} {changes:?} {name}: order {order}, {differences:?}");
-            assert!((1.9..2.1).contains(&order), "{power} {changes:?} {name}: {order} {differences:?}");
-        }
+        both_of_second_order(&runs, &(power, changes));
     }
 }
 
@@ -164,16 +159,9 @@ fn a_unidirectional_run_up_from_rest_is_of_second_order() {
 /// tolerance of .1 that of the temperature is seen down to 1e-4 of the rise.
 #[test]
 fn a_fast_unidirectional_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
-    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let changes = [("nominal.stroke", 0.0), ("solver.tolerance", 1e-4)];
     for last in [0.05, 0.1] {
-        let runs = [40, 80, 160, 320].map(|parts| run_up_to(last, parts, &changes));
-        for (quantity, name) in ["pressure", "temperature"].iter().enumerate() {
-            let differences = [0, 1, 2].map(|k| distance(&runs[k][quantity], &runs[k + 1][quantity]));
-            let order = (differences[0] / differences[2]).log2() / 2.0;
-            println!("{last} m/s, {name}: order {order}, {differences:?}");
-            assert!((1.9..2.1).contains(&order), "{last} m/s, {name}: {order} {differences:?}");
-        }
+        both_of_second_order(&[40, 80, 160, 320].map(|parts| run_up_to(last, parts, &changes)), &last);
     }
 }
 
@@ -209,19 +197,13 @@ fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
         let scene = Application::read("cold_pad");
         let changes = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-3)];
         let mut drive = Drive::from_starts(&scene.starts, &changes);
-        drive.set("sliding_velocity", 3.8).set("normal_load", 300.0);
-        for _ in 0..(10.0 / step).round() as usize {
-            drive.step(step);
-        }
+        drive.set("sliding_velocity", 3.8).set("normal_load", 300.0).steps((10.0 / step).round() as u32, step);
         ["contact_temperature", "contact_temperature_max"].map(|name| drive.get(name) - 293.15)
     };
     let hot_spots = |step: f64| {
         let changes = [("solver.cells", 32.0), ("solver.tolerance", 1e-3)];
         let mut drive = Drive::from_starts(&scene("hot_spots"), &changes);
-        drive.set("sliding_velocity", 0.2).set("normal_load", 200.0);
-        for _ in 0..(200.0 / step).round() as usize {
-            drive.step(step);
-        }
+        drive.set("sliding_velocity", 0.2).set("normal_load", 200.0).steps((200.0 / step).round() as u32, step);
         ["contact_temperature_max", "pressure_max"].map(|name| drive.get(name))
     };
     let runs = [[cold_pad(10.0), cold_pad(0.1)], [hot_spots(200.0), hot_spots(2.0)]];

@@ -23,10 +23,7 @@ fn rises(tolerance: f64) -> [f64; 2] {
     ];
     let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
     let initial = drive.get("contact_temperature");
-    drive.set("sliding_velocity", 1.1).set("normal_load", LOAD);
-    for _ in 0..12 {
-        drive.step(2.25);
-    }
+    drive.set("sliding_velocity", 1.1).set("normal_load", LOAD).steps(12, 2.25);
     let pressed = drive.get("contact_temperature");
     drive.set("normal_load", LOAD).slope("normal_load", -LOAD / RAMP);
     drive.step(RAMP);
@@ -68,10 +65,7 @@ fn rises_of_bulging_pad(tolerance: f64) -> [f64; 2] {
     ];
     let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
     let initial = drive.get("contact_temperature");
-    drive.set("sliding_velocity", 5.7).set("normal_load", LOAD);
-    for _ in 0..12 {
-        drive.step(1.5);
-    }
+    drive.set("sliding_velocity", 5.7).set("normal_load", LOAD).steps(12, 1.5);
     let pressed = drive.get("contact_temperature");
     drive.set("normal_load", LOAD).slope("normal_load", -0.97 * LOAD / RAMP);
     drive.step(RAMP);

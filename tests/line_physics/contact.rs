@@ -38,10 +38,6 @@ pub fn line(changes: &[(&str, f64)]) -> Drive {
     Drive::stock(&[BASE, changes].concat())
 }
 
-pub fn stations(drive: &mut Drive, name: &str) -> Vec<f64> {
-    (1..=33).map(|station| drive.get(&format!("{name}[{station}]"))).collect()
-}
-
 /// Trapezoid sum over the stations.
 pub fn trapezoid(values: &[f64], width: f64) -> f64 {
     let spacing = width / (values.len() - 1) as f64;
@@ -53,7 +49,7 @@ fn flat_punch_sliding_and_at_rest() {
     for (velocity, friction) in [(0.0, 0.25), (0.01, 0.25), (-0.01, 0.25), (0.01, 0.6)] {
         let mut drive = line(&[("contact.friction_coefficient", friction)]);
         drive.set("normal_load", 1e4).set("sliding_velocity", velocity);
-        let pressure = stations(&mut drive, "profile.pressure");
+        let pressure = drive.profile("pressure");
         let sign = if velocity == 0.0 { 0.0 } else { f64::signum(velocity) };
         let exact =
             FlatPunch { load: 1e4 / 0.01, half_width: 0.03, signed_exponent: sign * friction_exponent(friction, 0.3) };
@@ -98,7 +94,7 @@ fn hertz_and_a_tabulated_gap_agree() {
     for (changes, bound) in [(&parabolic[..], 2e-3), (&tabulated[..], 2e-2)] {
         let mut drive = line(changes);
         drive.set("normal_load", 1e4).set("sliding_velocity", 0.01);
-        let pressure = stations(&mut drive, "profile.pressure");
+        let pressure = drive.profile("pressure");
         let spacing = 0.06 / 32.0;
         for station in 0..33 {
             let x = spacing * station as f64 - 0.03;
@@ -135,8 +131,8 @@ fn pivot_moves_the_resultant_to_the_leading_edge() {
         let mut drive =
             line(&[("holder.constraint", 2.0), ("holder.pivot_height", 0.02), ("contact.shear_coupling", 0.0)]);
         drive.set("normal_load", 1e4).set("sliding_velocity", velocity);
-        let pressure = stations(&mut drive, "profile.pressure");
-        let positions = stations(&mut drive, "profile.x");
+        let pressure = drive.profile("pressure");
+        let positions = drive.profile("x");
         // The moment from the stations is accurate to the square of their spacing only.
         let moment: Vec<f64> = pressure.iter().zip(&positions).map(|(p, x)| p * x).collect();
         let lever = trapezoid(&moment, 0.06) / trapezoid(&pressure, 0.06);
@@ -176,14 +172,12 @@ fn annulus_wears_where_it_is_fast() {
     drive.set("normal_load", 2e4).set("sliding_velocity", 5.0);
     let start = drive.get("effective_radius");
     assert!((start / (0.1 * (1.0 + 0.09 / 3.0)) - 1.0).abs() < 1e-3, "{start}");
-    for _ in 0..100 {
-        drive.step(1.0);
-    }
+    drive.steps(100, 1.0);
     // p = C/r: torque/force = (outer^2 - inner^2)/2 / (outer - inner) = r_m in the steady state.
     let radius = drive.get("effective_radius");
     assert!((radius / 0.1 - 1.0).abs() < 1e-3, "{radius}");
-    let pressure = stations(&mut drive, "profile.pressure");
-    let positions = stations(&mut drive, "profile.x");
+    let pressure = drive.profile("pressure");
+    let positions = drive.profile("x");
     let constant = pressure[16] * 0.1;
     for station in 2..31 {
         let exact = constant / (0.1 + positions[station]);

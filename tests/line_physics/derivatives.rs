@@ -1,7 +1,7 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
 use super::contact::line;
-use test_support::derivatives::{assert_derivatives, run_at_random};
+use test_support::derivatives::{FRICTION_TABLE, assert_derivatives, run_at_random};
 use test_support::{Drive, Random};
 
 /// A random scene that has run for a random time, and the inputs it is at.
@@ -42,17 +42,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
             ("punch.top_thermal", 2.0 + (2.0 * random.next()).floor()),
             ("strip.base_thermal", 2.0 + (2.0 * random.next()).floor()),
         ]),
-        10 => changes.extend([
-            ("contact.static_friction_ratio", 1.0),
-            ("contact.friction_table.points", 4.0),
-            ("contact.friction_table.speed[2]", 1.0),
-            ("contact.friction_table.speed[3]", 4.0),
-            ("contact.friction_table.speed[4]", 15.0),
-            ("contact.friction_table.coefficient[1]", 0.5),
-            ("contact.friction_table.coefficient[2]", 0.45),
-            ("contact.friction_table.coefficient[3]", 0.3),
-            ("contact.friction_table.coefficient[4]", 0.35),
-        ]),
+        10 => changes.extend(FRICTION_TABLE),
         _ => changes.extend([("contact.initial_shape", 2.0), ("contact.initial_radius", 300.0)]),
     }
     // Resolved heat that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,

@@ -1,6 +1,6 @@
 //! Cases in which numerical methods tend to fail, through the component, with their required results.
 
-use super::contact::{BASE, line, stations, trapezoid};
+use super::contact::{BASE, line, trapezoid};
 use sliding_contact::component::Subject;
 use test_support::Drive;
 
@@ -8,22 +8,7 @@ const MEAN: f64 = 1e4 / 6e-4;
 
 /// Ratio of the load integrated over the stations to the given one.
 fn carried(drive: &mut Drive) -> f64 {
-    trapezoid(&stations(drive, "profile.pressure"), 0.06) * 0.01 / 1e4
-}
-
-#[test]
-fn a_step_ten_thousand_times_too_long_ends_in_the_steady_state() {
-    // The explicit bound of these cells is about .02 s; the slowest mode relaxes over 14 s.
-    for exponent in [0.3, 1.0, 3.0] {
-        let mut drive = line(&[
-            ("solver.cells", 33.0),
-            ("punch.wear_coefficient", 1e-11 * (MEAN / 1e6).powf(1.0 - exponent)),
-            ("punch.wear_pressure_exponent", exponent),
-        ]);
-        drive.set("normal_load", 1e4).set("sliding_velocity", 0.1).step(200.0);
-        let pressure = stations(&mut drive, "profile.pressure");
-        assert!(pressure.iter().all(|p| (p / MEAN - 1.0).abs() < 1e-2), "b = {exponent}: {pressure:?}");
-    }
+    trapezoid(&drive.profile("pressure"), 0.06) * 0.01 / 1e4
 }
 
 #[test]
@@ -33,10 +18,7 @@ fn creeping_and_racing() {
         .into_iter()
         .map(|(velocity, duration)| {
             let mut drive = line(&[("solver.cells", 17.0), ("punch.wear_coefficient", 4e-13)]);
-            drive.set("normal_load", 1e4).set("sliding_velocity", velocity);
-            for _ in 0..10 {
-                drive.step(duration / 10.0);
-            }
+            drive.set("normal_load", 1e4).set("sliding_velocity", velocity).steps(10, duration / 10.0);
             assert!((carried(&mut drive) - 1.0).abs() < 1e-12);
             drive.get("profile.wear_punch[1]")
         })
@@ -58,11 +40,11 @@ fn a_reversal_in_each_of_a_hundred_steps() {
             }
             drive.step(0.1);
             assert!((carried(&mut drive) - 1.0).abs() < 1e-12);
-            let pressure = stations(&mut drive, "profile.pressure");
+            let pressure = drive.profile("pressure");
             assert!(pressure.iter().all(|p| *p >= 0.0 && *p < 20.0 * MEAN));
         }
         // Sliding both ways alike leaves a symmetric shape, to the wear of a stroke.
-        let worn = stations(&mut drive, "profile.wear_punch");
+        let worn = drive.profile("wear_punch");
         for k in 0..16 {
             assert!((worn[k] - worn[32 - k]).abs() < 0.03 * worn[16], "{k}: {} {}", worn[k], worn[32 - k]);
         }
@@ -101,10 +83,10 @@ fn edges_that_unload_at_a_small_exponent() {
     drive.set("normal_load", 1e4);
     for half in 0..40 {
         drive.set("sliding_velocity", if half % 2 == 0 { 0.1 } else { -0.1 }).step(0.3);
-        let pressure = stations(&mut drive, "profile.pressure");
+        let pressure = drive.profile("pressure");
         assert!((carried(&mut drive) - 1.0).abs() < 1e-12);
         assert!(pressure.iter().all(|p| p.is_finite() && *p >= 0.0));
-        let x = stations(&mut drive, "profile.x");
+        let x = drive.profile("x");
         let moment: Vec<f64> = pressure.iter().zip(&x).map(|(p, x)| p * x).collect();
         let lever = trapezoid(&moment, 0.06) / (1e4 / 0.01);
         assert!((lever.abs() - 0.015).abs() < 1e-3, "{half}: {lever}");
@@ -122,7 +104,7 @@ fn a_ring_without_edges() {
         ("solver.cells", 32.0),
     ]);
     ring.set("normal_load", 1e4).set("sliding_velocity", 0.1).step(10.0);
-    let pressure = stations(&mut ring, "profile.pressure");
+    let pressure = ring.profile("pressure");
     assert!(pressure.iter().all(|p| (p / MEAN - 1.0).abs() < 1e-9), "{pressure:?}");
 }
 
@@ -195,10 +177,7 @@ fn a_parabola_whose_edge_wears_steeply_and_fades() {
             ("contact.friction_fade.factor[2]", 0.724),
         ]);
         for (velocity, load) in [(-3.17, 4.3e3), (-7.63, 5.6e3)] {
-            drive.set("sliding_velocity", velocity).set("normal_load", load);
-            for _ in 0..2 {
-                drive.step(step);
-            }
+            drive.set("sliding_velocity", velocity).set("normal_load", load).steps(2, step);
             assert!((carried(&mut drive) * 1e4 / load - 1.0).abs() < 1e-9, "{step} s");
         }
         let (worn, kinetic_coefficient) = (drive.get("wear_volume_punch"), drive.get("friction_coefficient"));

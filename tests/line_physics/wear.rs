@@ -1,6 +1,6 @@
 //! Worn shapes: volumes, time steps, the run-in state, strokes.
 
-use super::contact::{line, stations, trapezoid};
+use super::contact::{line, trapezoid};
 use exact::{CyclicHalfPlane, HolderKind};
 use test_support::{Drive, scene};
 
@@ -10,9 +10,7 @@ const MEAN: f64 = 1e4 / 6e-4;
 fn drive_reciprocating(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
     for half in 0..half_strokes {
         drive.set("sliding_velocity", if half % 2 == 0 { velocity } else { -velocity });
-        for _ in 0..parts {
-            drive.step(stroke / velocity / f64::from(parts));
-        }
+        drive.steps(parts, stroke / velocity / f64::from(parts));
     }
 }
 
@@ -57,7 +55,7 @@ fn the_taper_is_that_of_the_profile() {
     let mut drive = line(&[("solver.cells", 33.0), ("contact.friction_coefficient", 0.6)]);
     assert_eq!(drive.get("wear_taper_punch"), 0.0);
     drive.set("sliding_velocity", 0.02).set("normal_load", 8e3).step(200.0);
-    let (x, worn) = (stations(&mut drive, "profile.x"), stations(&mut drive, "profile.wear_punch"));
+    let (x, worn) = (drive.profile("x"), drive.profile("wear_punch"));
     // Line of least squares through the stations, those at the edges with half of the weight.
     let weight = |station: usize| if station == 0 || station == 32 { 0.5 } else { 1.0 };
     let sum = |of: &dyn Fn(usize) -> f64| (0..33).map(|station| weight(station) * of(station)).sum::<f64>();
@@ -82,10 +80,8 @@ fn cutting_a_communication_step_stays_within_the_tolerance() {
                 ]);
                 drive.set("normal_load", 1e4).set("sliding_velocity", 0.5);
                 // A third of the relaxation of the slowest mode.
-                for _ in 0..parts {
-                    drive.step(6.0 / f64::from(parts));
-                }
-                stations(&mut drive, "profile.pressure")
+                drive.steps(parts, 6.0 / f64::from(parts));
+                drive.profile("pressure")
             })
             .collect();
         let mean = 1e4 / 6e-4;
@@ -107,11 +103,9 @@ fn run_in_starts_in_the_steady_state() {
     ] {
         let mut drive = line(&[changes, &[("contact.initial_shape", 3.0), ("solver.cells", 33.0)]].concat());
         drive.set("normal_load", 1e4).set("sliding_velocity", 0.01);
-        let start = stations(&mut drive, "profile.pressure");
-        for _ in 0..20 {
-            drive.step(100.0);
-        }
-        let end = stations(&mut drive, "profile.pressure");
+        let start = drive.profile("pressure");
+        drive.steps(20, 100.0);
+        let end = drive.profile("pressure");
         let mean = 1e4 / 6e-4;
         for station in 0..33 {
             assert!((start[station] - end[station]).abs() < 1e-6 * mean, "{changes:?} {station}");
@@ -140,12 +134,12 @@ fn strokes_end_in_the_two_pressures_of_the_paper() {
     let mean = 1e4 / 6e-4;
     // Mean over a half-stroke from its beginning and its end.
     let half_stroke = |drive: &mut Drive, velocity: f64| -> Vec<f64> {
-        let worn = stations(drive, "profile.wear_punch");
+        let worn = drive.profile("wear_punch");
         drive.set("sliding_velocity", velocity);
-        let start = stations(drive, "profile.pressure");
-        assert_eq!(worn, stations(drive, "profile.wear_punch"), "the worn shape does not jump");
+        let start = drive.profile("pressure");
+        assert_eq!(worn, drive.profile("wear_punch"), "the worn shape does not jump");
         drive.step(0.3);
-        let end = stations(drive, "profile.pressure");
+        let end = drive.profile("pressure");
         start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect()
     };
     let forward = half_stroke(&mut drive, 0.01);
@@ -177,9 +171,7 @@ fn caliper_relaxes_as_the_contact_wears() {
         drive.set("normal_load", 1e4).set("sliding_velocity", 0.1);
         assert!((drive.get("pressure_mean") * 6e-4 / 1e4 - 1.0).abs() < 1e-9);
         let start = drive.get("approach");
-        for _ in 0..50 {
-            drive.step(1.0);
-        }
+        drive.steps(50, 1.0);
         let load = drive.get("pressure_mean") * 6e-4;
         assert!(load < 0.99e4 && load > 0.0, "{load}");
         // The loss of load is the caliper's stiffness times the displacement of the punch.
@@ -195,10 +187,7 @@ fn heat_is_that_of_the_mean() {
     // Without thermal feedback, temperature and energy are those of the lumped level.
     let run = |fidelity: f64| {
         let mut drive = line(&[("solver.fidelity", fidelity), ("strip.wear_coefficient", 1e-14)]);
-        drive.set("normal_load", 5e3).set("sliding_velocity", 3.0);
-        for _ in 0..30 {
-            drive.step(0.5);
-        }
+        drive.set("normal_load", 5e3).set("sliding_velocity", 3.0).steps(30, 0.5);
         let names = ["contact_temperature", "dissipated_energy", "stored_heat", "friction_force", "wear_depth"];
         names.map(|name| drive.get(name))
     };
@@ -223,7 +212,7 @@ fn example_wears_towards_its_steady_cycle() {
         }
     }
     assert!(drive.get("pressure_max") < first, "edges relax");
-    let pressure = stations(&mut drive, "profile.pressure");
+    let pressure = drive.profile("pressure");
     assert!((trapezoid(&pressure, 0.06) * 0.01 / 1e4 - 1.0).abs() < 1e-12);
 }
 
@@ -248,7 +237,7 @@ fn the_error_follows_the_tolerance_where_edges_lift_off_and_touch_down() {
                 drive.set("normal_load", load(step)).slope("normal_load", (load(step + 1) - load(step)) / 0.25);
                 drive.step(0.25);
             }
-            let worn = stations(&mut drive, "profile.wear_punch");
+            let worn = drive.profile("wear_punch");
             (worn, drive.0.work().0)
         };
         let (truth, _) = run(1e-8);
@@ -292,10 +281,7 @@ fn uniform_pressure_wears_by_what_is_above_the_threshold_at_both_levels() {
             let strip = 1e-14 * 1e6 * above(0.5 * threshold) * speed * time * 0.06 / 2.0;
             for level in [1.0, 3.0] {
                 let mut drive = line(&[&WINKLER[..], &laws, &[("solver.fidelity", level)]].concat());
-                drive.set("normal_load", load).set("sliding_velocity", speed);
-                for _ in 0..7 {
-                    drive.step(time / 7.0);
-                }
+                drive.set("normal_load", load).set("sliding_velocity", speed).steps(7, time / 7.0);
                 for (name, exact) in [("wear_depth_punch", punch), ("wear_depth_strip", strip)] {
                     let found = drive.get(name);
                     let case = format!("level {level}, b = {exponent}, threshold {threshold}: {name}");
@@ -373,8 +359,7 @@ fn uneven_pressure_wears_above_the_threshold() {
                 worn.iter_mut().zip(&rate).for_each(|(w, rate)| *w += h * rate);
             }
             let pressure = pressure(&worn, load);
-            let (own, own_worn) =
-                (stations(&mut drive, "profile.pressure"), stations(&mut drive, "profile.wear_punch"));
+            let (own, own_worn) = (drive.profile("pressure"), drive.profile("wear_punch"));
             let most = worn.iter().copied().fold(0.0, f64::max);
             for station in 1..32 {
                 // Means over the interval of the station, of 1/32 of the width.

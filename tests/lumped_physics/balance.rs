@@ -79,12 +79,19 @@ fn every_boundary_balances_and_its_flows_integrate_to_what_was_lost() {
 
 #[test]
 fn radiation_forced_convection_and_fade_balance() {
-    for (what, strip) in [("punch in air", 0.0), ("both in air", 80.0)] {
-        let changes = [
-            ("strip.emissivity", if strip > 0.0 { 0.9 } else { 0.0 }),
+    let swing = [("cooling_velocity", 15.0, 10.0), ("ambient_temperature_offset", 0.0, -20.0)];
+    let own: [(&str, &[(&str, f64)]); 3] = [
+        ("punch in air", &[]),
+        ("both in air", &[("strip.emissivity", 0.9), ("strip.convection_forced", 80.0)]),
+        (
+            "both in air, of a given area",
+            &[("strip.emissivity", 0.9), ("strip.convection_forced", 80.0), ("strip.cooled_area", 0.2)],
+        ),
+    ];
+    for (what, own) in own {
+        let both = [
             ("punch.emissivity", 0.7),
             ("punch.convection_forced", 50.0),
-            ("strip.convection_forced", strip),
             ("contact.friction_fade.factor[3]", 0.6),
             // Alike, so that nothing jumps when they touch.
             ("strip.initial_at_ambient", 0.0),
@@ -92,8 +99,8 @@ fn radiation_forced_convection_and_fade_balance() {
             ("punch.initial_at_ambient", 0.0),
             ("punch.initial_temperature", 330.0),
         ];
-        let swing = [("cooling_velocity", 15.0, 10.0), ("ambient_temperature_offset", 0.0, -20.0)];
-        if strip == 0.0 {
+        let changes = [&both[..], own].concat();
+        if what != "both in air" {
             check_flows(what, &changes, &swing);
             continue;
         }
@@ -105,34 +112,10 @@ fn radiation_forced_convection_and_fade_balance() {
 }
 
 #[test]
-fn radiation_forced_convection_fade_and_cooled_area_balance() {
-    check_flows(
-        "radiation and air",
-        &[
-            ("strip.emissivity", 0.9),
-            ("punch.emissivity", 0.7),
-            ("punch.convection_forced", 50.0),
-            ("strip.convection_forced", 80.0),
-            ("contact.friction_fade.factor[3]", 0.6),
-            // Alike, so that nothing jumps when they touch.
-            ("strip.initial_at_ambient", 0.0),
-            ("strip.initial_temperature", 330.0),
-            ("punch.initial_at_ambient", 0.0),
-            ("punch.initial_temperature", 330.0),
-            ("strip.cooled_area", 0.2),
-        ],
-        &[("cooling_velocity", 15.0, 10.0), ("ambient_temperature_offset", 0.0, -20.0)],
-    );
-}
-
-#[test]
 fn an_insulator_takes_nothing() {
     for (body, other) in [("punch", "strip"), ("strip", "punch")] {
         let mut drive = Drive::stock(&[(&format!("{body}.conductivity"), 0.0)]);
-        drive.set("sliding_velocity", 5.0).set("normal_load", 3e3);
-        for _ in 0..20 {
-            drive.step(1.0);
-        }
+        drive.set("sliding_velocity", 5.0).set("normal_load", 3e3).steps(20, 1.0);
         assert_eq!(drive.get(&format!("heat_received_{body}")), 0.0);
         let (received, heat) = (drive.get(&format!("heat_received_{other}")), drive.get("dissipated_energy"));
         assert!((received / heat - 1.0).abs() < 1e-12, "{received} {heat}");
@@ -154,10 +137,7 @@ fn an_insulator_takes_nothing() {
 fn the_conductance_has_its_limits() {
     let split = |conductance: f64| {
         let mut drive = Drive::stock(&[("contact.conductance", conductance), ("solver.tolerance", 1e-5)]);
-        drive.set("sliding_velocity", 5.0).set("normal_load", 3e3);
-        for _ in 0..10 {
-            drive.step(1.0);
-        }
+        drive.set("sliding_velocity", 5.0).set("normal_load", 3e3).steps(10, 1.0);
         assert!(drive.imbalance() < 1e-9);
         let jump = 2.0 * (drive.get("contact_temperature_max") - drive.get("contact_temperature"));
         (drive.get("heat_received_punch") / drive.get("dissipated_energy"), jump, drive.get("contact_temperature"))
@@ -215,9 +195,7 @@ fn the_ambient_offset_and_the_tunable_ambient_are_the_same() {
         } else {
             drive.set("ambient_temperature_offset", 20.0);
         }
-        for _ in 0..50 {
-            drive.step(2000.0);
-        }
+        drive.steps(50, 2000.0);
         (drive.get("contact_temperature"), drive.get("stored_heat"), drive.imbalance())
     };
     let area = Drive::stock(&[]).area();
@@ -242,9 +220,6 @@ fn an_external_temperature_of_nothing_is_an_error_that_says_so() {
     let mut drive = Drive::stock(&[("strip.base_thermal", EXTERNAL), ("strip.external_temperature", 330.0)]);
     drive.set("strip.external_temperature", 0.0);
     assert!(drive.0.step(1.0).unwrap_err().contains("strip.external_temperature = 0 K"));
-    drive.set("strip.external_temperature", 340.0);
-    for _ in 0..100 {
-        drive.step(100.0);
-    }
+    drive.set("strip.external_temperature", 340.0).steps(100, 100.0);
     assert!((drive.get("strip.mean_temperature") - 340.0).abs() < 1.0);
 }

@@ -1,6 +1,6 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
-use test_support::derivatives::{INPUTS, assert_derivatives, run_at_random};
+use test_support::derivatives::{FRICTION_TABLE, INPUTS, assert_derivatives, run_at_random};
 use test_support::{Drive, Random, reference};
 
 /// A random scene that has run for a random time, and the inputs it is at.
@@ -42,17 +42,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
             ("punch.top_thermal", 2.0 + (2.0 * random.next()).floor()),
             ("strip.base_thermal", 2.0 + (2.0 * random.next()).floor()),
         ]),
-        6 => changes.extend([
-            ("contact.static_friction_ratio", 1.0),
-            ("contact.friction_table.points", 4.0),
-            ("contact.friction_table.speed[2]", 1.0),
-            ("contact.friction_table.speed[3]", 4.0),
-            ("contact.friction_table.speed[4]", 15.0),
-            ("contact.friction_table.coefficient[1]", 0.5),
-            ("contact.friction_table.coefficient[2]", 0.45),
-            ("contact.friction_table.coefficient[3]", 0.3),
-            ("contact.friction_table.coefficient[4]", 0.35),
-        ]),
+        6 => changes.extend(FRICTION_TABLE),
         _ => {}
     }
     let mut drive = Drive::stock(&changes);

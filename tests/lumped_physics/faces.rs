@@ -66,9 +66,7 @@ fn alone(body: &str, conductivity: f64, more: &[(&str, f64)]) -> (Drive, Slab) {
 fn course(drive: &mut Drive, body: &str, step: f64) -> [f64; 3] {
     for (velocity, cooling, load) in [(2.0, 0.0, 1.5e3), (2.0, 6.0, 1.5e3), (2.0, 6.0, 0.0)] {
         drive.set("sliding_velocity", velocity).set("cooling_velocity", cooling).set("normal_load", load);
-        for _ in 0..(100.0 / step) as usize {
-            drive.step(step);
-        }
+        drive.steps((100.0 / step) as u32, step);
     }
     let lost = if body == "punch" { "heat_lost_punch_top" } else { "heat_lost_strip_base" };
     ["contact_temperature", &format!("{body}.mean_temperature"), lost].map(|name| drive.get(name))
@@ -112,10 +110,7 @@ fn a_steady_far_face_gives_off_what_enters() {
     for more in [&[][..], &line] {
         for body in ["punch", "strip"] {
             let (mut drive, slab) = alone(body, 54.0, more);
-            drive.set("sliding_velocity", 3.0).set("normal_load", 1e3);
-            (0..200).for_each(|_| {
-                drive.step(20.0);
-            });
+            drive.set("sliding_velocity", 3.0).set("normal_load", 1e3).steps(200, 20.0);
             let flux = 3e4;
             let mut t = AMBIENT;
             for _ in 0..60 {

@@ -32,10 +32,7 @@ const PER_FACE: [&str; 7] = [
 
 fn heated(changes: &[(&str, f64)], load: f64) -> Drive {
     let mut drive = Drive::stock(changes);
-    drive.set("sliding_velocity", 6.0).set("normal_load", load);
-    for _ in 0..20 {
-        drive.step(1.0);
-    }
+    drive.set("sliding_velocity", 6.0).set("normal_load", load).steps(20, 1.0);
     drive
 }
 
@@ -147,9 +144,7 @@ fn unidirectional_on_a_straight_path_is_the_moving_band_on_fresh_material() {
             let half = 0.5 * width;
             let peclet = velocity * half / (2.0 * 54.0 / (7200.0 * 460.0));
             let exact = flux * half / 54.0 * band_mean(peclet, Some((0.011 / half, base)));
-            for _ in 0..200 {
-                drive.step(10.0);
-            }
+            drive.steps(200, 10.0);
             let rise = drive.get("contact_temperature") - 293.15;
             println!("{base:?} {velocity}: {rise} {exact}");
             assert!((rise / exact - 1.0).abs() < 2e-4, "{base:?} {velocity} m/s: {rise} instead of {exact}");

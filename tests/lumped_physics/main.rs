@@ -7,7 +7,6 @@ mod derivatives;
 mod faces;
 mod friction_table;
 mod geometry;
-mod hostile;
 mod limits;
 mod neighbours;
 mod properties;

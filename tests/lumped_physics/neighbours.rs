@@ -145,10 +145,7 @@ fn both_levels_exchange_the_same_heat_with_their_neighbours() {
         let changes = [&[("solver.fidelity", level), ("solver.cells", 9.0)][..], &far(INSULATED), &PATHS].concat();
         let mut drive = Drive::stock(&changes);
         drive.set("normal_load", 3e3).set("sliding_velocity", 5.0);
-        drive.set("strip.external_temperature", 300.0).set("punch.external_temperature", 300.0);
-        (0..40).for_each(|_| {
-            drive.step(0.5);
-        });
+        drive.set("strip.external_temperature", 300.0).set("punch.external_temperature", 300.0).steps(40, 0.5);
         ["strip", "punch"].map(|body| drive.get(&format!("heat_lost_{body}_external")))
     };
     for (lumped, line) in run(LUMPED).into_iter().zip(run(LINE)) {

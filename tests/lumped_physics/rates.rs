@@ -12,10 +12,7 @@ fn rate(drive: &mut Drive, name: &str) -> f64 {
 fn rates_are_the_powers_and_flows() {
     for (name, load, velocity) in scenes() {
         let mut drive = Drive::from_starts(&scene(name), &[]);
-        drive.set("normal_load", load).set("sliding_velocity", -velocity);
-        for _ in 0..40 {
-            drive.step(0.05);
-        }
+        drive.set("normal_load", load).set("sliding_velocity", -velocity).steps(40, 0.05);
         let expected = |drive: &mut Drive, names: &[&str]| names.iter().map(|name| drive.get(name)).sum::<f64>();
         let power = drive.get("friction_power");
         let flows = expected(&mut drive, &["heat_flow_ambient", "heat_flow_punch_top", "heat_flow_strip_base"]);
@@ -38,10 +35,7 @@ fn rates_are_the_powers_and_flows() {
         }
         // Nothing has moved, and another step goes on from here to the bit.
         let mut twin = Drive::from_starts(&scene(name_of(load)), &[]);
-        twin.set("normal_load", load).set("sliding_velocity", -velocity);
-        for _ in 0..40 {
-            twin.step(0.05);
-        }
+        twin.set("normal_load", load).set("sliding_velocity", -velocity).steps(40, 0.05);
         for drive in [&mut drive, &mut twin] {
             drive.step(0.05);
         }
@@ -61,15 +55,10 @@ fn temperatures_rise_at_their_rate() {
     // Before the first step too.
     drive.set("sliding_velocity", 3.0);
     assert!((rate(&mut drive, "sliding_distance") / 3.0 - 1.0).abs() < 1e-6);
-    drive.set("normal_load", 4e3).set("sliding_velocity", 5.0);
-    for _ in 0..20 {
-        drive.step(0.1);
-    }
+    drive.set("normal_load", 4e3).set("sliding_velocity", 5.0).steps(20, 0.1);
     let (rate, start) = (rate(&mut drive, "contact_temperature"), drive.get("contact_temperature"));
     let wear = rate_of_wear(&mut drive);
-    for _ in 0..100 {
-        drive.step(1e-4);
-    }
+    drive.steps(100, 1e-4);
     let change = (drive.get("contact_temperature") - start) / 1e-2;
     assert!(rate > 0.0 && (rate / change - 1.0).abs() < 2e-2, "{rate} {change}");
     assert!((rate_of_wear(&mut drive) / wear - 1.0).abs() < 1e-2);

@@ -17,9 +17,7 @@ fn a_bristle_holds_below_the_limit_without_creep_heat_or_wear() {
     let mut drive = bristle(0.0);
     drive.set("sliding_velocity", 1e-3).step(1.0).set("sliding_velocity", 0.0);
     assert!((drive.get("friction_force") - 1e-3 * STIFFNESS).abs() < 1e-9);
-    for _ in 0..1000 {
-        drive.step(1.0);
-    }
+    drive.steps(1000, 1.0);
     assert!((drive.get("friction_force") - 1e-3 * STIFFNESS).abs() < 1e-9, "{}", drive.get("friction_force"));
     assert!((drive.get("bristle_energy") - 0.5 * STIFFNESS * 1e-6).abs() < 1e-12);
     for name in ["dissipated_energy", "wear_depth", "sliding_distance"] {
@@ -93,9 +91,7 @@ fn wear_relaxes_a_caliper_exponentially() {
         let area = drive.area();
         let p0 = drive.get("pressure_mean");
         assert!((p0 - 5e3 / area).abs() < 1e-6 * p0);
-        for _ in 0..parts {
-            drive.step(100.0 / f64::from(parts));
-        }
+        drive.steps(parts, 100.0 / f64::from(parts));
         // dp/dt = -K k p v/A.
         let exponent: f64 = -1e7 * 1e-12 * 10.0 * 100.0 / area;
         let exact = exponent.exp();

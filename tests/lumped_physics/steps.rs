@@ -229,10 +229,7 @@ fn reversals_and_lift_off_inside_a_step_are_located() {
 #[test]
 fn an_open_contact_neither_rubs_nor_wears_and_says_so_once() {
     let mut drive = Drive::stock(&[]);
-    drive.set("sliding_velocity", 10.0).set("normal_load", -100.0);
-    for _ in 0..5 {
-        drive.step(1.0);
-    }
+    drive.set("sliding_velocity", 10.0).set("normal_load", -100.0).steps(5, 1.0);
     for name in
         ["wear_depth", "dissipated_energy", "friction_force", "pressure_mean", "contact_fraction", "limit_reached"]
     {
@@ -255,9 +252,7 @@ fn city(name: &str, tolerance: f64, seconds: usize, parts: u32) -> (Vec<f64>, (u
         for tenth in 0..10 {
             let speed = pair[0] + 0.1 * f64::from(tenth) * acceleration;
             drive.set("sliding_velocity", 0.379 * speed).set("normal_load", 2000.0 * (-acceleration).max(0.0));
-            for _ in 0..parts {
-                drive.step(0.1 / f64::from(parts));
-            }
+            drive.steps(parts, 0.1 / f64::from(parts));
             temperatures.push(drive.get("contact_temperature"));
         }
     }

@@ -23,7 +23,7 @@ fn stepped(file: &SceneFile) -> [f64; 4] {
             drive.set("sliding_velocity", velocity).step(0.25);
         }
     }
-    let mut deepest = |name: &str| (1..=33).map(|k| drive.get(&format!("profile.{name}[{k}]"))).fold(0.0, f64::max);
+    let mut deepest = |name: &str| drive.profile(name).into_iter().fold(0.0, f64::max);
     let [punch, strip] = [deepest("wear_punch"), deepest("wear_strip")];
     let area = drive.area();
     [punch, strip, drive.get("wear_volume_punch") / area, drive.get("wear_volume_strip") / area]

@@ -51,9 +51,6 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
 }
 
 /// Finite elements of the punch, where its compliance or, if it is heated, its distortion is that of a block.
-///
-/// # Errors
-/// As [`compliances`].
 pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<Block>, BodyError> {
     let is_distorted = heated
         && scene.punch.conductivity > 0.0
@@ -66,9 +63,6 @@ pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<
 }
 
 /// [`compliances`] with the block of [`punch_block`].
-///
-/// # Errors
-/// As [`compliances`].
 pub fn compliances_with(scene: &Scene, cells: &Cells, block: Option<&Block>) -> Result<[Compliance; 2], BodyError> {
     let punch = kinds::compliance(scene, cells, &scene.punch, true, block)
         .map_err(|reason| BodyError { body: "punch", reason })?;

@@ -37,17 +37,11 @@ pub fn tangential_stiffness(scene: &Scene) -> f64 {
 /// [`super::StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where it is unconstrained; a
 /// block's is computed by finite elements; zero for rigid bodies and Winkler foundations. `contact.shear_coupling` is
 /// ignored.
-///
-/// # Errors
-/// As [`compliances_with`].
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
     tangential_compliances_with(scene, cells, punch_block(scene, cells, false)?.as_ref())
 }
 
 /// [`tangential_compliances`] with the block of [`punch_block`].
-///
-/// # Errors
-/// As [`compliances_with`].
 pub fn tangential_compliances_with(
     scene: &Scene,
     cells: &Cells,

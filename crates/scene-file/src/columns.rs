@@ -241,9 +241,6 @@ pub fn open(path: &Path) -> Result<File> {
 }
 
 /// Reads the content of a file; `path` names it in messages.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(content: impl Read, path: &Path, accepted: &[Column], reading: &Reading) -> Result<Table> {
     let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
     let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();

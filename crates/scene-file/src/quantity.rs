@@ -63,9 +63,6 @@ fn item(text: &str, kind: &EnumerationType) -> Result<f64, String> {
 
 /// The value for one element of `row` from a cell of a table, checked as by [`value`]: a number in the unit `symbol` of its column (`None`:
 /// the SI unit) or with a unit of its own, `true` or `false`, an item of an enumeration by its name or number.
-///
-/// # Errors
-/// As [`value`].
 pub fn cell(text: &str, symbol: Option<&str>, row: &Row) -> Result<f64, String> {
     let text = text.trim();
     match row.kind {

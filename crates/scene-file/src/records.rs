@@ -44,9 +44,6 @@ impl Records {
     }
 
     /// Reads the content of a file; `path` names it in messages.
-    ///
-    /// # Errors
-    /// As [`Records::read`].
     pub(crate) fn parse(content: impl Read, path: &Path, reading: &Reading) -> Result<Self> {
         let conditions = CONDITIONS.map(|(name, unit)| Column {
             required: true,
@@ -107,9 +104,6 @@ impl Tests {
     }
 
     /// Reads a file.
-    ///
-    /// # Errors
-    /// As [`Tests::parse`].
     pub fn read(path: &Path, reading: &Reading) -> Result<Self> {
         let mut content = Vec::new();
         columns::open(path)?.read_to_end(&mut content).with_context(|| format!("reading {}", path.display()))?;

@@ -137,9 +137,6 @@ const MOST_ITERATIONS: usize = 50;
 
 /// [`hot_state`], and the scene with its conductivities and specific heats there as constants: those of the mean temperatures of both bodies,
 /// found by fixed-point iteration.
-///
-/// # Errors
-/// Those of [`hot_state`].
 pub fn at_steady_properties(
     scene: &Scene,
     cells: &Cells,

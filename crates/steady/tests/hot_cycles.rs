@@ -1,8 +1,8 @@
-//! Steady states with heat and jumps over cycles, against time stepping.
+//! Steady states with heat and jumps over cycles. A steady cycle beside time integration: `analyses`; Galin's relaxation over a million
+//! cycles: `verification`.
 
 use elasticity::Cells;
 use elasticity::discretization::{cells_for, compliances};
-use exact::GalinRelaxation;
 use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution, SolveOptions};
 use model::line::operators::LineOperators;
@@ -46,47 +46,6 @@ fn reciprocating(drive: &mut Drive, cycles: u32, steps: u32, mut watch: impl FnM
             for _ in 0..steps {
                 drive.step(stroke / speed / f64::from(steps));
                 watch(drive, velocity);
-            }
-        }
-    }
-}
-
-/// The directly computed cycle equals the limit cycle of the component, stepped by its own step control from cold and flat.
-#[test]
-fn stepping_ends_in_the_cycle_found_directly() {
-    for holder in [&[][..], &[("holder.constraint", 2.0), ("holder.pivot_height", 3e-3)]] {
-        let (cells, hot) = hot(&made(holder)).unwrap();
-        let line = [&[("solver.tolerance", 1e-4)], holder].concat();
-        let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &line].concat());
-        drive.set("normal_load", 1e3);
-        reciprocating(&mut drive, 300, 10, |_, _| ());
-        let (mut least, mut most, mut highest) = (f64::INFINITY, f64::NEG_INFINITY, [0.0; 2]);
-        reciprocating(&mut drive, 1, 40, |drive, velocity| {
-            let t = drive.get("contact_temperature");
-            (least, most) = (least.min(t), most.max(t));
-            highest[usize::from(velocity < 0.0)] = drive.get("pressure_max");
-        });
-        let [low, mean, high] = hot.heat.contact_temperature;
-        let rise = mean - 293.15;
-        println!("{holder:?}: {low} {high} K against {least} {most}; {} cycles", hot.heat.accuracy.iterations);
-        assert!((low - least).abs() < 2e-3 * rise && (high - most).abs() < 2e-3 * rise);
-        let pressure = 1e3 / (6e-3 * 0.01);
-        for (stroke, highest) in hot.heat.strokes.iter().zip(highest) {
-            let direct = stroke.pressure_at[1].iter().copied().fold(0.0, f64::max);
-            println!("  pressure {} against {}", direct / pressure, highest / pressure);
-            assert!((direct - highest).abs() < 5e-3 * pressure);
-        }
-        // The shape, without its rigid motion.
-        let stations: Vec<f64> = (1..=33).map(|i| drive.get(&format!("profile.wear_punch[{i}]"))).collect();
-        let spread = |values: &[f64]| {
-            values.iter().copied().fold(0.0, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min)
-        };
-        if holder.is_empty() {
-            let at = |values: &[f64], x: f64| cells.point_value(values, x);
-            for (i, depth) in stations.iter().enumerate().skip(2).take(29) {
-                let x = -3e-3 + 6e-3 * i as f64 / 32.0;
-                let difference = (at(&hot.state.shape, x) - at(&hot.state.shape, 0.0)) - (depth - stations[16]);
-                assert!(difference.abs() < 0.01 * spread(&stations), "{x}: {difference} of {}", spread(&stations));
             }
         }
     }
@@ -204,8 +163,7 @@ fn a_run_in_start_is_that_of_the_hot_contact() {
         let changes = [("contact.initial_shape", shape), ("solver.cells", 9.0)];
         let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &changes].concat());
         drive.set("normal_load", 1e3);
-        let worn =
-            |drive: &mut Drive| (3..=31).map(|i| drive.get(&format!("profile.wear_punch[{i}]"))).collect::<Vec<_>>();
+        let worn = |drive: &mut Drive| drive.profile("wear_punch")[2..31].to_vec();
         reciprocating(&mut drive, 60, 8, |_, _| ());
         let before = worn(&mut drive);
         reciprocating(&mut drive, 1, 8, |_, _| ());
@@ -401,42 +359,6 @@ fn a_million_cycles_end_in_the_steady_cycle() {
     assert!((depth / (4e-14 * mean * 2e-3 * 1e6) - 1.0).abs() < 1e-6, "{depth}");
 }
 
-/// A flat rigid punch on a half-plane relaxes to Galin's solution over a million cycles.
-#[test]
-fn a_million_cycles_relax_as_theory_has_it() {
-    let modulus = 2e11 / (1.0 - 0.09);
-    let cycles = 1e6;
-    // tau = k s E*/a = 1 in the end.
-    let wear = 1.0 / (cycles * 2e-3 * modulus / 3e-3);
-    let changes = [
-        ("punch.body", 1.0),
-        ("strip.body", 3.0),
-        ("contact.shear_coupling", 0.0),
-        ("punch.wear_coefficient", wear),
-        ("solver.cells", 65.0),
-    ];
-    let mut map = map(&changes, false);
-    let cells = map.operators().cells.clone();
-    let start = map.start();
-    let mut jumps = Jumps::new(&mut map, start, JumpOptions::default());
-    let mean = 1e3 / (6e-3 * 0.01);
-    let exact = GalinRelaxation::new(150);
-    for (tau, at) in [(0.1, 1e5), (0.5, 5e5), (1.0, 1e6)] {
-        let mut last = None;
-        jumps.carry_to(at, |jump| last = Some(jump.clone())).unwrap();
-        let last = last.unwrap();
-        for x in [0.0, 0.5, 0.9] {
-            let found = cells.point_value(&last.passage.strokes[1].pressure, 3e-3 * x) / mean;
-            let expected = exact.pressure(tau, x);
-            println!(
-                "tau {tau} x {x}: {found} {expected}, {} computed, {:.1e}",
-                last.progress.computed, last.progress.accumulated
-            );
-            assert!((found - expected).abs() < 3e-3, "tau {tau}, x {x}: {found} {expected}");
-        }
-    }
-}
-
 /// A direct cycle with steps a quarter as long agrees within the estimated error.
 #[test]
 fn the_steps_of_a_cycle_are_short_enough() {
@@ -572,10 +494,7 @@ fn integration_with_property_tables_ends_in_the_steady_state() {
     for (level, bound) in [(2.0, 2e-2), (3.0, 2e-3)] {
         let changes = changes(level, &tables);
         let mut drive = Drive::from_starts(&scene("disc_brake"), &named(&changes));
-        drive.set("normal_load", 1e4).set("sliding_velocity", 3.8);
-        (0..400).for_each(|_| {
-            drive.step(1.0);
-        });
+        drive.set("normal_load", 1e4).set("sliding_velocity", 3.8).steps(400, 1.0);
         for (name, exact) in
             [("contact_temperature", own.contact_temperature[1]), ("strip.mean_temperature", own.body_temperature[1])]
         {

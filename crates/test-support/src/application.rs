@@ -53,9 +53,6 @@ impl Application {
     }
 
     /// Runs the scene with changes by name.
-    ///
-    /// # Errors
-    /// A refused initialisation or step.
     pub fn run(&self, changes: &[(&str, f64)]) -> Result<Run, String> {
         let mut component = Component::new(Arc::new(changed(&self.starts, changes)));
         let inputs = ["sliding_velocity", "normal_load"].map(reference);

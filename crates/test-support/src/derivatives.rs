@@ -14,6 +14,19 @@ pub const INPUTS: [(&str, f64); 7] = [
     ("punch.external_temperature", 300.0),
 ];
 
+/// Friction by a table of the speed.
+pub const FRICTION_TABLE: [(&str, f64); 9] = [
+    ("contact.static_friction_ratio", 1.0),
+    ("contact.friction_table.points", 4.0),
+    ("contact.friction_table.speed[2]", 1.0),
+    ("contact.friction_table.speed[3]", 4.0),
+    ("contact.friction_table.speed[4]", 15.0),
+    ("contact.friction_table.coefficient[1]", 0.5),
+    ("contact.friction_table.coefficient[2]", 0.45),
+    ("contact.friction_table.coefficient[3]", 0.3),
+    ("contact.friction_table.coefficient[4]", 0.35),
+];
+
 /// One to `most` steps of random length up to `longest` (s) at random inputs; the last inputs.
 pub fn run_at_random(drive: &mut Drive, random: &mut Random, most: f64, longest: f64) -> [f64; 7] {
     let direction = if random.next() < 0.5 { -1.0 } else { 1.0 };

@@ -68,6 +68,17 @@ impl Drive {
         self
     }
 
+    /// As many equal steps at constant inputs.
+    pub fn steps(&mut self, count: u32, step: f64) -> &mut Drive {
+        (0..count).for_each(|_| _ = self.step(step));
+        self
+    }
+
+    /// A profile at its 33 stations.
+    pub fn profile(&mut self, name: &str) -> Vec<f64> {
+        (1..=33).map(|station| self.get(&format!("profile.{name}[{station}]"))).collect()
+    }
+
     /// Sliding to and fro at up to `speed` (m/s), in some steps linear with up to `slope` (m/s2), under a varying load; the bits of all
     /// outputs.
     pub fn strokes(&mut self, steps: std::ops::Range<u32>, speed: f64, slope: f64) -> Vec<u64> {

@@ -212,51 +212,9 @@ fn uniform(all: &mut Vec<Problem>) {
 }
 
 fn slender(level: f64, variable: &str) -> Result<f64, String> {
-    let mean_radius = 10.0;
-    let mut driven = Driven::new(&[
-        ("solver.fidelity", level),
-        ("solver.cells", 9.0),
-        ("solver.tolerance", 2e-5),
-        ("contact.geometry", 2.0),
-        ("contact.mean_radius", mean_radius),
-        ("contact.faces", 2.0),
-        ("contact.conductance", 2e4),
-        ("contact.friction_coefficient", 0.4),
-        // A friction fade far above all temperatures reached, which selects resolved heat.
-        ("contact.friction_fade.factor[8]", 0.999),
-        ("contact.friction_fade.temperature[8]", 4000.0),
-        ("contact.friction_fade.temperature[7]", 3900.0),
-        ("punch.count", 2.0),
-        ("punch.width", 0.02),
-        ("depth", 0.3 * PI * mean_radius),
-        ("punch.body", 2.0),
-        ("strip.body", 2.0),
-        ("punch.thermal_expansion", 0.0),
-        ("strip.thermal_expansion", 0.0),
-        ("punch.wear_coefficient", 0.0),
-        ("strip.wear_coefficient", 0.0),
-        ("punch.convection", 0.0),
-        ("punch.convection_forced", 0.0),
-        ("punch.emissivity", 0.0),
-        ("punch.top_thermal", 1.0),
-        ("punch.height", 0.015),
-        ("punch.conductivity", 1.2),
-        ("punch.density", 2500.0),
-        ("punch.specific_heat", 1000.0),
-        ("strip.path", 2.0),
-        ("strip.length", 0.0),
-        ("strip.height", 0.011),
-        ("strip.conductivity", IRON.0),
-        ("strip.density", 7200.0),
-        ("strip.specific_heat", 460.0),
-        ("strip.convection", 80.0),
-        ("strip.convection_forced", 0.0),
-        ("strip.emissivity", 0.0),
-        ("strip.base_thermal", 3.0),
-        ("nominal.load", 1e6),
-        ("nominal.velocity", 10.0),
-        ("nominal.duration", 60.0),
-    ])?;
+    // Three tenths of the circumference.
+    let changes = [("solver.fidelity", level), ("depth", 0.3 * PI * 10.0)];
+    let mut driven = Driven::read(include_str!("../scenes/slender_annulus.toml"), &changes)?;
     driven.set("normal_load", 1e6)?;
     driven.set("sliding_velocity", 10.0)?;
     driven.steps(0.5, 120)?;

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 10.
 
 use super::driver::Driven;
-use super::{Problem, known};
+use super::{Problem, Value, known};
 use conduction::STEFAN_BOLTZMANN;
 use exact::reference::{ClosedPath, LayerBase};
 use std::f64::consts::PI;
@@ -52,6 +52,34 @@ fn heated(changes: &[(&str, f64)], flux: f64) -> Result<Driven, String> {
     Ok(driven)
 }
 
+/// What `of` reads after `count` steps (s) of [`heated`].
+fn after<const N: usize>(
+    changes: [(&'static str, f64); N],
+    flux: f64,
+    (step, count): (f64, u32),
+    of: impl Fn(&mut Driven) -> Result<f64, String> + 'static,
+) -> Value {
+    Box::new(move || {
+        let mut driven = heated(&changes, flux)?;
+        driven.steps(step, count)?;
+        of(&mut driven)
+    })
+}
+
+fn part_of_punch(driven: &mut Driven) -> Result<f64, String> {
+    Ok(driven.get("heat_received_punch")? / driven.get("dissipated_energy")?)
+}
+
+/// Hotter side less the mean, K.
+fn jump(driven: &mut Driven) -> Result<f64, String> {
+    Ok(driven.get("contact_temperature_max")? - driven.get("contact_temperature")?)
+}
+
+/// Rise of the contact temperature, K.
+fn rise(driven: &mut Driven) -> Result<f64, String> {
+    Ok(driven.get("contact_temperature")? - 300.0)
+}
+
 pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
     short_heating(&mut all);
@@ -71,24 +99,24 @@ fn short_heating(all: &mut Vec<Problem>) {
         quantity: "temperature rise after 1 s, K",
         exact: known(2e6 / effusivity / PI.sqrt()),
         scale: None,
-        compute: Box::new(|| {
-            let changes = [("punch.conductivity", 0.0), ("strip.height", 0.1), ("nominal.duration", 1.0)];
-            let mut driven = heated(&changes, 1e6)?;
-            driven.steps(0.1, 10)?;
-            Ok(driven.get("contact_temperature")? - 300.0)
-        }),
+        compute: after(
+            [("punch.conductivity", 0.0), ("strip.height", 0.1), ("nominal.duration", 1.0)],
+            1e6,
+            (0.1, 10),
+            rise,
+        ),
         bound: 1e-4,
         reason: OWN_TOLERANCE,
     });
     // q = q0 (1 - t/ts): T = (2 q0/e) sqrt(t/pi) (1 - 2 t/(3 ts)), largest at ts/2. A stop from 100 km/h at 8 m/s2.
     let stop = 100.0 / 3.6 / 8.0;
     for part in [0.25, 0.5, 0.9] {
-        let rise = |part: f64| 2.0 * 1.336e6 / effusivity * (part * stop / PI).sqrt() * (1.0 - 2.0 / 3.0 * part);
+        let exact = |part: f64| 2.0 * 1.336e6 / effusivity * (part * stop / PI).sqrt() * (1.0 - 2.0 / 3.0 * part);
         all.push(Problem {
             name: format!("component: stop from 100 km/h on a half-space, {part} of its time"),
             quantity: "temperature rise, K",
-            exact: known(rise(part)),
-            scale: Some(rise(0.5)),
+            exact: known(exact(part)),
+            scale: Some(exact(0.5)),
             compute: Box::new(move || {
                 let changes = [("punch.conductivity", 0.0), ("strip.height", 0.2), ("nominal.duration", stop)];
                 let mut driven = heated(&changes, 1.336e6)?;
@@ -99,7 +127,7 @@ fn short_heating(all: &mut Vec<Problem>) {
                     driven.set_slope("sliding_velocity", -10.0 / stop)?;
                     driven.steps(step, 1)?;
                 }
-                Ok(driven.get("contact_temperature")? - 300.0)
+                rise(&mut driven)
             }),
             bound: 1e-4,
             reason: OWN_TOLERANCE,
@@ -116,11 +144,7 @@ fn interface(all: &mut Vec<Problem>) {
         quantity: "part of the heat that enters the punch",
         exact: known(punch / (punch + strip)),
         scale: Some(1.0),
-        compute: Box::new(move || {
-            let mut driven = heated(&thick, 1e6)?;
-            driven.steps(0.1, 10)?;
-            Ok(driven.get("heat_received_punch")? / driven.get("dissipated_energy")?)
-        }),
+        compute: after(thick, 1e6, (0.1, 10), part_of_punch),
         bound: 1e-4,
         reason: OWN_TOLERANCE,
     });
@@ -129,12 +153,7 @@ fn interface(all: &mut Vec<Problem>) {
         quantity: "part of the heat that enters the punch",
         exact: known(0.5),
         scale: None,
-        compute: Box::new(move || {
-            let changes = [thick.as_slice(), &[("contact.conductance", 0.0)]].concat();
-            let mut driven = heated(&changes, 1e6)?;
-            driven.steps(0.1, 10)?;
-            Ok(driven.get("heat_received_punch")? / driven.get("dissipated_energy")?)
-        }),
+        compute: after([thick[0], thick[1], thick[2], ("contact.conductance", 0.0)], 1e6, (0.1, 10), part_of_punch),
         bound: 1e-12,
         reason: "exact but for rounding",
     });
@@ -143,11 +162,7 @@ fn interface(all: &mut Vec<Problem>) {
         quantity: "hotter side less the mean, K",
         exact: known(0.0),
         scale: Some(80.0),
-        compute: Box::new(move || {
-            let mut driven = heated(&thick, 1e6)?;
-            driven.steps(0.1, 10)?;
-            Ok(driven.get("contact_temperature_max")? - driven.get("contact_temperature")?)
-        }),
+        compute: after(thick, 1e6, (0.1, 10), jump),
         bound: 1e-9,
         reason: "exact but for rounding",
     });
@@ -157,12 +172,7 @@ fn interface(all: &mut Vec<Problem>) {
         quantity: "hotter side less the mean, K",
         exact: known(1e6 / 4e4),
         scale: None,
-        compute: Box::new(|| {
-            let changes = [("punch.conductivity", 0.0), ("contact.conductance", 1e4)];
-            let mut driven = heated(&changes, 1e6)?;
-            driven.steps(0.1, 10)?;
-            Ok(driven.get("contact_temperature_max")? - driven.get("contact_temperature")?)
-        }),
+        compute: after([("punch.conductivity", 0.0), ("contact.conductance", 1e4)], 1e6, (0.1, 10), jump),
         bound: 1e-9,
         reason: "exact but for rounding",
     });
@@ -170,14 +180,13 @@ fn interface(all: &mut Vec<Problem>) {
 
 fn balances(all: &mut Vec<Problem>) {
     let closed = [("strip.height", 0.011), ("nominal.duration", 100.0)];
+    let insulator = ("punch.conductivity", 0.0);
     all.push(Problem {
         name: "component: two insulated slabs keep all heat".into(),
         quantity: "stored over dissipated heat",
         exact: known(1.0),
         scale: None,
-        compute: Box::new(move || {
-            let mut driven = heated(&closed, 1e5)?;
-            driven.steps(1.0, 100)?;
+        compute: after(closed, 1e5, (1.0, 100), |driven| {
             Ok(driven.get("stored_heat")? / driven.get("dissipated_energy")?)
         }),
         bound: 1e-9,
@@ -188,10 +197,7 @@ fn balances(all: &mut Vec<Problem>) {
         quantity: "mean temperature rise after 100 s of 1e5 W/m2, K",
         exact: known(1e5 * 100.0 / (0.011 * 7200.0 * 460.0)),
         scale: None,
-        compute: Box::new(move || {
-            let changes = [closed.as_slice(), &[("punch.conductivity", 0.0)]].concat();
-            let mut driven = heated(&changes, 1e5)?;
-            driven.steps(1.0, 100)?;
+        compute: after([closed[0], closed[1], insulator], 1e5, (1.0, 100), |driven| {
             Ok(driven.get("strip.mean_temperature")? - 300.0)
         }),
         bound: 1e-9,
@@ -202,12 +208,7 @@ fn balances(all: &mut Vec<Problem>) {
         quantity: "temperature rise q h/k, K",
         exact: known(1e6 * 0.011 / 54.0),
         scale: None,
-        compute: Box::new(move || {
-            let changes = [closed.as_slice(), &[("punch.conductivity", 0.0), ("strip.base_thermal", HELD)]].concat();
-            let mut driven = heated(&changes, 1e6)?;
-            driven.steps(100.0, 100)?;
-            Ok(driven.get("contact_temperature")? - 300.0)
-        }),
+        compute: after([closed[0], closed[1], insulator, ("strip.base_thermal", HELD)], 1e6, (100.0, 100), rise),
         bound: 1e-7,
         reason: "stationary solutions are in the reduced space; rounding where it holds many functions that look alike",
     });
@@ -225,18 +226,20 @@ fn balances(all: &mut Vec<Problem>) {
         quantity: "temperature rise, K",
         exact: Box::new(move || Ok(1e6 * (0.1 * path.height / path.conductivity + path.steady_mean(10.0, 200_000)))),
         scale: None,
-        compute: Box::new(move || {
-            let changes = [
-                ("punch.conductivity", 0.0),
+        compute: after(
+            [
+                closed[0],
+                closed[1],
+                insulator,
                 ("strip.base_thermal", HELD),
                 ("contact.geometry", 1.0),
                 ("punch.width", 0.1),
                 ("depth", 1.0),
-            ];
-            let mut driven = heated(&[closed.as_slice(), &changes].concat(), 1e6)?;
-            driven.steps(10.0, 100)?;
-            Ok(driven.get("contact_temperature")? - 300.0)
-        }),
+            ],
+            1e6,
+            (10.0, 100),
+            rise,
+        ),
         bound: 1e-4,
         reason: OWN_TOLERANCE,
     });

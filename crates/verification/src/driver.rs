@@ -1,7 +1,7 @@
 //! Component driver of the verification problems, with variables by name.
 
 use scene::variables::{STARTS, ValueReference, changed, find};
-use sliding_contact::component::Component;
+use sliding_contact::component::{Component, Values};
 use std::sync::Arc;
 
 /// An initialised component with variables by name.
@@ -15,7 +15,17 @@ impl Driven {
     /// The stock scene with changed start values, initialised.
     pub(crate) fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
         // Problems at another level select it; the default is the lumped one.
-        let starts = changed(&changed(&STARTS, &[("solver.fidelity", 2.0)])?, changes)?;
+        Driven::of(changed(&changed(&STARTS, &[("solver.fidelity", 2.0)])?, changes)?)
+    }
+
+    /// A scene file with changed start values, initialised.
+    pub(crate) fn read(file: &str, changes: &[(&str, f64)]) -> Result<Driven, String> {
+        let scene = scene_file::parse(file).map_err(|wrong| wrong.to_string())?;
+        Driven::of(changed(&scene.packaged.starts, changes)?)
+    }
+
+    /// These start values, initialised.
+    pub(crate) fn of(starts: Values) -> Result<Driven, String> {
         let mut component = Component::new(Arc::new(starts));
         component.enter_initialization();
         component.initialise(None)?;

@@ -161,9 +161,6 @@ pub struct DriveProblem {
 }
 
 /// All problems, in the order of the charts.
-///
-/// # Errors
-/// A missing scene file.
 pub fn problems() -> Result<Vec<DriveProblem>, String> {
     Ok(vec![pin::problem()?, punch::cold()?, punch::hot()?, brake::stop()?, brake::cycle()?, clutch::problem()?])
 }

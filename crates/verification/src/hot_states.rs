@@ -11,55 +11,26 @@ use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution};
 use model::line::operators::LineOperators;
 use scene::Scene;
-use scene::variables::{STARTS, changed};
+use scene::variables::changed;
+use sliding_contact::component::Values;
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state, nominal_half_strokes};
 
-const LINE: f64 = 1.0;
 const CLOSED: f64 = 2.0;
 const INSULATED: f64 = 3.0;
 const AMBIENT: f64 = 293.15;
 
-/// Steel on steel, 6 mm wide and high: thermal transients end within seconds.
+/// The reciprocating punch of the examples, steel on steel, at 6 mm wide and high, without air: thermal transients end within seconds.
 const SMALL: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     ("solver.cells", 17.0),
-    ("contact.geometry", LINE),
-    ("contact.mean_radius", 0.0),
-    ("contact.faces", 1.0),
-    ("contact.friction_coefficient", 0.25),
-    ("contact.conductance", 1e5),
-    ("ambient_temperature", AMBIENT),
-    ("depth", 0.01),
-    ("punch.count", 1.0),
     ("punch.width", 6e-3),
     ("punch.height", 6e-3),
-    ("punch.body", 4.0),
-    ("punch.youngs_modulus", 200e9),
-    ("punch.poissons_ratio", 0.3),
-    ("punch.thermal_expansion", 1.1e-5),
-    ("punch.conductivity", 55.0),
-    ("punch.density", 7800.0),
-    ("punch.specific_heat", 460.0),
-    ("punch.top_thermal", 1.0),
     ("punch.convection", 0.0),
-    ("punch.emissivity", 0.0),
     ("punch.wear_coefficient", 4e-13),
-    ("strip.body", 4.0),
     ("strip.height", 6e-3),
-    ("strip.youngs_modulus", 200e9),
-    ("strip.poissons_ratio", 0.3),
-    ("strip.thermal_expansion", 1.1e-5),
-    ("strip.conductivity", 55.0),
-    ("strip.density", 7800.0),
-    ("strip.specific_heat", 460.0),
-    ("strip.path", 1.0),
-    ("strip.length", 0.0),
-    ("strip.base_thermal", 1.0),
     ("strip.convection", 0.0),
     ("strip.convection_forced", 0.0),
-    ("strip.emissivity", 0.0),
-    ("strip.wear_coefficient", 0.0),
     ("nominal.load", 1e3),
     ("nominal.velocity", 0.01),
     ("nominal.stroke", 1e-3),
@@ -73,8 +44,13 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
+fn small(changes: &[(&str, f64)]) -> Result<Values, String> {
+    let punch = scene_file::parse(include_str!("../../../examples/reciprocating_punch/scene.toml")).map_err(text)?;
+    changed(&punch.packaged.starts, &[SMALL, changes].concat())
+}
+
 fn scene(changes: &[(&str, f64)]) -> Result<Scene, String> {
-    Scene::new(&changed(&STARTS, &[SMALL, changes].concat())?, None).map_err(text)
+    Scene::new(&small(changes)?, None).map_err(text)
 }
 
 fn hot(changes: &[(&str, f64)]) -> Result<HotState, String> {
@@ -149,7 +125,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
             name: format!("direct unidirectional hot state against long stepping, {name}"),
             quantity: "rise of the contact temperature, K",
             exact: Box::new(move || {
-                let mut driven = Driven::new(&[SMALL, &all_changes].concat())?;
+                let mut driven = Driven::of(small(&all_changes)?)?;
                 driven.set("normal_load", 1e3)?;
                 driven.set("sliding_velocity", 0.05)?;
                 for step in 0..60 {
@@ -179,7 +155,7 @@ fn reciprocating(all: &mut Vec<Problem>) {
             ),
             quantity,
             exact: Box::new(move || {
-                let mut driven = Driven::new(&[SMALL, &[("solver.cells", 9.0), ("solver.tolerance", 1e-4)]].concat())?;
+                let mut driven = Driven::of(small(&[("solver.cells", 9.0), ("solver.tolerance", 1e-4)])?)?;
                 driven.set("normal_load", 1e3)?;
                 let mut hottest: f64 = 0.0;
                 for cycle in 0..300 {

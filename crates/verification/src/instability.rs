@@ -30,32 +30,14 @@ fn disc(all: &mut Vec<Problem>) {
             scale: None,
             compute: Box::new(move || {
                 let length = 2.0 * std::f64::consts::PI / 80.0;
-                let mut driven = Driven::new(&[
-                    ("contact.geometry", 3.0),
-                    ("contact.faces", 2.0),
-                    ("contact.friction_coefficient", 0.4),
-                    ("contact.conductance", 1e12),
-                    ("strip.path", 2.0),
+                let changes = [
                     ("strip.length", length),
                     ("punch.width", length),
-                    ("strip.body", 4.0),
-                    ("strip.base_thermal", 3.0),
                     ("strip.height", half_thickness),
-                    ("strip.youngs_modulus", 125e9),
-                    ("strip.poissons_ratio", 0.25),
-                    ("strip.conductivity", 54.0),
-                    ("strip.density", 7200.0),
                     ("strip.specific_heat", 54.0 / 12.98e-6 / 7200.0),
-                    ("strip.thermal_expansion", 12e-6),
-                    ("punch.body", 4.0),
-                    ("punch.height", 0.5),
-                    ("punch.youngs_modulus", 0.53e9),
-                    ("punch.poissons_ratio", 0.25),
-                    ("punch.conductivity", 0.5),
-                    ("punch.density", 2000.0),
                     ("punch.specific_heat", 0.5 / 0.269e-6 / 2000.0),
-                    ("punch.thermal_expansion", 10e-6),
-                ])?;
+                ];
+                let mut driven = Driven::read(include_str!("../scenes/lee_disc.toml"), &changes)?;
                 driven.get("critical_speed")
             }),
             bound: 5e-3,

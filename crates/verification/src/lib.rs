@@ -81,9 +81,6 @@ impl Row {
 
 impl Problem {
     /// Solves the problem.
-    ///
-    /// # Errors
-    /// The model refuses the problem or fails.
     pub fn solve(&self) -> Result<Row, String> {
         let named = |text: String| format!("{}: {text}", self.name);
         let exact = (self.exact)().map_err(named)?;

@@ -93,9 +93,6 @@ pub struct TimedLine {
 
 impl TimedLine {
     /// A contact of `count` cells before its first turn.
-    ///
-    /// # Errors
-    /// Where it cannot be built.
     pub fn new(count: usize, case: &StepCase) -> Result<Self, String> {
         let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
         // E* = 1: with a = 1 and a mean pressure of 1 everything is of order 1.
@@ -116,9 +113,6 @@ impl TimedLine {
     }
 
     /// Seconds of every chunk of steps of a turn that starts after some wear.
-    ///
-    /// # Errors
-    /// Where a step fails.
     pub fn turn(&mut self, case: &StepCase) -> Result<[f64; STEPS / CHUNK], String> {
         self.worn.fill(0.0);
         // Caches of the last turn are dropped.

@@ -126,9 +126,6 @@ impl WaveScene {
     }
 
     /// Operators of the contact, from which waves start.
-    ///
-    /// # Errors
-    /// The scene or the line level is refused.
     pub(crate) fn build(&self) -> Result<WaveContact, String> {
         let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
         let operators = Arc::new(LineOperators::new(&scene, steady::run_in)?);
@@ -171,9 +168,6 @@ impl WaveContact {
     }
 
     /// The same wave as a linear problem, without opening of the contact and without step control.
-    ///
-    /// # Errors
-    /// Invalid bodies.
     pub(crate) fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
@@ -238,9 +232,6 @@ pub(crate) struct Wave<'a> {
 
 impl Wave<'_> {
     /// A communication step of `step`, over `1/(kd m^2)`, with the full step control.
-    ///
-    /// # Errors
-    /// A failing step.
     pub(crate) fn step(&mut self, step: f64) -> Result<(), String> {
         self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
     }

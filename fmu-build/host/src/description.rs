@@ -53,9 +53,6 @@ pub struct Variable {
 
 impl Variable {
     /// A value from text: a number, `true` or `false`, or the name of an enumeration's item.
-    ///
-    /// # Errors
-    /// Where the text is none of these.
     pub fn parse(&self, text: &str) -> Result<f64, Failure> {
         let text = text.trim();
         let value = match (&self.kind, text) {
@@ -79,9 +76,6 @@ impl Variable {
     }
 
     /// The value as a whole number, for the types that are.
-    ///
-    /// # Errors
-    /// Where it is not whole, or not 0 or 1 for a Boolean.
     pub(crate) fn whole(&self, value: f64) -> Result<i32, Failure> {
         let (low, high) =
             if self.kind == Kind::Boolean { (0.0, 1.0) } else { (f64::from(i32::MIN), f64::from(i32::MAX)) };

@@ -19,9 +19,6 @@ const MISSED: f64 = 1e-6;
 
 impl Span {
     /// Number of steps.
-    ///
-    /// # Errors
-    /// Where the span is no positive whole number of steps.
     pub fn steps(&self) -> Result<usize, Failure> {
         let Self { start, stop, step } = *self;
         if !(start.is_finite() && stop.is_finite() && step.is_finite() && step > 0.0 && stop > start) {

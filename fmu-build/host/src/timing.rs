@@ -90,9 +90,6 @@ pub struct Component {
 
 impl Component {
     /// Loads a library and checks that it accepts this GUID.
-    ///
-    /// # Errors
-    /// Where it cannot be loaded or a function is missing.
     pub fn load(path: &Path, guid: &str) -> Result<Self> {
         // SAFETY: loading runs the library's initialisers; both libraries are made by this project.
         let library = unsafe { Library::new(path) }.with_context(|| format!("loading {}", path.display()))?;
@@ -117,9 +114,6 @@ impl Component {
     }
 
     /// A new instance, not initialised.
-    ///
-    /// # Errors
-    /// Where the library refuses.
     pub fn instantiate(&self) -> Result<Instance<'_>> {
         const CO_SIMULATION: c_uint = 1;
         // SAFETY: all strings end with a zero and the callbacks live for ever.
@@ -177,9 +171,6 @@ impl Instance<'_> {
     }
 
     /// Back to the start values.
-    ///
-    /// # Errors
-    /// See [`Self::initialise`].
     pub fn reset(&mut self) -> Result<()> {
         // SAFETY: see `initialise`.
         ok(unsafe { (self.component.functions.reset)(self.handle.as_ptr()) }, "fmi2Reset")
@@ -216,9 +207,6 @@ impl Instance<'_> {
     }
 
     /// Exchanges one after the other; the outputs of the last.
-    ///
-    /// # Errors
-    /// See [`Self::exchange`].
     pub fn exchanges(
         &self,
         variables: &Variables,
@@ -234,9 +222,6 @@ impl Instance<'_> {
     }
 
     /// The state of the instance.
-    ///
-    /// # Errors
-    /// Also where the library has no such functions.
     pub fn state(&self) -> Result<State<'_>> {
         let Some(functions) = &self.component.state else { bail!("the library keeps no states") };
         let mut handle = ptr::null_mut();
@@ -256,9 +241,6 @@ pub struct State<'a> {
 
 impl State<'_> {
     /// Overwrites the saved state with the present one.
-    ///
-    /// # Errors
-    /// See [`Instance::initialise`].
     pub fn update(&mut self) -> Result<()> {
         self.time = self.instance.time.get();
         // SAFETY: both handles are alive; so below.
@@ -266,9 +248,6 @@ impl State<'_> {
     }
 
     /// Restores the saved state.
-    ///
-    /// # Errors
-    /// See [`Instance::initialise`].
     pub fn restore(&self) -> Result<()> {
         self.instance.time.set(self.time);
         // SAFETY: both handles are alive.
@@ -276,9 +255,6 @@ impl State<'_> {
     }
 
     /// Bytes of the serialised state.
-    ///
-    /// # Errors
-    /// See [`Instance::initialise`].
     pub fn size(&self) -> Result<usize> {
         let mut size = 0;
         // SAFETY: see `update`.

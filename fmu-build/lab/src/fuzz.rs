@@ -174,9 +174,6 @@ fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// Where something was found.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     for (option, seconds) in [("--seconds", arguments.seconds), ("--limit", arguments.limit)] {
         if !(seconds > 0.0 && seconds < 1e6) {

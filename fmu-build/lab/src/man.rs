@@ -23,9 +23,6 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command; `own`: the commands of this program.
-///
-/// # Errors
-/// Where a file cannot be written.
 pub(crate) fn execute(arguments: &Arguments, own: Command) -> Result<()> {
     output::check_folder(Some(&arguments.output))?;
     write(&arguments.output, whole(own)).with_context(|| format!("writing {}", arguments.output.display()))?;

@@ -38,9 +38,6 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// Where the scene is refused, or a level cannot be built.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut file = scenes::load(arguments.scene.as_deref())?;
     scenes::assign_all(&mut file, &arguments.set)?;

@@ -23,9 +23,6 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// Everything wrong with the scene.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     print_line!("{:#}", tables(arguments.scene.as_deref(), arguments.tolerance)?);
     Ok(())
@@ -38,9 +35,6 @@ fn speeds() -> impl Iterator<Item = f64> {
 }
 
 /// The tables of a scene.
-///
-/// # Errors
-/// Everything wrong with the scene.
 pub(crate) fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     let packaged = scenes::load(scene)?.packaged;
     let mut scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;

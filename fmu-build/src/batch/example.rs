@@ -13,9 +13,6 @@ pub(crate) enum Script {
 
 impl Script {
     /// Builds what the script needs unless the arguments name it, and runs it.
-    ///
-    /// # Errors
-    /// Where something cannot be built or the script fails.
     pub(crate) fn run(self, arguments: &[String], json: bool) -> Result<()> {
         match self {
             Script::Sweep => run("sweep.py", &["disc_brake"], arguments, json),
@@ -24,11 +21,8 @@ impl Script {
 }
 
 /// Runs a file of examples/batch with the Python package and the FMUs of these shipped scenes.
-///
-/// # Errors
-/// Where something cannot be built or the script fails.
 pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
-    let python = python::batch_environment()?;
+    let python = python::own(python::BATCH)?;
     let is_given = |name: &str| {
         arguments.iter().any(|argument| {
             argument.strip_prefix(name).is_some_and(|rest| matches!(rest.chars().next(), None | Some('=')))

@@ -223,9 +223,6 @@ impl Results {
     }
 
     /// Appends a row to the file immediately.
-    ///
-    /// # Errors
-    /// Where it cannot be written.
     pub(crate) fn add(&mut self, row: &Row) -> Result<()> {
         self.file.write_all(&row.text()?).with_context(|| format!("writing {}", self.partial.display()))?;
         self.rows.insert(row.scene, row.cells.clone());
@@ -233,9 +230,6 @@ impl Results {
     }
 
     /// Writes the output with all rows in order, removes what was kept on the way, and returns what failed.
-    ///
-    /// # Errors
-    /// Where it cannot be written.
     pub(crate) fn finish(self) -> Result<Failures> {
         let context = || format!("writing {}", self.output.display());
         let mut name = self.output.as_os_str().to_owned();

@@ -35,9 +35,6 @@ impl Table {
     }
 
     /// Reads the content of a file; `path` names it in messages.
-    ///
-    /// # Errors
-    /// As [`Table::read`].
     pub fn parse(content: impl Read, path: &Path) -> Result<Self> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
         let headers = columns::whole(reader.headers().cloned(), path)?;
@@ -191,17 +188,11 @@ pub struct Inputs {
 
 impl Inputs {
     /// Reads a file with the column `time` and one per input, with its unit; see [`columns`].
-    ///
-    /// # Errors
-    /// As [`columns::read`].
     pub(crate) fn read(path: &Path, description: &Description) -> Result<Self> {
         Self::parse(columns::open(path)?, path, description)
     }
 
     /// Reads the content of a file; `path` names it in messages.
-    ///
-    /// # Errors
-    /// As [`columns::read`].
     pub fn parse(content: impl Read, path: &Path, description: &Description) -> Result<Self> {
         // The record of a run is a file of inputs, with its outputs left out.
         let known = [Causality::Input, Causality::Output];

@@ -32,9 +32,6 @@ impl Answer {
 }
 
 /// Runs scenes until the standard input ends. The first line is the job, its answer whether the FMU is open.
-///
-/// # Errors
-/// Where the other end does not keep to this.
 pub fn execute() -> Result<()> {
     match serve() {
         // The pipe is closed: the run was stopped, and the lost scenes run again later.

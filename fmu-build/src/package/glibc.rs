@@ -12,9 +12,6 @@ pub(crate) type Version = (u32, u32);
 pub(crate) const WANTED: Version = (2, 17);
 
 /// The highest glibc version among the symbols that an ELF library imports; `None` where it imports none.
-///
-/// # Errors
-/// Where the bytes are no 64-bit ELF file.
 pub(crate) fn highest(library: &[u8]) -> Result<Option<Version>> {
     let header = FileHeader64::<Endianness>::parse(library).context("reading the library as ELF")?;
     let endian = header.endian()?;

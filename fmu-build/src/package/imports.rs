@@ -19,9 +19,6 @@ const SYSTEM: [&str; 10] = [
 ];
 
 /// Names of the imported libraries, in small letters.
-///
-/// # Errors
-/// Where the bytes are no 64-bit Windows library.
 pub(crate) fn libraries(library: &[u8]) -> Result<Vec<String>> {
     let file = PeFile64::parse(library).context("reading the library as PE")?;
     let Some(table) = file.import_table()? else { return Ok(Vec::new()) };
@@ -36,9 +33,6 @@ pub(crate) fn libraries(library: &[u8]) -> Result<Vec<String>> {
 
 /// Checks that a Windows library imports only libraries of Windows itself, because an FMU is loaded where no
 /// compiler's runtime is installed.
-///
-/// # Errors
-/// Where it imports another library, or is none.
 pub(crate) fn check(library: &[u8]) -> Result<()> {
     let foreign: Vec<String> = libraries(library)?.into_iter().filter(|name| !is_system(name)).collect();
     if !foreign.is_empty() {

@@ -46,9 +46,6 @@ pub(crate) fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
 }
 
 /// Builds a library that this machine itself can load.
-///
-/// # Errors
-/// As [`build`].
 pub(crate) fn for_this_machine(product: &Product) -> Result<Vec<u8>> {
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return build(Platform::Linux64, product);

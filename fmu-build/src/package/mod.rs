@@ -67,9 +67,6 @@ impl Default for Options {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.write_description {
         let path = project::root().join("modelDescription/modelDescription.xml");
@@ -116,9 +113,6 @@ pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
 }
 
 /// As [`build`], of a scene that has been read, and perhaps changed.
-///
-/// # Errors
-/// As [`build`].
 pub(crate) fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
     check_platforms(&options.platforms)?;
     scenes::warn(scene);
@@ -186,9 +180,6 @@ fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {
 }
 
 /// Refuses platforms that cannot be built here, before one of the others is.
-///
-/// # Errors
-/// With what to install.
 pub(crate) fn check_platforms(platforms: &[Platform]) -> Result<()> {
     match platforms.iter().find_map(|&platform| missing(platform)) {
         Some(reason) => Err(anyhow!(reason)),

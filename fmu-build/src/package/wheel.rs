@@ -33,9 +33,6 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("dist"));
@@ -73,9 +70,6 @@ pub(crate) fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf
 
 /// The package as a folder for `PYTHONPATH`, with the library for this machine as the other programs here are built and the FMUs of
 /// these scenes.
-///
-/// # Errors
-/// As [`build`].
 pub(crate) fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
     let folder = project::target().join("python-package");
     let mut files = sources()?;
@@ -127,9 +121,6 @@ fn for_scripts() -> Result<PathBuf> {
 }
 
 /// The platform that this program runs on.
-///
-/// # Errors
-/// Where it is none of those that wheels are made for.
 pub(crate) fn of_this_machine() -> Result<Platform> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Ok(Platform::Linux64),

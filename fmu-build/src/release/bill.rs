@@ -21,7 +21,7 @@ const PROGRAM: &str = include_str!("../../python/sbom.py");
 /// # Errors
 /// Where cargo cannot list the packages, the environment cannot be made, or the bill does not fit the standard's schema.
 pub fn write(root: &str, platforms: &[Platform]) -> Result<String> {
-    let python = python::release_environment()?;
+    let python = python::own(python::RELEASE)?;
     let mut packages = Packages { root: root.to_owned(), checksums: checksums(&lock()?), ..Packages::default() };
     for platform in platforms {
         packages.add(&tree(root, platform.target())?)?;

@@ -5,9 +5,6 @@ use anyhow::{Result, bail};
 const UNRELEASED: &str = "Unreleased";
 
 /// The section of a version, or the one of unreleased changes where the version has none yet; its heading says which.
-///
-/// # Errors
-/// Where the changelog has neither, or the section is empty.
 pub(crate) fn cut(changelog: &str, version: &str) -> Result<String> {
     let title = |line: &str| {
         let word = line.strip_prefix("## ")?.split(' ').next()?;

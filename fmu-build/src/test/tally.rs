@@ -73,9 +73,6 @@ impl Tally {
     }
 
     /// Prints the steps, what was skipped and why, and the closing line.
-    ///
-    /// # Errors
-    /// Where anything failed.
     pub(crate) fn close(self) -> Result<()> {
         let mut total = Counts::default();
         let width = self.steps.iter().map(|(name, ..)| name.len()).max().unwrap_or(0);
@@ -133,17 +130,11 @@ impl Step {
     }
 
     /// Runs a program that reports only through its exit status.
-    ///
-    /// # Errors
-    /// Where it does not end with success.
     pub(crate) fn check(&mut self, command: Command) -> Result<()> {
         self.stream(command, |_, _| ())
     }
 
     /// Runs a test runner and counts its results.
-    ///
-    /// # Errors
-    /// Where it does not end with success or ran no test.
     pub(crate) fn run(&mut self, command: Command, counter: Counter) -> Result<()> {
         let result = self.stream(command, |step, line| {
             if let Some(counts) = counts_of(line, counter) {

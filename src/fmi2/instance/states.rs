@@ -67,9 +67,7 @@ impl Instance {
         if written.len() != bytes.count() {
             return argument(format!("the FMU state takes {} bytes, {} were given", written.len(), bytes.count()));
         }
-        for (index, &byte) in written.iter().enumerate() {
-            bytes.put(index, byte);
-        }
+        bytes.put_all(&written);
         Ok(())
     }
 

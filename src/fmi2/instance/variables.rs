@@ -166,9 +166,7 @@ impl Instance {
         self.component
             .output_derivatives(&scratch.unknowns, &mut scratch.result)
             .map_err(|text| Problem { fault: Fault::Undefined, text })?;
-        for (index, &value) in scratch.result.iter().enumerate() {
-            result.put(index, value);
-        }
+        result.put_all(&self.scratch.result);
         Ok(())
     }
 
@@ -206,9 +204,7 @@ impl Instance {
         self.component
             .directional_derivative(&scratch.unknowns, &scratch.knowns, &scratch.seed, &mut scratch.result)
             .map_err(|text| Problem { fault: Fault::Undefined, text: text.to_string() })?;
-        for (index, &value) in scratch.result.iter().enumerate() {
-            result.put(index, value);
-        }
+        result.put_all(&self.scratch.result);
         Ok(())
     }
 }

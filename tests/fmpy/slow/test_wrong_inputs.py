@@ -332,6 +332,8 @@ WRONG = {
         ("steady reciprocating_punch --cells 100000", ["--cells", "100000"]),
         ("steady reciprocating_punch --cells nine", ["--cells", "nine", "a whole number from 3 to 1025"]),
         ("steady reciprocating_punch --cells -5", ["--cells", "-5", "a whole number from 3 to 1025"]),
+        ("steady disc_brake --return-speed 3", ["nominal.stroke = 0 m"]),
+        ("steady reciprocating_punch --return-speed 0", ["return_speed = 0 m/s", "above 0"]),
         ("steady reciprocating_punch --return-speed 1e300", ["return_speed = 1e300 m/s", "at most 10000 m/s"]),
         ("steady reciprocating_punch --return-speed fast", ["--return-speed", "fast", "must be a number"]),
         ("steady reciprocating_punch --return-speed nan", ["return_speed", "NaN"]),

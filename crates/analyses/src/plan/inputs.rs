@@ -136,9 +136,6 @@ pub fn settings_text(level: ModelLevel) -> String {
 }
 
 /// Tolerance of the comparison: the given one, the scene's own, that of its default experiment.
-///
-/// # Errors
-/// Where it is none that a run can have.
 pub fn tolerance(file: &SceneFile, given: Option<f64>) -> Result<f64> {
     let own = file.packaged.starts[const { reference("solver.tolerance") } as usize];
     let tolerance = given.unwrap_or(if own > 0.0 { own } else { file.packaged.experiment.tolerance });
@@ -156,9 +153,6 @@ fn history(recording: &Recording, ambient: f64) -> Vec<Main> {
 }
 
 /// Runs the levels until lines agree far better than the tolerance. `progress`: of the level with this number, the part done.
-///
-/// # Errors
-/// Where a scene is refused, or no two lines can be run.
 pub fn compare(
     file: &SceneFile,
     trajectory: &Trajectory,
@@ -240,9 +234,6 @@ fn is_whole(run: &Result<Recording>) -> bool {
 }
 
 /// All levels as JSON.
-///
-/// # Errors
-/// As [`Levels::cheapest`].
 pub fn record(levels: &Levels) -> Value {
     let candidates = levels.candidates.iter().map(|known| {
         let (fidelity, cells) = settings(known.level);

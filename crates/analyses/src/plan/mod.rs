@@ -26,9 +26,6 @@ pub struct Plan {
 }
 
 /// The plan of a scene, also where it fixes its level; `tolerance`: of the importer, where `solver.tolerance` is 0.
-///
-/// # Errors
-/// Where the scene is refused, or a level cannot be built.
 pub fn choose(file: &SceneFile, tolerance: Option<f64>) -> Result<Plan> {
     let importer = tolerance.or(Some(file.packaged.experiment.tolerance));
     let scene = Scene::new(&file.packaged.starts, importer).map_err(|broken| anyhow!("{broken}"))?;

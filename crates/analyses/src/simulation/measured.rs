@@ -44,9 +44,6 @@ pub fn read(path: &Path, reading: &Reading) -> Result<columns::Table> {
 }
 
 /// As [`read`], from the content of a file.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(content: &str, path: &Path, reading: &Reading) -> Result<columns::Table> {
     check(columns::parse(content.as_bytes(), path, &Column::record(), reading)?)
 }
@@ -62,9 +59,6 @@ fn check(table: columns::Table) -> Result<columns::Table> {
 }
 
 /// Deviations of a run from a record, whose times the run is interpolated to linearly.
-///
-/// # Errors
-/// Where no measured time is within the run.
 pub fn compare(table: &columns::Table, recording: &Recording) -> Result<Vec<Measured>> {
     let (first, last) = (recording.times[0], recording.times[recording.times.len() - 1]);
     if !table.times.iter().any(|time| (first..=last).contains(time)) {

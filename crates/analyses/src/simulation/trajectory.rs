@@ -117,9 +117,6 @@ impl Trajectory {
     }
 
     /// The inputs of [`Conditions::inputs`].
-    ///
-    /// # Errors
-    /// As [`Conditions::inputs`].
     pub(crate) fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
         let conditions = Conditions {
             load: scene.nominal_load,
@@ -157,9 +154,6 @@ impl Trajectory {
 
     /// Communication points: all times, those of `also` and of the record, and between them those of [`division`]: where no step is given they follow the
     /// inputs, else no step is longer than it.
-    ///
-    /// # Errors
-    /// A time outside of the trajectory, or too many points.
     pub(crate) fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
         let (first, last) = self.span();
         if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {

@@ -125,9 +125,6 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
 
 impl Solved {
     /// Refuses a state with heat that is beyond the model's validity.
-    ///
-    /// # Errors
-    /// With the reason.
     pub fn check(&self) -> Result<()> {
         match &self.too_hot {
             Some(reason) => bail!("the scene {}: {reason}; the option cold leaves heat out", self.name),

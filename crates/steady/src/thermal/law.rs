@@ -100,9 +100,6 @@ fn at(scene: &Scene, ratio: f64) -> Scene {
 }
 
 /// Computes the law at `ratio` for a scene in reciprocating sliding.
-///
-/// # Errors
-/// As [`super::hot_state`].
 pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f64) -> Result<LawPoint, SteadyError> {
     let scene = at(scene, ratio);
     let cold = cold_state(&scene, cells, compliances)?;

@@ -35,9 +35,6 @@ pub fn run(ratio: f64, conductance: f64, step: f64) -> (Verdict, f64) {
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// The component fails.
 pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut conductances = grid.spread(1.0, 1e12, 9);
     conductances.insert(0, 0.0);

@@ -21,9 +21,6 @@ const CONDUCTANCE: f64 = 1e12;
 const NONE: f64 = 1e-9;
 
 /// Computes the map.
-///
-/// # Errors
-/// The component fails.
 pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut ratios = grid.spread(1e-8, 1.0, 9);
     ratios.insert(0, 0.0);

@@ -67,9 +67,6 @@ pub enum Method {
 }
 
 /// A contact on `cells` cells to judge a method in.
-///
-/// # Errors
-/// The line level is refused.
 pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
     let gap = if method == Method::Unguarded { LINEAR_GAP } else { GAP };
     WaveScene { tolerance: 1e-4, gap, ..WaveScene::new(cells) }.build()
@@ -222,9 +219,6 @@ pub fn hidden_from(step: f64) -> f64 {
 
 /// [`hidden_from`] measured by stepping, with bisection to one part in a hundred between the first run that hides growth and
 /// the one before.
-///
-/// # Errors
-/// The runs around the theoretical value do not differ.
 pub fn measured_hidden_from(contact: &WaveContact, step: f64) -> Result<f64, String> {
     let hides = |ratio: f64| run(contact, Method::Unguarded, ratio, step).0 == Verdict::Hides;
     // From a third of the way from the critical speed to the theoretical value.
@@ -248,9 +242,6 @@ fn ratios(grid: Grid) -> Vec<f64> {
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// The line level is refused.
 pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let methods = [Method::Split, Method::Unguarded, Method::Default];
     let mut contacts = Vec::new();

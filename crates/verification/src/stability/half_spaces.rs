@@ -55,9 +55,6 @@ impl HalfSpaces {
 
     /// The same fraction by the component at its line level, after `count` communication steps of `step` (s), and the
     /// imbalance of the heat. The thermal expansion, which selects resolved heat, is too small to affect the contact.
-    ///
-    /// # Errors
-    /// The component refuses or fails.
     pub(crate) fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
         let duration = step * f64::from(count);
         // Deep enough that no heat returns, and no deeper, so that both bodies are resolved near the contact.

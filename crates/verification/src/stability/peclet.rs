@@ -37,9 +37,6 @@ pub const DISC: ClosedPath = ClosedPath {
 
 /// Errors of implicit Euler, Crank-Nicolson and the default after each of `count` steps of `step` from rest at `velocity`,
 /// relative to the temperature at that time.
-///
-/// # Errors
-/// The strip is refused.
 pub fn errors(path: &ClosedPath, velocity: f64, step: f64, count: i32) -> Result<[Vec<f64>; 3], String> {
     let (cells, mut strip) = strip(path, step, f64::from(count) * step)?;
     let modes = PathModes::new(path, velocity, MODES.0, MODES.1);
@@ -63,9 +60,6 @@ fn compare(modes: &PathModes, found: &[f64], step: f64) -> [Vec<f64>; 3] {
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// The strip is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut peclets = grid.spread(1e-2, 1e6, 13);
     peclets.insert(0, 0.0);

@@ -41,9 +41,6 @@ const FLUX: f64 = 0.5;
 pub const AGREEMENT: f64 = 1e-3;
 
 /// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
-///
-/// # Errors
-/// The strip is refused.
 pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
     let properties = StripProperties {
@@ -118,9 +115,6 @@ fn verdict([before, last]: [f64; 2]) -> Verdict {
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// The strip is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let (peclets, step_sizes) = (grid.spread(0.01, 1e3, 11), grid.spread(1e-3, 1e4, 15));
     let modes: Vec<PathModes> = (peclets.iter()).map(|pe| PathModes::new(&PATH, -2.0 * pe, MODES.0, MODES.1)).collect();

@@ -22,18 +22,12 @@ const CELLS: usize = 32;
 const MARGIN: f64 = 0.02;
 
 /// A contact of the wear number `wear`.
-///
-/// # Errors
-/// The line level is refused.
 pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
     WaveScene { wear, tolerance: 1e-4, ..WaveScene::new(cells) }.build()
 }
 
 /// Growth rate (complex, over `kd m^2`) of the default scheme at `ratio` times the critical speed without wear, at the end
 /// of `duration` (over `1/(kd m^2)`), after which other parts of the wave have decayed.
-///
-/// # Errors
-/// A failing step.
 pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.1 / (1.0 + exact.norm());
@@ -42,9 +36,6 @@ pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Comple
 }
 
 /// Verdict on a run, and the error of its growth rate over `kd m^2 + |b|`.
-///
-/// # Errors
-/// A failing step.
 pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.2 / (1.0 + exact.norm());
@@ -73,9 +64,6 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
 /// Measured threshold: speed over the critical one without wear at which the growth rate is 0, and the angular frequency
 /// there over `kd m^2`; by the secant through growth rates a twentieth below and above the theoretical one, each after
 /// `duration`.
-///
-/// # Errors
-/// A failing step.
 pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
     let guess = critical_ratio(contact.scene().wear);
     let (mut low, mut high) = (0.95 * guess, 1.05 * guess);
@@ -95,9 +83,6 @@ pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f6
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// The line level is refused.
 pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let count = grid.count(12);
     let wears: Vec<f64> = (0..count).map(|k| 2.2 * k as f64 / (count - 1) as f64).collect();

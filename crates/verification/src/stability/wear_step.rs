@@ -92,9 +92,6 @@ pub struct Relaxation {
 
 impl Relaxation {
     /// The problem on `count` cells graded to the edges.
-    ///
-    /// # Errors
-    /// Invalid numbers of cells.
     pub fn new(count: usize) -> Result<Self, String> {
         let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
         let material = Material::new(0.91, 0.3).map_err(|error| error.to_string())?;
@@ -157,9 +154,6 @@ impl Relaxation {
     }
 
     /// Bound reported by the explicit scheme.
-    ///
-    /// # Errors
-    /// The contact has no solution.
     pub fn reported_bound(&self) -> Result<f64, String> {
         let mut stepper = self.stepper()?;
         let pressure = stepper.pressure()?;
@@ -216,9 +210,6 @@ impl Relaxation {
     /// Longest step at which unguarded explicit Euler does not amplify the fastest mode, by bisection to one part in a
     /// thousand over 500 steps: by stepping alone, without the eigenvalue. The initial pressure is run in except for a
     /// sawtooth of a thousandth of the mean pressure, so that every cell stays in contact during the test.
-    ///
-    /// # Errors
-    /// The contact has no solution.
     pub fn measured_bound(&self) -> Result<f64, String> {
         let count = self.cells.count();
         let sawtooth = |i: usize| if i.is_multiple_of(2) { 1e-3 } else { -1e-3 };
@@ -299,9 +290,6 @@ fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
 }
 
 /// Computes the map.
-///
-/// # Errors
-/// A contact has no solution.
 pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let counts = if grid == Grid::Coarse { &[9, 33, 65][..] } else { &COUNTS[..] };
     let methods = [Method::Unguarded, Method::Explicit, Method::Default];

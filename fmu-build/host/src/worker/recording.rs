@@ -96,9 +96,6 @@ impl<'a> Recording<'a> {
     }
 
     /// Checks that the last row holds numbers.
-    ///
-    /// # Errors
-    /// Where one is infinite or none, with its name.
     pub(crate) fn check(&self, time: f64) -> Result<(), Failure> {
         let row = &self.rows[self.rows.len() - self.names.len()..];
         match row.iter().position(|value| !value.is_finite()) {

@@ -59,9 +59,6 @@ pub(super) fn cost(quantity: String, value: f64, unit: &'static str, limit: f64,
 }
 
 /// Measures the line level.
-///
-/// # Errors
-/// Where a scene or a step fails.
 pub(crate) fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for (count, target) in [(33, 10.0), (129, 150.0)] {

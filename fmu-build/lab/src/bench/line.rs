@@ -8,9 +8,6 @@ use anyhow::{Result, anyhow};
 use verification::timed_steps::{CASES, CHUNK, DenseSolution, STEPS, TimedLine};
 
 /// Measures steps of contacts of 33 and 129 cells.
-///
-/// # Errors
-/// Where a step fails.
 pub(crate) fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for count in [33, 129] {

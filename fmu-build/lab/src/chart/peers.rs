@@ -79,7 +79,7 @@ fn run(peer: &Peer, problem: &DriveProblem) -> Result<String> {
         request["folder"] = json!(project::target().join("peers"));
     }
     let script = project::root().join("benches/peers").join(peer.script);
-    let mut child = Command::new(python::peers_environment()?)
+    let mut child = Command::new(python::own(python::PEERS)?)
         .arg(&script)
         // One thread, as the component has.
         .envs(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1")))

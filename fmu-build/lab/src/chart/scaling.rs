@@ -140,9 +140,6 @@ pub(crate) fn measure(quick: bool) -> Result<Scaling> {
 }
 
 /// Costs that [`Scaling::write`] wrote into the folder.
-///
-/// # Errors
-/// Where the table cannot be read.
 pub(crate) fn read(folder: &Path) -> Result<Scaling> {
     let path = folder.join(TABLE);
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
@@ -232,9 +229,6 @@ impl Scaling {
     }
 
     /// Writes picture and table.
-    ///
-    /// # Errors
-    /// Where a file cannot be written.
     pub(crate) fn write(&self, folder: &Path) -> Result<[PathBuf; 2]> {
         let (svg, csv) = (folder.join("cost_per_step.svg"), folder.join(TABLE));
         self.figure().write(&svg)?;

@@ -7,9 +7,6 @@ use std::path::Path;
 use verification::drives::{DriveProblem, Errors, FORMER};
 
 /// Reads the chart of a scene from the table beside its picture.
-///
-/// # Errors
-/// Where the file cannot be read or is not of that form.
 pub(crate) fn read(problem: DriveProblem, folder: &Path) -> Result<Chart> {
     let path = folder.join(format!("{}.csv", problem.name));
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;

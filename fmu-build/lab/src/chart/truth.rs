@@ -45,9 +45,6 @@ pub(crate) fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sam
 }
 
 /// Computes the reference without a limit of time and stores it.
-///
-/// # Errors
-/// Where no run gives it, or the file cannot be written.
 pub(crate) fn write(problem: &DriveProblem) -> Result<()> {
     if matches!(problem.truth, Truth::Exact { .. }) {
         print_line!("{}: exact, nothing to keep", problem.name);

@@ -74,9 +74,6 @@ fn change(text: &mut String, random: &mut Random) {
 }
 
 /// Runs an execution.
-///
-/// # Errors
-/// Findings.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut texts = [(*random.pick(&DESIGNS)).to_owned(), (*random.pick(&SCHEDULES)).to_owned()];
@@ -94,9 +91,6 @@ pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 }
 
 /// Reads a design and a schedule, and does what `cargo fmu batch` does with them before it starts the FMU.
-///
-/// # Errors
-/// Findings.
 pub(crate) fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Kinds) -> Verdict {
     let description = DESCRIPTION.as_ref().map_err(Clone::clone)?;
     let told = |error: anyhow::Error, kinds: &mut Kinds| {

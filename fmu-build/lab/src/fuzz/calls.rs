@@ -14,9 +14,6 @@ use actor::Actor;
 const MOST_INSTANCES: usize = 3;
 
 /// Runs an execution.
-///
-/// # Errors
-/// Findings.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let count = if random.one_in(4) { 1 + random.below(MOST_INSTANCES) } else { 1 };

@@ -38,9 +38,6 @@ impl Report {
 }
 
 /// Runs the targets, each for its share of the time.
-///
-/// # Errors
-/// Where something was found, or a process cannot be started.
 pub(crate) fn run(arguments: &Arguments, targets: &[Target]) -> Result<()> {
     let share = arguments.seconds / targets.len() as f64;
     let mut found = 0;
@@ -133,9 +130,6 @@ fn process(
 }
 
 /// Runs executions in this process, writes the running seed to `file` and findings to the standard output.
-///
-/// # Errors
-/// Where the file cannot be written.
 pub(crate) fn serve(arguments: &Arguments, target: Target, file: &Path) -> Result<()> {
     keep_panics();
     let mut progress = File::create(file).with_context(|| format!("writing {}", file.display()))?;

@@ -10,9 +10,6 @@ use super::{Arguments, Kinds, Target, keep_panics, run, scenes, watchdog};
 use crate::output::print_line;
 
 /// Executes all of them in this process, under the watchdog.
-///
-/// # Errors
-/// Where something is found, or a line is wrong.
 pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     keep_panics();
     let limit = arguments.limit;
@@ -29,9 +26,6 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 }
 
 /// Executes those of some targets, or all: their number, and what was found.
-///
-/// # Errors
-/// Where a line is wrong.
 pub(crate) fn run_all(targets: &[Target], kinds: &mut Kinds) -> Result<(usize, Vec<String>)> {
     let folder = project::root().join("tests").join("fuzz");
     let file = folder.join("corpus.txt");

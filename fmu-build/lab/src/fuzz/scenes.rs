@@ -119,9 +119,6 @@ fn change(text: &mut String, random: &mut Random) {
 }
 
 /// Runs an execution.
-///
-/// # Errors
-/// Findings.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut text = random.pick(&SHIPPED).clone();
@@ -132,9 +129,6 @@ pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
 }
 
 /// Reads a text.
-///
-/// # Errors
-/// Findings.
 pub(crate) fn check(text: &str, kinds: &mut Kinds) -> Verdict {
     enter("scene_file::parse");
     let read = match scene_file::parse(text) {

@@ -18,9 +18,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A tolerance of a comparison as an argument; differences of rounding may be allowed alone, so it has no least value.
-///
-/// # Errors
-/// With what is accepted.
 fn tolerance(given: &str) -> Result<f64, String> {
     match crate::arguments::number(given)? {
         value if value > 0.0 && value <= LARGEST_TOLERANCE => Ok(value),

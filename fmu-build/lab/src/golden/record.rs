@@ -90,9 +90,6 @@ impl Record {
     }
 
     /// Reads what [`Record::text`] has written.
-    ///
-    /// # Errors
-    /// With the line that is none of a record.
     pub(crate) fn parse(text: &str) -> Result<Self> {
         let mut record = Self::default();
         for (index, line) in text.lines().enumerate() {

@@ -91,9 +91,6 @@ pub(crate) fn folder() -> PathBuf {
 }
 
 /// All golden scenes, or those with these names, in the order of the list.
-///
-/// # Errors
-/// Where the list cannot be read, or a name is not in it.
 pub(crate) fn read(wanted: &[String]) -> Result<Vec<GoldenScene>> {
     let path = folder().join("scenes.toml");
     let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;

@@ -8,9 +8,6 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Writes inputs and outputs, in SI units, numbers as the shortest texts that are read back as the same.
-///
-/// # Errors
-/// Where it cannot be written.
 pub(crate) fn courses(path: &Path, recording: &Recording) -> Result<()> {
     let headers = recording.channels.iter().map(|channel| format!("{} [{}]", channel.name, channel.unit));
     let header: Vec<String> = std::iter::once("time [s]".to_owned()).chain(headers).collect();
@@ -27,9 +24,6 @@ pub(crate) fn beside(path: &Path) -> PathBuf {
 }
 
 /// Writes the profiles, a row for every station and time.
-///
-/// # Errors
-/// Where it cannot be written.
 pub(crate) fn profiles(path: &Path, recording: &Recording) -> Result<()> {
     let header = [
         "time [s]",
