@@ -321,8 +321,8 @@ def reciprocating_punch():
     page, run = "examples/reciprocating_punch/README.md", ran("reciprocating_punch")
     cold, hot = ([run[holder + heat] for holder in ("translate", "rotate")] for heat in ("", ", hot"))
     of = lambda name, runs=cold: [values[name] for values in runs]  # noqa: E731
-    yield page, "falls by e in {} cycles, with rotation in {}.", *of("cycles in which the distance falls by e")
-    yield page, "root mean square) after {} and {} cycles", *of("first cycle within 1 % of it")
+    yield page, "falls by e in {} cycles, with rotation in {}.", *(round(cycles, -1) for cycles in of("cycles in which the distance falls by e"))
+    yield page, "root mean square) after {} and {} cycles", *(round(cycles, -2) for cycles in of("first cycle within 1 % of it"))
     yield page, "v > 0 | {}, {} | {}, {} |", *(values[f"forward: pressure at x = {edge}a over p_m"] for values in cold for edge in "-+")
     distance = "pressure less the direct one, root mean square, over p_m"
     yield page, "root mean square over p_m | {} | {} |", *of(distance)
