@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence
 
 import numpy as np
 
-from ._errors import Error, Interrupted
+from ._errors import Error, Interrupted, meant
 from ._tables import tell
 from ._units import converted, literal, quantity, split, with_unit
 from .results import Simulation
@@ -43,7 +43,7 @@ class Batch(Mapping):
     def __getitem__(self, name: str) -> np.ndarray:
         plain, unit = split(name)
         if plain not in self._columns:
-            raise Error(f"there is no column {plain!r}; names are in `units`")
+            raise Error(f"there is no column {plain!r}{meant(plain, self._columns, 'units')}")
         values = self._columns[plain]
         own = plain[: -len(PEAK)] if plain.endswith(PEAK) else plain
         return values if unit is None or unit == self.units[plain] else converted(own, unit, values)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Iterator, Union
+from typing import Any, Iterable, Iterator, Union
 
 
 class Error(ValueError):
@@ -23,6 +24,12 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, reason: str, result: Any, has: str = "") -> None:
         super().__init__(f"{reason}; `result` has {has}" if has else reason)
         self.reason, self.result = reason, result
+
+
+def meant(name: str, names: Iterable[str], where: str) -> str:
+    """The end of a message about an unknown name: those like it, else `where` all are."""
+    near = difflib.get_close_matches(name, sorted(set(names)), 3)
+    return f"; did you mean {' or '.join(near)}?" if near else f"; `{where}` has the names"
 
 
 @contextmanager

@@ -109,12 +109,15 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
     """Draws a panel. Where curves coincide, those below are wider, to be seen: the first one over the time, all but the last over
     the contact."""
     curves = [series for series in panel["series"] if not series["measured"]]
+    ends = [x for series in curves for x in (min(series["x"]), max(series["x"]))]
+    measured = []
     for series in panel["series"]:
         colour = COLOURS[series["colour"] % len(COLOURS)]
         if series["measured"]:
             # A cloud of many points shows where they are dense.
             many = len(series["x"]) > FEW
-            axis.plot(series["x"], series["y"], color=colour, **(MARKER | {"markersize": 1.4, "alpha": 0.5} if many else MARKER))
+            within = [(x, y) for x, y in zip(series["x"], series["y"]) if min(ends) <= x <= max(ends)]
+            measured += axis.plot(*zip(*within), color=colour, **(MARKER | {"markersize": 1.4, "alpha": 0.5} if many else MARKER))
         elif over_time and turns(series["y"]) > STROKES:
             name = f"{series['name']}, range" if series["name"] else "range"
             axis.fill_between(*extremes(series["x"], series["y"]), color=colour, alpha=0.35, linewidth=0.4, label=name)
@@ -125,7 +128,6 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
             axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
     axis.set_xlabel(panel["x"])
     axis.set_ylabel(panel["y"])
-    ends = [x for series in curves for x in (min(series["x"]), max(series["x"]))]
     axis.set_xlim(min(ends), max(ends))
     values = [y for series in panel["series"] for y in series["y"]]
     low, high = min(values), max(values)
@@ -142,6 +144,9 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
         axis.text(place, 0.96, f"peak {peak[1]:.3g}", transform=axis.transAxes, ha=side, va="top", fontsize=7, color=colour)
     elif 0.0 <= low < 0.2 * high:
         axis.set_ylim(bottom=0.0)
+    for points in measured:
+        # Those at the ends of the run are seen whole.
+        points.set_clip_on(max(points.get_ydata(), default=0.0) > axis.get_ylim()[1])
 
 
 def legend(axis: Axes, handles: list[Any], labels: list[str], width: float) -> None:

@@ -321,6 +321,8 @@ def _checked(model: Model, parameters: Sequence[str], confidence: float) -> list
         value = model.scene[name]
         if np.ndim(value) or isinstance(value, (str, bool)):
             raise Error(f"parameters: {name} is no single number; of a table one element is fitted, as {name}[1]")
+        if model.scene._known(name)["causality"] == "input":
+            raise Error(f"parameters: {name} is an input, which the records give")
         if not value > 0.0 and not is_exponent(name):
             raise Error(f"parameters: {name} is {value:g} in the scene, and its logarithm is fitted; set a value above 0 from which the fit begins")
     if model.measured.size <= len(names):

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _native
 from ._drawing import drawn
-from ._errors import Error
+from ._errors import Error, meant
 from ._tables import Columns, Table, source, tell
 from ._units import converted, split
 
@@ -117,7 +117,7 @@ class Simulation(Mapping):
         elif plain in self._values:
             values = self._values[plain]
         else:
-            raise Error(f"there is no input or output {plain!r}; names are in `units`")
+            raise Error(f"there is no input or output {plain!r}{meant(plain, self._values, 'units')}")
         return values if unit is None or unit == self.units.get(plain, "s") else converted(plain, unit, values)
 
     def __iter__(self) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import tempfile
 import warnings
@@ -14,7 +13,7 @@ import numpy as np
 
 from . import _native
 from ._batch import Batch, batch
-from ._errors import Error, Interrupted, SceneWarning, writing
+from ._errors import Error, Interrupted, SceneWarning, meant, writing
 from ._numbers import flag, number, plain
 from ._records import tests_of
 from ._tables import Columns, Table, source, tell
@@ -190,9 +189,7 @@ class Scene:
         while f"{array}[{len(elements) + 1}]" in self._variables:
             elements.append(self._variables[f"{array}[{len(elements) + 1}]"])
         if not elements:
-            near = difflib.get_close_matches(name, {key.split("[")[0] for key in self._variables}, 3)
-            hint = f"; did you mean {' or '.join(near)}?" if near else "; `variables` has the names"
-            raise Error(f"{name} is no variable of the scene{hint}")
+            raise Error(f"{name} is no variable of the scene{meant(name, (key.split('[')[0] for key in self._variables), 'variables')}")
         if name != array:
             raise Error(f"{name}: {array} has the elements 1 to {len(elements)}")
         # Elements differ by their values alone.

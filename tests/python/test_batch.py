@@ -62,7 +62,8 @@ def test_what_fails_is_a_row_with_its_reason_and_what_is_wrong_is_refused():
         (lambda: scene.batch({"punch.width": 0.08}), "design: punch.width has 0 rows"),
         (lambda: scene.batch({}), "design: there is no column"),
         (lambda: scene.batch(3), "design: int is no table"),
-        (lambda: table["nothing"], "there is no column 'nothing'"),
+        (lambda: table["nothing"], "there is no column 'nothing'; `units` has the names"),
+        (lambda: table["wear_depht"], "there is no column 'wear_depht'; did you mean wear_depth"),
     ):
         with pytest.raises(Error, match=re.escape(text)):
             wrong()

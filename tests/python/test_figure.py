@@ -107,3 +107,13 @@ def test_the_last_two_of_hundreds_of_strokes_are_drawn_beside_their_range():
     beside = [axis for axis in figure.get_axes() if any(text.get_text() == "last two strokes" for text in axis.texts)]
     assert len(beside) == 1 and list(beside[0].lines[0].get_ydata()) == last["y"]
     _figure.plt.close("all")
+
+
+def test_measured_points_at_the_ends_of_a_run_are_drawn_whole():
+    own = panel([0.0, 1.0, 2.0, 3.0])
+    own["series"].append(own["series"][0] | {"x": [0.0, 100.0, 200.0], "y": [0.1, 2.9, 9.0], "measured": True})
+    axis = _figure.plt.figure().subplots()
+    _figure.draw(axis, own, True)
+    points = axis.lines[1]
+    assert list(points.get_xdata()) == [0.0, 100.0] and not points.get_clip_on()
+    _figure.plt.close("all")

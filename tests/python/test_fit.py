@@ -150,6 +150,7 @@ def test_a_wrong_fit_is_refused():
         (lambda: pin().fit(records, (fit.COEFFICIENT, fit.COEFFICIENT)), "each once"),
         (lambda: pin().fit(records, "punch.wear_coeficient"), "did you mean punch.wear_coefficient"),
         (lambda: pin().fit(records, "punch.body"), "punch.body is no single number"),
+        (lambda: pin().fit(records, "normal_load"), "normal_load is an input, which the records give"),
         (lambda: pin().fit(records, "contact.friction_fade.factor"), "contact.friction_fade.factor[1]"),
         (lambda: pin(**{"punch.wear_coefficient": 0.0, "strip.wear_coefficient": 1e-14}).fit(records), "punch.wear_coefficient is 0 in the scene"),
         (lambda: pin().fit(records, confidence=95), "confidence = 95 must be above 0 and below 1"),

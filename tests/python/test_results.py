@@ -159,3 +159,8 @@ def test_files_make_their_folder_and_say_why_they_cannot_be_written(tmp_path):
             result.plot(wrong)
     with pytest.raises(Error, match=re.escape(f"writing {tmp_path / 'file' / 'fmu'}: [Errno")):
         host.unpack(fmu("disc_brake"), tmp_path / "file" / "fmu")
+
+
+def test_a_mistyped_name_of_a_result_is_told_with_those_like_it():
+    with pytest.raises(Error, match="there is no input or output 'wear_depht'; did you mean wear_depth"):
+        Scene.load("disc_brake").simulate()["wear_depht"]

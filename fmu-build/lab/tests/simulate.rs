@@ -379,7 +379,11 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
             &format!("{header},ambient_temperature_offset [K]\n0,1,1,0\n1,1,1,0\n2,1,1,-400\n"),
             &["lines 3 and 4", "ambient_temperature_offset = ", "above 0 K"],
         ),
-        ("unmoved", "time [s],normal_load [N]\n0,1\n1,1\n", &["neither a column sliding_velocity", "normal_load"]),
+        (
+            "unmoved",
+            "time [s],Drehzahl [rpm],normal_load [N]\n0,5,1\n1,5,1\n",
+            &["neither a column sliding_velocity", "found are time [s], Drehzahl [rpm], normal_load [N]"],
+        ),
         ("unloaded", "time [s],sliding_velocity [m/s]\n0,1\n1,1\n", &["no column normal_load [N]", "0 N"]),
     ] {
         let name = format!("{name}.csv");

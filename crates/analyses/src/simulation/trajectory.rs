@@ -1,7 +1,7 @@
 //! Inputs over time: of a file, or nominal ones; and the communication points.
 
 use anyhow::{Result, anyhow, bail};
-use scene::message::{Number, apart};
+use scene::message::{Number, apart, listed};
 use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
@@ -73,8 +73,8 @@ impl Trajectory {
         let has = |name: &str| table.names.iter().any(|own| own == name);
         if !has("sliding_velocity") && !has("angular_velocity") {
             bail!(
-                "{file} has neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]; found are time, {}",
-                table.names.join(", ")
+                "{file} has neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]; found are {}",
+                listed(table.headers.iter().map(String::as_str))
             );
         }
         if !has("sliding_velocity") && value!(starts, "contact.mean_radius") == 0.0 {

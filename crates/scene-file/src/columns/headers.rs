@@ -4,6 +4,7 @@ use super::Column;
 use crate::unit_names::canonical;
 use crate::{nearest, quantity};
 use scene::message::Quoted;
+use scene::variables::TABLE;
 use std::borrow::Cow;
 
 /// Most columns that a message lists.
@@ -112,14 +113,14 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
     let fitting: Vec<&Column> = candidates.iter().copied().filter(fits).collect();
     match (fitting.as_slice(), candidates.as_slice()) {
         ([only], _) => Ok(Match::Meant(only, symbol.unwrap_or(only.unit.name).into())),
-        ([], []) => Ok(Match::Unknown(String::new())),
-        ([], [first, ..]) => {
-            let one = format!("{} [{}]", first.name, first.unit.name);
-            Ok(Match::Unknown(match symbol {
-                Some(symbol) => format!(" ({} is no known unit of {one})", Quoted(symbol)),
-                None => format!(" (with a unit it may be {one})"),
-            }))
+        ([], []) if TABLE.iter().any(|row| row.name == name) => {
+            Ok(Match::Unknown(" (a parameter, which the scene sets)".into()))
         }
+        ([], []) => Ok(Match::Unknown(String::new())),
+        ([], [first, ..]) => Ok(Match::Unknown(match symbol {
+            Some(symbol) => format!(" ({} is no known unit of {})", Quoted(symbol), first.with_units()),
+            None => format!(" (with a unit it may be {})", first.with_units()),
+        })),
         (several, _) => {
             let names: Vec<&str> = several.iter().map(|column| column.name.as_str()).collect();
             Ok(Match::Unknown(format!(" ({}?)", names.join(" or "))))
@@ -178,10 +179,14 @@ pub(super) fn alternatives(known: &[&Column]) -> String {
 impl Column {
     /// The headers that are accepted, for messages.
     pub(super) fn headers(&self) -> String {
+        if self.unit_required { self.with_units() } else { format!("{} or {}", self.name, self.with_units()) }
+    }
+
+    /// Its name with all units.
+    fn with_units(&self) -> String {
         let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
         let units: Vec<&str> = std::iter::once(self.unit.name).chain(others).collect();
-        let alone = if self.unit_required { String::new() } else { format!("{} or ", self.name) };
-        format!("{alone}{} [{}]", self.name, units.join(" or "))
+        format!("{} [{}]", self.name, units.join(" or "))
     }
 
     /// The unit that a header says of this quantity; `None` where it is another quantity's header.
@@ -264,8 +269,10 @@ mod tests {
         assert_eq!(meant("Humidity [%]"), "-");
         assert_eq!(meant("Force [N]"), "-");
         assert_eq!(meant("Wear [mg]"), "- (wear_mass_punch or wear_mass_strip?)");
-        assert_eq!(meant("Load"), "- (with a unit it may be normal_load [N])");
-        assert_eq!(meant("Load (lbs)"), "- (\"lbs\" is no known unit of normal_load [N])");
+        assert_eq!(meant("Load"), "- (with a unit it may be normal_load [N or kN or mN])");
+        assert_eq!(meant("ambient_temperature [K]"), "- (a parameter, which the scene sets)");
+        assert_eq!(meant("Speed [kph]"), "sliding_velocity kph");
+        assert_eq!(meant("Load (lbs)"), "- (\"lbs\" is no known unit of normal_load [N or kN or mN])");
         assert!(meant("Temp. 2 [degC]").starts_with('-'));
         assert!(meant("normal_laod [N]").ends_with("; did you mean normal_load?"), "{}", meant("normal_laod [N]"));
         assert!(meant("wear_dept [um]").contains("did you mean wear_depth?"));

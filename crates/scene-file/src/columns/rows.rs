@@ -10,6 +10,9 @@ use scene::variables::units::{ONE, Unit};
 use std::io::Read;
 use std::path::Path;
 
+/// Most columns that a note lists.
+const LISTED: usize = 20;
+
 /// Whether a cell says that there is no value.
 pub(super) fn is_gap(text: &str) -> bool {
     ["", "nan", "na", "n/a", "#n/a", "<na>", "null", "none", "-", "--"].iter().any(|gap| text.eq_ignore_ascii_case(gap))
@@ -261,8 +264,10 @@ fn columns(
         notes.push(format!("{file}: read are {}", listed(meant.iter().map(String::as_str))));
     }
     if !ignored.is_empty() {
-        let names = listed(ignored.iter().map(String::as_str));
-        notes.push(format!("{file}: left out are {names}; {name} names a quantity"));
+        let more = ignored.len().saturating_sub(LISTED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let names = ignored[..ignored.len().min(LISTED)].join(", ");
+        notes.push(format!("{file}: left out are {names}{more}; {name} names a quantity"));
     }
     Ok((found, notes))
 }
