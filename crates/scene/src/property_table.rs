@@ -56,32 +56,31 @@ impl PropertyTable {
         self.at(temperature)[1]
     }
 
-    /// Heat by mass from the temperature `from` to `to` (K), J/kg.
-    pub fn heat_between(&self, from: f64, to: f64) -> f64 {
-        let (mut sum, mut left) = (0.0, from);
-        let rising = to >= from;
+    /// Heat by mass of a rise by `rise` (K) from the temperature `from` (K), J/kg.
+    pub fn heat_of_rise(&self, from: f64, rise: f64) -> f64 {
+        let (mut sum, mut left) = (0.0, 0.0);
+        let rising = rise >= 0.0;
         let mut heat = self.specific_heat_at(from);
         // Every point between is an end of a part on which the specific heat is linear.
         for step in 0..self.points {
             let point = if rising { step } else { self.points - 1 - step };
-            let inside = self.temperature[point] > from.min(to) && self.temperature[point] < from.max(to);
-            if inside {
-                let (next, here) = (self.specific_heat[point], self.temperature[point]);
+            let (next, here) = (self.specific_heat[point], self.temperature[point] - from);
+            if here > rise.min(0.0) && here < rise.max(0.0) {
                 sum += 0.5 * (heat + next) * (here - left);
                 (left, heat) = (here, next);
             }
         }
-        sum + 0.5 * (heat + self.specific_heat_at(to)) * (to - left)
+        sum + 0.5 * (heat + self.specific_heat_at(from + rise)) * (rise - left)
     }
 
-    /// Temperature (K) of a body at `from` (K) after it has taken up `heat` (J/kg): inverse of [`PropertyTable::heat_between`].
-    pub fn after(&self, from: f64, heat: f64) -> f64 {
+    /// Rise (K) of a body at `from` (K) by which it takes up `heat` (J/kg): inverse of [`PropertyTable::heat_of_rise`].
+    pub fn rise_by(&self, from: f64, heat: f64) -> f64 {
         let rising = heat >= 0.0;
-        let (mut left, mut rest) = (from, heat);
+        let (mut left, mut rest) = (0.0, heat);
         let mut here = self.specific_heat_at(from);
         for step in 0..self.points {
             let point = if rising { step } else { self.points - 1 - step };
-            let at = self.temperature[point];
+            let at = self.temperature[point] - from;
             if if rising { at <= left } else { at >= left } {
                 continue;
             }
@@ -137,11 +136,14 @@ mod tests {
                     let width = (to - from) / f64::from(parts);
                     let sum: f64 =
                         (0..parts).map(|i| table.specific_heat_at(from + width * (f64::from(i) + 0.5)) * width).sum();
-                    let heat = table.heat_between(from, to);
+                    let heat = table.heat_of_rise(from, to - from);
                     assert!((heat - sum).abs() <= 1e-6 * sum.abs(), "{points} {from} {to}: {heat} {sum}");
-                    let back = table.after(from, heat);
+                    let back = from + table.rise_by(from, heat);
                     assert!((back - to).abs() < 1e-11 * to.max(from), "{points} {from} {to}: {back}");
                 }
+                // Relative to the rise, however small.
+                let heat = table.heat_of_rise(from, 1e-12);
+                assert!((table.rise_by(from, heat) / 1e-12 - 1.0).abs() < 1e-12, "{points} {from}");
             }
         }
     }

@@ -61,7 +61,7 @@ fn excess_of_constants(scene: &Scene, rise: f64) -> f64 {
             || property_tables::of_constants([body.conductivity, body.specific_heat]).map(|own| own.table());
         let Some(table) = body.properties.or_else(of_preset).filter(|_| rise > 0.0) else { return 0.0 };
         let first = if body.initial_temperature > 0.0 { body.initial_temperature } else { scene.ambient_temperature };
-        table.heat_between(first, first + rise) / (rise * table.specific_heat_at(first)) - 1.0
+        table.heat_of_rise(first, rise) / (rise * table.specific_heat_at(first)) - 1.0
     };
     excess(&scene.punch).max(excess(&scene.strip))
 }

@@ -158,16 +158,15 @@ impl PropertyBody {
         let (own, behind) = state.split_at_mut(count);
         let factor = self.scales.capacity();
         let after = self.constant.account(own);
-        let (start, linear) = (self.reference + mean, self.reference + self.constant.mean_temperature(own));
+        let (start, linear) = (self.reference + mean, self.constant.mean_temperature(own) - mean);
         let taken = factor * (after.stored - before.stored);
         let mass = self.capacity / self.properties.specific_heat();
-        let end = self.properties.table.after(start, taken / mass);
-        let rise = (end - linear) / self.uniform_mean;
-        own.iter_mut().zip(&*self.uniform).for_each(|(state, uniform)| *state += rise * uniform);
-        let found = self.reference + self.constant.mean_temperature(own);
+        let more = (self.properties.table.rise_by(start, taken / mass) - linear) / self.uniform_mean;
+        own.iter_mut().zip(&*self.uniform).for_each(|(state, uniform)| *state += more * uniform);
+        let rise = self.constant.mean_temperature(own) - mean;
         behind[Entry::Reference as usize] = self.reference;
         behind[Entry::Received as usize] += factor * (after.received - before.received);
-        behind[Entry::Stored as usize] += mass * self.properties.table.heat_between(start, found);
+        behind[Entry::Stored as usize] += mass * self.properties.table.heat_of_rise(start, rise);
         behind[Entry::Ambient as usize] += factor * (after.ambient - before.ambient);
         behind[Entry::Far as usize] += factor * (after.far - before.far);
     }

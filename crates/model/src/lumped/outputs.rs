@@ -322,8 +322,8 @@ impl Lumped {
         // A face of prescribed temperature has it from the start.
         let rises =
             [(self.initial_heat(heat, initial), self.state.far_start[side]), (state.heat, self.state.far[side])];
-        let [from, to] = rises.map(|(heats, far)| self.state.reference + body.mean_rise(heat, &heats, far));
-        let stored = mass * properties.table.heat_between(from, to);
+        let [from, to] = rises.map(|(heats, far)| body.mean_rise(heat, &heats, far));
+        let stored = mass * properties.table.heat_of_rise(self.state.reference + from, to - from);
         let [_, cooling, _, base] = state.received;
         let scene = &self.operators.scene;
         let (ambient, far) = match [&scene.punch, &scene.strip][side].far_thermal {

@@ -146,11 +146,11 @@ impl PropertyStep {
                 + passed[Port::Base as usize]
         };
         let mass = body.heat_capacity / properties.specific_heat();
-        let end = properties.table.after(start, taken / mass);
-        let uniform = (end - mean) / body.uniform_mean;
+        let rise = properties.table.rise_by(start, taken / mass);
+        let uniform = (rise - (mean - start)) / body.uniform_mean;
         for (state, stored) in state.heat.iter_mut().zip(&heat.stored.states).take(heat.count) {
             *state += stored * uniform;
         }
-        state.trend = (end - start) / step;
+        state.trend = rise / step;
     }
 }
