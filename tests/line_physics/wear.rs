@@ -380,3 +380,45 @@ fn uneven_pressure_wears_above_the_threshold() {
         assert!(unworn > POINTS / 50, "b = {exponent}: {unworn}");
     }
 }
+
+/// Load and speed fall together within one communication step: with constant friction work and worn volume follow from the integral
+/// of their product, v F t (1/2 - 0.7/6). The bodies are hot, so that the heat of the friction does not shorten the steps.
+#[test]
+fn work_and_wear_under_falling_load_and_speed_do_not_depend_on_the_cuts() {
+    let (velocity, load, duration) = (0.05, 130.0, 0.013);
+    for (heat, expansion) in [(1.0, 0.0), (1.0, 1e-5), (2.0, 1e-5)] {
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            for cuts in [1, 10] {
+                let mut drive = Drive::from_starts(
+                    &scene("hot_spots"),
+                    &[
+                        ("solver.fidelity", 3.0),
+                        ("solver.cells", 9.0),
+                        ("solver.heat", heat),
+                        ("solver.tolerance", tolerance),
+                        ("punch.initial_at_ambient", 0.0),
+                        ("punch.initial_temperature", 500.0),
+                        ("punch.thermal_expansion", expansion),
+                        ("strip.initial_at_ambient", 0.0),
+                        ("strip.initial_temperature", 500.0),
+                        ("strip.thermal_expansion", expansion),
+                    ],
+                );
+                for cut in 0..cuts {
+                    let (part, length) = (f64::from(cut) / f64::from(cuts), duration / f64::from(cuts));
+                    drive.set("sliding_velocity", velocity * (1.0 - 0.7 * part));
+                    drive.slope("sliding_velocity", -0.7 * velocity / duration);
+                    drive.set("normal_load", load * (1.0 - part)).slope("normal_load", -load / duration);
+                    drive.step(length);
+                }
+                let exact = velocity * load * duration * (0.5 - 0.7 / 6.0);
+                let work = 0.3 * exact;
+                let volume = drive.get("punch.wear_coefficient") * exact;
+                for (name, exact) in [("dissipated_energy", work), ("wear_volume_punch", volume)] {
+                    let error = drive.get(name) / exact - 1.0;
+                    assert!(error.abs() <= tolerance, "{heat} {expansion} {tolerance:e} {cuts}: {name} {error:e}");
+                }
+            }
+        }
+    }
+}

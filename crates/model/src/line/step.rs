@@ -45,6 +45,16 @@ enum Outcome {
     Failed(StageError),
 }
 
+impl Outcome {
+    /// With an error of at least `error`.
+    fn at_least(self, error: f64) -> Outcome {
+        match self {
+            Outcome::Tried(own) => Outcome::Tried(maximum(own, error)),
+            other => other,
+        }
+    }
+}
+
 impl Line {
     /// Advances the worn shape over a piece.
     pub(super) fn step_line(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
@@ -55,6 +65,7 @@ impl Line {
         // Error below which the step is doubled: it goes as the square of the step.
         let mut control = StepController::new(length, self.state.refinement, 0.175);
         let mut failures = 0;
+        let of_work = path.error_of_work() / operators.budget.steps.whole;
         while !control.is_done() {
             let (start, step) = (control.start(), control.step());
             if self.exceeds_travel_limit(path, start, step) && control.halve(1) {
@@ -67,7 +78,7 @@ impl Line {
             }
             self.spend(path, start)?;
             let newton = self.newton_iterations();
-            let outcome = self.attempt(path, start, step);
+            let outcome = self.attempt(path, start, step).at_least(of_work * (step / length).powi(2));
             self.stages.budget.solutions += self.newton_iterations() - newton;
             let halvings = match outcome {
                 Outcome::Tried(error) if error <= 1.0 => {
