@@ -49,7 +49,7 @@ fn a_bench_in_latin_1_with_decimal_commas_and_empty_last_cells() {
     let measured = record("bench_latin1.csv");
     assert_eq!(values(&measured, "contact_temperature")[2], Some(304.35));
     assert_eq!(values(&measured, "friction_torque")[1], Some(118.4));
-    assert!(measured.notes[1].contains("Speed [U/min]"), "{:?}", measured.notes);
+    assert!(measured.notes[1].contains("Speed [Umdr.]"), "{:?}", measured.notes);
 }
 
 #[test]
