@@ -7,17 +7,21 @@
 //! ```
 //!
 //! As k is band-limited to q_last and needed at |r| <= W only, about q_last W numbers determine it: its values at
-//! evenly spaced nodes. The means over pairs of cells follow from the nodes by weights that depend on neither velocity nor step,
-//! so that modes times cells squared operations become modes times nodes plus cells squared.
+//! evenly spaced nodes. They follow from the mode responses by one Fourier transform, and the means over pairs of cells
+//! from the nodes by weights that depend on neither velocity nor step. Modes times cells squared operations become
+//! `M log M + N^2`.
 //!
-//! Between the nodes, delta apart, a mode is interpolated by the window `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2,
-//! with the Fourier transform psi (A. H. Barnett, J. Magland, L. af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479-C504):
+//! Wave numbers need not be evenly spaced (strokes), nor are distances. Both are spread to their grids by the window
+//! `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2, with the Fourier transform psi (A. H. Barnett, J.
+//! Magland, L. af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479-C504):
 //!
 //! ```text
-//! exp(i theta x) = sum_m phi(x - m) exp(i theta m)/psi(theta),    theta = q delta,   |theta| <= pi/sigma
+//! exp(i theta x) = sum_m phi(x - m) exp(i theta m)/psi(theta),    |theta| <= pi/sigma
 //! ```
 //!
-//! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 and sigma = 1.5.
+//! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 at the smallest sigma, 1.5. Temperature
+//! and distortion are real, so one complex transform gives both, the distortion scaled to the magnitude of the
+//! temperature.
 //!
 //! Theory: docs/theory.md, section 4.13.
 
@@ -25,19 +29,21 @@ use super::waves::Wave;
 use elasticity::Cells;
 use elasticity::block::lobatto::gauss_legendre;
 use nalgebra::{Complex, DMatrix};
-use numerics::dense;
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// w: width of the window in nodes, and sigma: nodes per half of the shortest wave.
+/// w: width of the window in nodes.
 const WINDOW: usize = 10;
-const OVERSAMPLING: f64 = 1.5;
+/// Grid places below wave number 0 within the window.
+const BELOW: usize = WINDOW / 2;
+/// Least number of nodes of the transform.
+const FEWEST_NODES: usize = 64;
 /// Points of the quadrature of the window's transform over half of the window.
 const TRANSFORM_POINTS: usize = 24;
 /// Longest part, in nodes, of an average over distances for the rule of eight points, and for that of four.
 const LONGEST_PARTS: [f64; 2] = [2.0, 0.5];
 
-/// Window of the interpolation, and the quadrature of its transform: points, and weights times the window's value.
+/// Window of the spreading, and the quadrature of its transform: points, and weights times the window's value.
 #[derive(Clone, Debug)]
 struct Window {
     shape: f64,
@@ -79,12 +85,17 @@ struct Pair {
 #[derive(Debug)]
 pub(crate) struct DistanceSum {
     count: usize,
-    waves: usize,
-    /// cos(q r)/psi and sin(q r)/psi times the weight of the mode at the nodes r >= 0: a column for each mode.
-    cosine: Vec<f64>,
-    sine: Vec<f64>,
-    /// Number of stored nodes at negative distance.
+    /// Unit of the distortion, m/K.
+    unit: f64,
+    /// M, a power of 2.
+    size: usize,
+    /// By mode: first grid place, counted from -w/2, and the weights from there on.
+    spread: Vec<(usize, [f64; WINDOW])>,
+    /// exp(2 pi i k/M), k < M/2, real and imaginary parts.
+    roots: [Vec<f64>; 2],
+    /// Number of stored nodes at negative distance, and the window's transform correction at distance 0, 1, ... nodes.
     behind: usize,
+    scale: Vec<f64>,
     pairs: Vec<Pair>,
     weights: Vec<f64>,
 }
@@ -92,42 +103,53 @@ pub(crate) struct DistanceSum {
 /// Workspace of one sum.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
-    /// Sums of the real parts with the cosines and of the imaginary parts with the sines: of temperature and distortion.
-    even: [Vec<f64>; 2],
-    odd: [Vec<f64>; 2],
+    /// Spread to the grid of wave numbers from -w/2 on: real and imaginary part of temperature, then of distortion.
+    gathered: Vec<[f64; 4]>,
+    /// Spectrum and its transform, real and imaginary parts alternate.
+    spectrum: [Vec<f64>; 4],
     /// k of temperature and of distortion at a node and at the opposite one.
     values: Vec<[f64; 4]>,
 }
 
 impl DistanceSum {
-    /// Plan for these cells and modes, of ascending wave number; `weight`: of the response of a mode.
-    pub(crate) fn new(cells: &Cells, waves: &[Wave], weight: impl Fn(&Wave) -> f64) -> DistanceSum {
+    /// Plan for these cells and modes, of ascending wave number; `unit`: magnitude of the distortion (m) per
+    /// temperature (K) of a mode.
+    pub(crate) fn new(cells: &Cells, waves: &[Wave], unit: f64) -> DistanceSum {
         let width = 2.0 * cells.half_width();
         let last = waves.last().map_or(0.0, |wave| wave.number).max(1.0 / width);
-        let delta = PI / (OVERSAMPLING * last);
-        let window = Window::new(0.98 * PI * WINDOW as f64 * (1.0 - 0.5 / OVERSAMPLING));
-        let widest = cells.widths().iter().copied().fold(0.0, f64::max);
-        let reaching = |distance: f64| (distance / delta + 0.5 * WINDOW as f64).ceil() as usize + 1;
-        let ahead = reaching(width);
+        let window = WINDOW as f64;
+        // Both grids are oversampled by sigma: M = sigma^2 (2 W + w delta) q_last/pi, delta = pi/(sigma q_last).
+        let needed = |sigma: f64| sigma * (sigma * 2.0 * width * last / PI + window);
+        // Least oversampling sigma: extent of the grids over band and distances.
+        let size = (needed(1.5).ceil() as usize).next_power_of_two().max(FEWEST_NODES);
+        let half = 0.5 * window / (2.0 * width * last / PI);
+        let sigma = (half * half + size as f64 / (2.0 * width * last / PI)).sqrt() - half;
+        let (delta, step) = (PI / (sigma * last), 2.0 * sigma * last / size as f64);
+        let window = Window::new(0.98 * PI * WINDOW as f64 * (1.0 - 0.5 / sigma));
+        let spread = waves.iter().map(|wave| {
+            let place = wave.number / step;
+            let first = (place - 0.5 * WINDOW as f64).ceil();
+            let factor = 0.5 / window.transform(wave.number * delta);
+            let weights = std::array::from_fn(|k| factor * window.value(place - first - k as f64));
+            ((first + BELOW as f64) as usize, weights)
+        });
+        let turn = |k: usize| 2.0 * PI * k as f64 / size as f64;
         let mut sum = DistanceSum {
             count: cells.count(),
-            waves: waves.len(),
-            cosine: Vec::with_capacity(waves.len() * (ahead + 1)),
-            sine: Vec::with_capacity(waves.len() * (ahead + 1)),
-            behind: reaching(widest).min(ahead),
+            unit: if unit > 0.0 && unit.is_finite() { unit } else { 1.0 },
+            size,
+            spread: spread.collect(),
+            roots: [(0..size / 2).map(|k| turn(k).cos()).collect(), (0..size / 2).map(|k| turn(k).sin()).collect()],
+            behind: 0,
+            scale: Vec::new(),
             pairs: Vec::new(),
             weights: Vec::new(),
         };
-        for wave in waves {
-            let theta = wave.number * delta;
-            let (turn, mut at) =
-                (Complex::from_polar(1.0, theta), Complex::from(weight(wave) / window.transform(theta)));
-            for _ in 0..=ahead {
-                sum.cosine.push(at.re);
-                sum.sine.push(at.im);
-                at *= turn;
-            }
-        }
+        let widest = cells.widths().iter().copied().fold(0.0, f64::max);
+        sum.behind = (widest / delta + 0.5 * WINDOW as f64).ceil() as usize + 1;
+        let ahead = (width / delta + 0.5 * WINDOW as f64).ceil() as usize + 1;
+        sum.scale = (0..=ahead.max(sum.behind)).map(|m| window.transform(turn(m)).recip()).collect();
+        sum.scale.truncate(size / 2);
         sum.average(cells, delta, &window);
         sum
     }
@@ -173,29 +195,46 @@ impl DistanceSum {
 
     /// Number of modes.
     pub(crate) fn waves(&self) -> usize {
-        self.waves
+        self.spread.len()
     }
 
     /// Allocates the workspace of a sum.
     pub(crate) fn nodes(&self) -> Nodes {
-        let ahead = self.cosine.len() / self.waves.max(1);
-        let zeros = || [vec![0.0; ahead], vec![0.0; ahead]];
-        Nodes { even: zeros(), odd: zeros(), values: vec![[0.0; 4]; self.behind + ahead] }
+        let places = self.spread.iter().map(|(first, _)| first + WINDOW).max().unwrap_or(WINDOW);
+        Nodes {
+            gathered: vec![[0.0; 4]; places],
+            spectrum: [0; 4].map(|_| vec![0.0; self.size]),
+            values: vec![[0.0; 4]; self.behind + self.scale.len()],
+        }
     }
 
-    /// Computes k at the nodes from the mode responses of temperature and of distortion, real and imaginary parts.
-    pub(crate) fn find(&self, [warm, moved]: [[&[f64]; 2]; 2], nodes: &mut Nodes) {
-        let Nodes { even, odd, values } = nodes;
-        even.iter_mut().chain(&mut *odd).for_each(|part| part.fill(0.0));
-        dense::multiply_add_pair(&self.cosine, [warm[0], moved[0]], even.each_mut().map(|part| &mut part[..]));
-        dense::multiply_add_pair(&self.sine, [warm[1], moved[1]], odd.each_mut().map(|part| &mut part[..]));
-        let both = even[0].iter().zip(&even[1]).zip(odd[0].iter().zip(&odd[1]));
-        for (distance, ((warm, moved), (warm_odd, moved_odd))) in both.enumerate() {
-            let (own, opposite) = ([warm - warm_odd, moved - moved_odd], [warm + warm_odd, moved + moved_odd]);
-            values[self.behind + distance] = [own[0], own[1], opposite[0], opposite[1]];
-            if distance <= self.behind {
-                values[self.behind - distance] = [opposite[0], opposite[1], own[0], own[1]];
-            }
+    /// Computes k at the nodes from the mode responses of temperature and of distortion.
+    pub(crate) fn find(&self, gains: [&[Complex<f64>]; 2], nodes: &mut Nodes) {
+        let Nodes { gathered, spectrum, values } = nodes;
+        Arch::new().dispatch(Gather { sum: self, gains, gathered });
+        let [re, im, ..] = spectrum;
+        re.fill(0.0);
+        im.fill(0.0);
+        // Masks in place of remainders: the size is a power of 2.
+        let mask = self.size - 1;
+        for (place, [warm_re, warm_im, moved_re, moved_im]) in gathered.iter().enumerate() {
+            // g + i d at q and g* + i d* at -q: the sum is real in g and in d.
+            let at = (place + self.size - BELOW) & mask;
+            re[at] += warm_re - moved_im;
+            im[at] += warm_im + moved_re;
+            let opposite = (self.size - at) & mask;
+            re[opposite] += warm_re + moved_im;
+            im[opposite] += moved_re - warm_im;
+        }
+        let into = Arch::new().dispatch(Transform { roots: &self.roots, spectrum });
+        let (re, im) = (&spectrum[into], &spectrum[into + 1]);
+        for (place, value) in values.iter_mut().enumerate() {
+            let ahead = place >= self.behind;
+            let distance = place.abs_diff(self.behind);
+            let scale = self.scale.get(distance).copied().unwrap_or(0.0);
+            let (own, opposite) = (distance & mask, (self.size - distance) & mask);
+            let [own, opposite] = if ahead { [own, opposite] } else { [opposite, own] };
+            *value = [re[own], im[own], re[opposite], im[opposite]].map(|value| scale * value);
         }
     }
 
@@ -204,6 +243,101 @@ impl DistanceSum {
     pub(crate) fn set(&self, nodes: &Nodes, widths: &[f64], level: [f64; 2], influence: &mut [DMatrix<f64>; 2]) {
         let [warm, moved] = influence.each_mut().map(|matrix| matrix.as_mut_slice());
         Arch::new().dispatch(Means { sum: self, nodes, widths, level, warm, moved });
+    }
+}
+
+/// Spreading of the mode responses to the grid of wave numbers.
+struct Gather<'a> {
+    sum: &'a DistanceSum,
+    gains: [&'a [Complex<f64>]; 2],
+    gathered: &'a mut [[f64; 4]],
+}
+
+impl WithSimd for Gather<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sum, gains: [warm, moved], gathered } = self;
+        let per_unit = 1.0 / sum.unit;
+        gathered.fill([0.0; 4]);
+        for ((first, weights), (warm, moved)) in sum.spread.iter().zip(warm.iter().zip(moved)) {
+            let gain = [warm.re, warm.im, per_unit * moved.re, per_unit * moved.im];
+            for (place, weight) in gathered[*first..][..WINDOW].iter_mut().zip(weights) {
+                for part in 0..4 {
+                    place[part] += weight * gain[part];
+                }
+            }
+        }
+    }
+}
+
+/// Fourier transform of twice as many numbers as there are roots; returns the index of the part of the memory that
+/// holds the result. Self-sorting (T. G. Stockham; C. Van Loan, Computational Frameworks for the Fast Fourier
+/// Transform, 1992, 1.7).
+struct Transform<'a> {
+    roots: &'a [Vec<f64>; 2],
+    spectrum: &'a mut [Vec<f64>; 4],
+}
+
+impl WithSimd for Transform<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        let Self { roots, spectrum: [a, b, c, d] } = self;
+        let [cosine, sine] = roots;
+        let half = cosine.len();
+        let (mut from, mut to) = ([&mut a[..], &mut b[..]], [&mut c[..], &mut d[..]]);
+        let (mut blocks, mut length, mut into) = (half, 1, 0);
+        while blocks > 0 {
+            let ([re, im], [to_re, to_im]) = (&from, &mut to);
+            match length {
+                1 => short::<1>(roots, [re, im], [to_re, to_im]),
+                2 => short::<2>(roots, [re, im], [to_re, to_im]),
+                4 => short::<4>(roots, [re, im], [to_re, to_im]),
+                _ => {}
+            }
+            for block in 0..if length < 8 { 0 } else { blocks } {
+                let (c, s) = (cosine[block * length], sine[block * length]);
+                let (first, second) = (block * length, block * length + half);
+                let (x_re, x_im) = (&re[first..first + length], &im[first..first + length]);
+                let (y_re, y_im) = (&re[second..second + length], &im[second..second + length]);
+                let (sum_re, difference_re) = to_re[2 * first..2 * first + 2 * length].split_at_mut(length);
+                let (sum_im, difference_im) = to_im[2 * first..2 * first + 2 * length].split_at_mut(length);
+                for k in 0..length {
+                    sum_re[k] = x_re[k] + y_re[k];
+                    sum_im[k] = x_im[k] + y_im[k];
+                    let (re, im) = (x_re[k] - y_re[k], x_im[k] - y_im[k]);
+                    difference_re[k] = c * re - s * im;
+                    difference_im[k] = c * im + s * re;
+                }
+            }
+            std::mem::swap(&mut from, &mut to);
+            into = 2 - into;
+            (blocks, length) = (blocks / 2, 2 * length);
+        }
+        into
+    }
+}
+
+/// A pass of [`Transform`] whose butterflies are so short that loops over them would cost more than their arithmetic.
+#[inline(always)]
+fn short<const LENGTH: usize>([cosine, sine]: &[Vec<f64>; 2], [re, im]: [&[f64]; 2], [to_re, to_im]: [&mut [f64]; 2]) {
+    let half = cosine.len();
+    let ((x_re, y_re), (x_im, y_im)) = (re.split_at(half), im.split_at(half));
+    let [x_re, y_re, x_im, y_im] = [x_re, y_re, x_im, y_im].map(|part| part.as_chunks::<LENGTH>().0);
+    let [to_re, to_im] = [to_re, to_im].map(|part| part.as_chunks_mut::<LENGTH>().0.as_chunks_mut::<2>().0);
+    let roots = cosine.iter().zip(sine).step_by(LENGTH);
+    let from = x_re.iter().zip(y_re).zip(x_im.iter().zip(y_im));
+    for (((c, s), ((x_re, y_re), (x_im, y_im))), (to_re, to_im)) in roots.zip(from).zip(to_re.iter_mut().zip(to_im)) {
+        for k in 0..LENGTH {
+            to_re[0][k] = x_re[k] + y_re[k];
+            to_im[0][k] = x_im[k] + y_im[k];
+            let (re, im) = (x_re[k] - y_re[k], x_im[k] - y_im[k]);
+            to_re[1][k] = c * re - s * im;
+            to_im[1][k] = c * im + s * re;
+        }
     }
 }
 
@@ -237,7 +371,7 @@ impl WithSimd for Means<'_> {
                 let at = heated * sum.count + observed;
                 warm[at] = widths[heated] * (level + mean);
                 if let Some(value) = moved.get_mut(at) {
-                    *value = widths[heated] * (moved_level + moved_mean);
+                    *value = widths[heated] * (moved_level + sum.unit * moved_mean);
                 }
             };
             set(j, l, means[0], means[1]);
@@ -268,15 +402,15 @@ mod tests {
             let count = cells.count();
             // A moving source: the mode responses decrease with the root of the wave number and rotate in phase.
             let gain = |turn: f64| -> Vec<Complex<f64>> {
-                waves.iter().map(|wave| Complex::from_polar(1.0 / wave.number.sqrt(), turn * wave.number)).collect()
+                waves
+                    .iter()
+                    .map(|wave| Complex::from_polar(wave.count / wave.number.sqrt(), turn * wave.number))
+                    .collect()
             };
             let gains = [gain(-0.02), gain(0.011).iter().map(|gain| 1e-9 * gain).collect()];
-            let parts = gains.each_ref().map(|gains| {
-                [gains.iter().map(|gain| gain.re).collect::<Vec<_>>(), gains.iter().map(|gain| gain.im).collect()]
-            });
-            let sum = DistanceSum::new(&cells, &waves, |wave| wave.count);
+            let sum = DistanceSum::new(&cells, &waves, 1e-9);
             let mut nodes = sum.nodes();
-            sum.find(parts.each_ref().map(|parts| parts.each_ref().map(|part| &part[..])), &mut nodes);
+            sum.find([&gains[0], &gains[1]], &mut nodes);
             let mut found = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
             let level = [0.7, -3e-10];
             sum.set(&nodes, cells.widths(), level, &mut found);
@@ -286,11 +420,11 @@ mod tests {
                     let distance = cells.centres()[j] - cells.centres()[l];
                     let of_wave = |(wave, gain): (&Wave, &Complex<f64>)| {
                         let averaged = [j, l].map(|cell| sinc(0.5 * wave.number * cells.widths()[cell]));
-                        (wave.count * gain * Complex::from_polar(averaged[0] * averaged[1], wave.number * distance)).re
+                        (gain * Complex::from_polar(averaged[0] * averaged[1], wave.number * distance)).re
                     };
                     waves.iter().zip(gains).map(of_wave).sum()
                 };
-                let scale = waves.iter().zip(gains).map(|(wave, gain)| wave.count * gain.norm()).sum::<f64>();
+                let scale = gains.iter().map(|gain| gain.norm()).sum::<f64>();
                 for l in 0..count {
                     for j in 0..count {
                         let apart = (found[(j, l)] / cells.widths()[l] - level - mean(j, l)).abs();

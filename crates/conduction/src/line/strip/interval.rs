@@ -10,7 +10,7 @@ use crate::line::strip::robin_correction::RobinWorkspace;
 use crate::line::strip::stage_response::{Parts, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
 use crate::line::{GAMMA, SurfaceInfluence};
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 
 /// Index of the stage's own flux among its weights.
 pub(crate) const OWN: usize = 1;
@@ -31,6 +31,8 @@ pub struct IntervalWorkspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
     robin: RobinWorkspace,
+    /// Response of each mode: of temperature and distortion.
+    influence: [Vec<Complex<f64>>; 2],
     /// Phase factors of the modes, and weights of fluxes in the states of one level; real and imaginary parts alternate.
     phases: [Vec<f64>; 2],
     fluxes: [Vec<f64>; 4],
@@ -44,6 +46,7 @@ impl IntervalWorkspace {
             nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             robin: RobinWorkspace::new(count),
+            influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),
         }
@@ -60,8 +63,14 @@ impl Interval<'_> {
         response: &mut StageResponse,
     ) {
         self.respond_open(operators, velocity, workspace, response);
-        let [re, im, moved_re, moved_im] = response.own();
-        operators.distance_sum.find([[re, im], [moved_re, moved_im]], &mut workspace.nodes);
+        let IntervalWorkspace { nodes, influence: [warm, moved], .. } = workspace;
+        for (influence, own) in [&mut *warm, &mut *moved].into_iter().zip(response.own().chunks_exact(2)) {
+            let parts = own[0].iter().zip(own[1]).zip(&operators.weight);
+            influence.iter_mut().zip(parts).for_each(|(gain, ((re, im), weight))| {
+                *gain = Complex::new(weight * re, weight * im);
+            });
+        }
+        operators.distance_sum.find([warm, moved], nodes);
         self.assemble(operators, workspace, response);
     }
 

@@ -122,6 +122,8 @@ impl StripOperators {
                 distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
             }
         }
+        let products = |other: &[f64]| temperature.iter().zip(other).map(|(b, d)| (b * d).abs()).sum::<f64>();
+        let unit = products(&distortion) / products(&temperature);
         let static_correction = StaticCorrection {
             cells: cells.clone(),
             slab,
@@ -132,12 +134,13 @@ impl StripOperators {
             last,
             waves: waves.clone(),
             modes,
+            unit,
             fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
         let mut operators = StripOperators {
             half: shapes.half(),
-            distance_sum: DistanceSum::new(cells, &waves, |wave| 2.0 * wave.count / period),
+            distance_sum: DistanceSum::new(cells, &waves, unit),
             period,
             diffusivity,
             free_length: (period - widths.iter().sum::<f64>()).max(0.0),

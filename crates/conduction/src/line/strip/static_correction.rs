@@ -35,6 +35,8 @@ pub(crate) struct StaticCorrection {
     pub last: usize,
     pub waves: Vec<Wave>,
     pub modes: Vec<DepthModes>,
+    /// Magnitude of the distortion (m) per temperature (K) of a mode.
+    pub unit: f64,
     /// On fresh material: frequency below which nothing is treated as steady, 1/s, and the damping of periodic images.
     pub fresh: Option<(f64, ImageDamping)>,
 }
@@ -78,19 +80,17 @@ pub(crate) struct Integrals {
     sum: DistanceSum,
 }
 
-/// Responses at the wave numbers of all sums, real and imaginary parts: of temperature, and of distortion with thermal expansion.
+/// Responses at the wave numbers of all sums: of temperature, and of distortion with thermal expansion.
 #[derive(Debug)]
 struct Gains {
-    temperature: [Vec<f64>; 2],
-    distortion: [Vec<f64>; 2],
+    temperature: Vec<Complex<f64>>,
+    distortion: Vec<Complex<f64>>,
 }
 
 impl Gains {
     fn add(&mut self, place: usize, weight: f64, [temperature, distortion]: [Complex<f64>; 2]) {
-        for (sums, gain) in [(&mut self.temperature, temperature), (&mut self.distortion, distortion)] {
-            sums[0][place] += weight * gain.re;
-            sums[1][place] += weight * gain.im;
-        }
+        self.temperature[place] += weight * temperature;
+        self.distortion[place] += weight * distortion;
     }
 }
 
@@ -106,7 +106,7 @@ impl CorrectionWorkspace {
     /// Workspace for these integrals: nothing is reallocated later.
     pub(crate) fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> CorrectionWorkspace {
         let count = integrals.sum.waves();
-        let zeros = || [vec![0.0; count], vec![0.0; count]];
+        let zeros = || vec![Complex::from(0.0); count];
         CorrectionWorkspace {
             gains: Gains { temperature: zeros(), distortion: zeros() },
             nodes: integrals.sum.nodes(),
@@ -160,7 +160,7 @@ impl StaticCorrection {
         }
         let mut modes = sum(&self.slab, self.waves.clone());
         let waves = arrange([&mut modes, &mut removed, &mut removed_at_rest, &mut beyond, &mut ends]);
-        let sum = DistanceSum::new(&self.cells, &waves, |_| 1.0);
+        let sum = DistanceSum::new(&self.cells, &waves, self.unit);
         Integrals { modes, removed, removed_at_rest, beyond, ends, images, sum }
     }
 
@@ -182,13 +182,13 @@ impl StaticCorrection {
         // respond as at rest.
         let moving = velocity.max(1e-4 * diffusivity / self.cells.half_width());
         let CorrectionWorkspace { gains, nodes, source } = workspace;
-        gains.temperature.iter_mut().chain(&mut gains.distortion).for_each(|part| part.fill(0.0));
+        gains.temperature.fill(Complex::from(0.0));
+        gains.distortion.fill(Complex::from(0.0));
         match self.fresh {
             Some(fresh) => self.add_fresh([velocity, moving], fresh, integrals, gains),
             None => self.add_periodic([velocity, moving], integrals, gains),
         }
-        let parts = [&gains.temperature, &gains.distortion].map(|parts| parts.each_ref().map(|part| &part[..]));
-        integrals.sum.find(parts, nodes);
+        integrals.sum.find([&gains.temperature, &gains.distortion], nodes);
         integrals.sum.set(nodes, self.cells.widths(), [0.0; 2], influence);
         let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
         for shift in shifts {
