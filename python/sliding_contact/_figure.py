@@ -146,7 +146,8 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
         axis.set_ylim(bottom=0.0)
     for points in measured:
         # Those at the ends of the run are seen whole.
-        points.set_clip_on(max(points.get_ydata(), default=0.0) > axis.get_ylim()[1])
+        highest = np.fmax.reduce(np.asarray(points.get_ydata(), dtype=float), initial=0.0)
+        points.set_clip_on(bool(highest > axis.get_ylim()[1]))
 
 
 def legend(axis: Axes, handles: list[Any], labels: list[str], width: float) -> None:
