@@ -384,11 +384,14 @@ impl Line {
             let carried = inputs.normal_load.max(0.0) + slopes.map_or(0.0, |slopes| slopes.normal_load * length);
             let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
-            let work = (state.dissipated - dissipated) * self.operators.mean.area;
-            let impulse = 0.5 * length * (inputs.normal_load.max(0.0) + carried.max(0.0));
+            let work = state.dissipated - dissipated;
             let distance = state.distance - distance;
-            let (heat_per_pressure, released) =
-                if impulse > 0.0 { (work / impulse, 0.0) } else { (0.0, work / (length * self.operators.mean.area)) };
+            let plain = LumpedTemperature::constant(temperature, expansion);
+            let torque = self.trajectory(inputs, slopes, length, plain).impulse() * self.operators.mean.power_factor;
+            let (heat_per_pressure, released) = match torque > 0.0 {
+                true => (work * self.operators.mean.area / torque, 0.0),
+                false => (0.0, work / length),
+            };
             Slipped { distance, ratio, heat_per_pressure, released }
         });
         Ok(LumpedTemperature {

@@ -18,14 +18,14 @@ pub(crate) struct LumpedTemperature {
     pub slipped: Option<Slipped>,
 }
 
-/// Slip of a bristle in a piece, the same for all cells.
+/// Slip of a bristle in a piece, the same for all cells and in proportion to the sliding velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slipped {
     /// Distance slipped, m.
     pub distance: f64,
     /// Friction force over normal load at the end, signed.
     pub ratio: f64,
-    /// Mean friction heat flux over the pressure, m/s.
+    /// Friction heat flux over the pressure in the middle of the piece, m/s.
     pub heat_per_pressure: f64,
     /// Heat flux that the bristle leaves where the contact opens at once, W/m2.
     pub released: f64,
@@ -122,8 +122,7 @@ impl InputTrajectory {
         heat: LumpedTemperature,
     ) -> InputTrajectory {
         let (friction, mean_radius) = (friction.clone(), operators.scene.mean_radius);
-        let direction = 0.0;
-        let path = InputTrajectory {
+        let mut path = InputTrajectory {
             inputs: *inputs,
             slopes: slopes.copied(),
             length,
@@ -133,12 +132,31 @@ impl InputTrajectory {
             // Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0. Any load
             // at all would bring the surfaces together, which then exchange heat, and let them part again.
             unloaded: 1e-12 * operators.scene.nominal_load,
-            direction,
+            direction: 0.0,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
         let middle = path.velocity(0.5 * length);
         let rests = middle.abs() <= REST * fastest;
-        InputTrajectory { direction: if rests { 0.0 } else { middle.signum() }, ..path }
+        path.direction = if rests { 0.0 } else { middle.signum() };
+        path
+    }
+
+    /// Load of the actuator at `time` (s from the start of the piece), N, >= 0.
+    fn load(&self, time: f64) -> f64 {
+        let load = self.inputs(time).normal_load;
+        if load > self.unloaded { load } else { 0.0 }
+    }
+
+    /// Slip speed of a bristle at `time` (s from the start of the piece) over that in the middle: the ratio of the velocities.
+    fn slip_ratio(&self, time: f64) -> f64 {
+        if self.direction == 0.0 { 1.0 } else { self.velocity(time) / self.velocity(0.5 * self.length) }
+    }
+
+    /// Time integral of the load times the slip ratio, N s; by Simpson's rule, which is exact for both linear.
+    pub(crate) fn impulse(&self) -> f64 {
+        let [first, middle, last] =
+            [0.0, 0.5 * self.length, self.length].map(|time| self.load(time) * self.slip_ratio(time));
+        self.length * (first + 4.0 * middle + last) / 6.0
     }
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
@@ -180,18 +198,16 @@ impl InputTrajectory {
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
         let (signed_friction, speed) = match self.heat.slipped {
-            Some(slipped) => (slipped.ratio, slipped.distance / self.length),
+            Some(slipped) => (slipped.ratio, slipped.distance / self.length * self.slip_ratio(time)),
             None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
         };
-        let load = self.inputs(time).normal_load;
-        let load = if load > self.unloaded { load } else { 0.0 };
-        let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
+        let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time));
         let released = self.heat.slipped.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);
         StageConditions {
             sign,
             signed_friction,
-            load,
+            load: self.load(time),
             speed,
             kinetic_coefficient,
             temperature,
