@@ -1,7 +1,7 @@
 //! Neighbours and air whose temperature jumps, with and without load.
 
 use super::{LEVELS, temperatures};
-use test_support::{CONVECTING, Drive, HELD, INSULATED, scene};
+use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, scene};
 
 #[test]
 fn a_neighbour_that_jumps_draws_bodies_towards_it() {
@@ -58,6 +58,47 @@ fn air_that_jumps_moves_nothing_at_once() {
             assert!(contact.abs() < 2e-3, "{name}, {level}, held: contact {contact}");
             assert!(punch.abs() < 3e-2 && strip.abs() < 3e-2, "{name}, {level}, held: means {punch} and {strip}");
             println!("{name}, {level}, held: {punch} {strip} {contact}");
+        }
+    }
+}
+
+/// A punch of 800 K whose top has a stiff heat path to 293 K: the contact feels it by diffusion, and in the limit as a prescribed
+/// temperature.
+#[test]
+fn a_stiff_path_is_a_prescribed_temperature() {
+    for name in ["pin_on_disk", "disc_brake"] {
+        for (level, changes) in LEVELS {
+            let run = |far: f64, conductance: f64| {
+                let own = [
+                    ("punch.top_thermal", far),
+                    ("punch.external_conductance", conductance),
+                    ("punch.external_temperature", 293.15),
+                    ("punch.initial_at_ambient", 0.0),
+                    ("punch.initial_temperature", 800.0),
+                    ("punch.thermal_expansion", 0.0),
+                    ("strip.thermal_expansion", 0.0),
+                ];
+                let mut drive = Drive::from_starts(&scene(name), &[changes, &own].concat());
+                drive.set("normal_load", 100.0);
+                let mut seen = vec![drive.get("contact_temperature")];
+                for step in [1e-6, 1e-4, 1e-2, 1.0, 10.0] {
+                    drive.step(step);
+                    seen.extend([drive.get("contact_temperature"), drive.get("punch.mean_temperature")]);
+                }
+                seen
+            };
+            let (apart, held) = (run(INSULATED, 1e-9), run(EXTERNAL, 0.0));
+            for conductance in [1.0, 1e3, 1e6, 1e9] {
+                let seen = run(INSULATED, conductance);
+                let jump = (seen[0] - apart[0]).abs().max((seen[1] - apart[1]).abs());
+                assert!(jump < 0.5, "{name}, {level}, {conductance} W/K: the contact moves by {jump} K at once");
+                if conductance > 1e5 {
+                    println!("{name}, {level}: {seen:?} for {held:?}");
+                    for (own, held) in seen.iter().zip(&held).skip(7) {
+                        assert!((own - held).abs() < 3.0, "{name}, {level}, {conductance} W/K: {seen:?} for {held:?}");
+                    }
+                }
+            }
         }
     }
 }

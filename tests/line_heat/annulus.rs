@@ -312,11 +312,8 @@ fn a_load_that_begins_at_zero_is_felt_from_the_first_step_on() {
 #[test]
 fn a_slipping_bristle_heats_as_rigid_friction_does() {
     let fades = std::array::from_fn::<_, 8, _>(|point| format!("contact.friction_fade.factor[{}]", point + 1));
-    let stable = [
-        ("contact.static_friction_ratio", 1.0),
-        ("punch.thermal_expansion", 1e-6),
-        ("strip.thermal_expansion", 1e-6),
-    ];
+    let stable =
+        [("contact.static_friction_ratio", 1.0), ("punch.thermal_expansion", 1e-6), ("strip.thermal_expansion", 1e-6)];
     let names = ["dissipated_energy", "wear_depth_punch", "wear_depth_strip", "contact_temperature"];
     let run = |stiffness: f64, cuts: [u32; 2]| {
         let mut changes = [&stable[..], &[("contact.stick_stiffness", stiffness)]].concat();

@@ -13,10 +13,11 @@
 //! Theory: docs/theory.md, section 4.2.
 
 /// Part of its share in the stationary field that a state of decay rate `rate` takes over at once where a prescribed temperature
-/// jumps. Every state decays to 0 at that face, so the projection of the field oscillates there and reaches the contact at once.
-/// The response at a real frequency s, which is in the space and lags behind the jump, has the part `s/(s + rate)`; this is the
-/// combination of two of them whose error in the slow states is of second order. By reciprocity it is the part of its heat that counts as
-/// stored: the rest has left through that face, so that a flux into the contact does not pass there at once.
+/// jumps, and of a flux into the face opposite to the contact. The projection of either on the states oscillates at that face and
+/// reaches the contact at once. The response at a real frequency s, which is in the space and lags behind, has the part
+/// `s/(s + rate)`; this is the combination of two of them whose error in the slow states is of second order. By reciprocity it is
+/// the part of its heat that counts as stored under a prescribed temperature: the rest has left through that face, so that a flux
+/// into the contact does not pass there at once; and its part in the temperature of a face with a flux.
 pub(crate) fn lagging(rate: f64, [first, second]: [f64; 2]) -> f64 {
     1.0 - rate / (rate + first) * (rate / (rate + second))
 }

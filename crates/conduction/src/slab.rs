@@ -24,7 +24,7 @@
 
 mod projection;
 
-use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
+use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody, lagging};
 use nalgebra::Complex;
 use numerics::grading::LEAST_PANEL;
 use numerics::maximum::maximum;
@@ -55,6 +55,8 @@ pub struct Slab {
     pub volume_transfer: f64,
     /// Boundary condition at z = h.
     pub base: FarBoundary,
+    /// Whether a heat path acts on a base without prescribed temperature: a flux that follows its temperature at once.
+    pub path_at_base: bool,
     /// Location of the variable cooling.
     pub cooling: CoolingPort,
 }
@@ -76,9 +78,10 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
 const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
 const LARGEST_FALL: f64 = 4.0;
 
-/// Shifts of the responses to a flux into the base, and to its temperature where that is prescribed, over the slab's own rate `kd/h^2`.
+/// Shifts of the responses to the air at the base, and to a prescribed temperature or a heat path there, over the slab's own rate
+/// `kd/h^2`.
 const BASE_SHIFTS: [f64; 2] = [1.0, 30.0];
-const HELD_BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
+const STEEP_BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
@@ -128,10 +131,16 @@ impl Slab {
         (shift / self.diffusivity() + self.volume_transfer / self.conductivity).sqrt()
     }
 
-    /// Largest shifts of the responses to a prescribed temperature of the base, 1/s.
-    fn steepest_base_responses(&self) -> [f64; 2] {
-        let [.., second, first] = HELD_BASE_SHIFTS;
-        [first, second].map(|shift| shift * self.diffusivity() / self.height.powi(2))
+    /// Whether the temperature of the base may jump.
+    fn has_steep_base(&self) -> bool {
+        self.base == FarBoundary::Held || self.path_at_base
+    }
+
+    /// Part of a state of decay rate `rate` (1/s) that follows the base at once, see [`lagging`].
+    fn lag(&self, rate: f64) -> f64 {
+        let [.., second, first] = STEEP_BASE_SHIFTS;
+        let steepest = [first, second].map(|shift| shift * self.diffusivity() / self.height.powi(2));
+        if self.has_steep_base() { lagging(rate, steepest) } else { 1.0 }
     }
 
     /// Heat capacity per area, J/(m2 K).
@@ -150,8 +159,7 @@ impl Slab {
         let fastest =
             (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
         // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
-        let fastest =
-            if self.base == FarBoundary::Held { fastest.max(4.0 * self.steepest_base_responses()[0]) } else { fastest };
+        let fastest = if self.has_steep_base() { fastest.max(4.0 * STEEP_BASE_SHIFTS[3] * own) } else { fastest };
         let scan = SlabSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
@@ -199,7 +207,7 @@ impl Slab {
         for &shift in &shifts {
             basis.add_contact_response(shift);
         }
-        let base_shifts = if self.base == FarBoundary::Held { &HELD_BASE_SHIFTS[..] } else { &BASE_SHIFTS };
+        let base_shifts = if self.has_steep_base() { &STEEP_BASE_SHIFTS[..] } else { &BASE_SHIFTS };
         for factor in base_shifts {
             basis.add_base_response(factor * own);
         }
@@ -250,6 +258,7 @@ impl ReducedBody {
 mod tests {
     use super::*;
     use crate::reduced::Observation;
+    use nalgebra::{DMatrix, DVector};
 
     fn iron(base: FarBoundary) -> Slab {
         Slab {
@@ -260,6 +269,7 @@ mod tests {
             volume_transfer: 0.0,
             base,
             cooling: CoolingPort::Surface,
+            path_at_base: false,
         }
     }
 
@@ -355,6 +365,61 @@ mod tests {
                 let expected = if part < 1e-3 { 0.0 } else { exact(part) };
                 println!("{part} of h^2/kd: {found:.6} {expected:.6}, {} states", body.count);
                 assert!((found - expected).abs() < bound, "after {part} of h^2/kd: {found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_heat_path_at_the_base_cools_the_contact_by_diffusion() {
+        // Slab at 1 K, insulated at the contact, with a conductance G to 0 K: Carslaw and Jaeger, section 3.11.
+        let slab = Slab { path_at_base: true, ..iron(FarBoundary::Insulated) };
+        let time = slab.height.powi(2) / slab.diffusivity();
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let body = slab.reduce(1000.0, tolerance);
+            for biot in [0.1, 1.0, 10.0, 1e3, 1e9] {
+                let roots: Vec<f64> = (0..2000)
+                    .map(|n| {
+                        let (mut low, mut high) = (0.0, 0.5 * std::f64::consts::PI);
+                        for _ in 0..60 {
+                            let middle = 0.5 * (low + high);
+                            let root = f64::from(n) * std::f64::consts::PI + middle;
+                            if root * middle.tan() < biot { low = middle } else { high = middle }
+                        }
+                        f64::from(n) * std::f64::consts::PI + low
+                    })
+                    .collect();
+                let exact = |part: f64| -> [f64; 2] {
+                    let terms = roots.iter().map(|root| {
+                        let size = 2.0 * biot / (biot * (biot + 1.0) + root * root) * (-root * root * part).exp();
+                        // cos(root) has the sign of n; at the base it cancels.
+                        [size / root.cos(), size]
+                    });
+                    terms.fold([0.0; 2], |sum, term| [sum[0] + term[0], sum[1] + term[1]])
+                };
+                // da/dt = -(R + g b b^T) a, with the flux of the path at the reduced temperature of the base.
+                let (port, conductance) = (Port::Base as usize, biot * slab.conductivity / slab.height);
+                let inputs = DVector::from_fn(body.count, |k, _| body.input[port][k]);
+                let gain = conductance / (1.0 + conductance * body.base_temperature.direct[port]);
+                let rates = DMatrix::from_fn(body.count, body.count, |i, j| {
+                    gain * inputs[i] * inputs[j] + if i == j { body.rate[i] } else { 0.0 }
+                });
+                let eigen = rates.symmetric_eigen();
+                let start = eigen.eigenvectors.tr_mul(&DVector::from_fn(body.count, |k, _| body.uniform[k]));
+                for part in [0.0, 1e-3, 0.01, 0.1, 1.0] {
+                    let decayed =
+                        DVector::from_fn(body.count, |k, _| start[k] * (-eigen.eigenvalues[k] * part * time).exp());
+                    let states = &eigen.eigenvectors * decayed;
+                    let flux = -gain * states.dot(&inputs);
+                    let [contact, base] = [&body.contact_temperature, &body.base_temperature].map(|seen| {
+                        (0..body.count).map(|k| seen.states[k] * states[k]).sum::<f64>() + seen.direct[port] * flux
+                    });
+                    let expected = if part == 0.0 { [1.0, 1.0] } else { exact(part) };
+                    println!("{tolerance} {biot} {part}: {contact:.6} {base:.6} for {expected:?}");
+                    assert!((contact - expected[0]).abs() < 1e-3, "{biot} {part}: {contact} for {expected:?}");
+                    // Before, the flux has not left the layer over which it is spread.
+                    let resolved = part >= 0.01;
+                    assert!(!resolved || (base - expected[1]).abs() < 4e-3, "{biot} {part}: {base} for {expected:?}");
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 4.2.
 
 use super::{CoolingPort, Slab};
-use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody, lagging};
+use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
 use numerics::grading::towards_face;
@@ -286,6 +286,7 @@ impl<'a> Basis<'a> {
         let slab = self.slab;
         let areal = slab.areal_capacity();
         let kept = (modes.len() - 1).max(1);
+        let lossless = self.is_lossless();
         let integral = |mode: &TrialFunction| -> f64 {
             self.grid.weight.iter().zip(mode.value.iter()).map(|(w, v)| w * v).sum::<f64>()
         };
@@ -322,18 +323,24 @@ impl<'a> Basis<'a> {
         body.ambient_flow.direct[ambient] = -(slab.surface_transfer + slab.volume_transfer * slab.height);
         for (k, (mode, &rate)) in modes.iter().zip(rates).enumerate() {
             let mut loads = self.loads(mode);
-            let mean = integral(mode) / slab.height;
-            let lag = if lift.held { lagging(rate, slab.steepest_base_responses()) } else { 1.0 };
+            // Orthogonal to the uniform temperature where that is a mode.
+            let mean = if lossless && k > 0 { 0.0 } else { integral(mode) / slab.height };
+            let lag = slab.lag(rate);
             let lifted = self.grid.position.iter().zip(&self.grid.weight).zip(mode.value.iter());
             let projection = lag * slab.capacity * lifted.map(|((&z, w), v)| w * v * lift.at(z)).sum::<f64>();
             if lift.held {
                 loads[base] = rate * projection;
+            } else if lag < 1.0 {
+                // What the lag leaves out of the base's own stationary temperature.
+                body.base_temperature.direct[base] += loads[base] * loads[base] * (1.0 - lag * lag) / rate;
+                body.base_temperature.direct[ambient] += loads[base] * loads[ambient] * (1.0 - lag) / rate;
+                loads[base] *= lag;
             }
             let flow = slab.surface_transfer * mode.contact + slab.volume_transfer * slab.height * mean;
             let observed = [
                 (&mut body.contact_temperature, mode.contact),
                 (&mut body.cooled_temperature, loads[Port::Cooling as usize]),
-                (&mut body.base_temperature, mode.base),
+                (&mut body.base_temperature, mode.base * lag),
                 (&mut body.mean_temperature, mean),
                 (&mut body.ambient_flow, flow),
             ];
@@ -351,7 +358,7 @@ impl<'a> Basis<'a> {
             }
             if k < kept {
                 body.rate[k] = rate;
-                body.stored.states[k] = areal * mean * lag;
+                body.stored.states[k] = areal * mean * if lift.held { lag } else { 1.0 };
                 if lift.held {
                     body.stored.direct[base] -= body.stored.states[k] * projection;
                 }
@@ -365,21 +372,25 @@ impl<'a> Basis<'a> {
                 }
             }
         }
-        body.close_balance();
+        body.close_balance(slab.base == FarBoundary::Insulated);
         body
     }
 }
 
 impl ReducedBody {
     /// Closes the heat balance: the flow out of the base is input - d(stored)/dt - flow to ambient. For a convecting base
-    /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
-    fn close_balance(&mut self) {
+    /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there; through an `insulated` one
+    /// nothing but that flux passes.
+    fn close_balance(&mut self, insulated: bool) {
         for k in 0..self.count {
             self.base_flow.states[k] = self.stored.states[k] * self.rate[k] - self.ambient_flow.states[k];
         }
         for port in 0..PORTS {
             let entering = if port <= Port::Cooling as usize { 1.0 } else { 0.0 };
             let storing: f64 = (0..self.count).map(|k| self.stored.states[k] * self.input[port][k]).sum();
+            if insulated && port == Port::Base as usize {
+                self.ambient_flow.direct[port] = 1.0 - storing;
+            }
             self.base_flow.direct[port] = entering - storing - self.ambient_flow.direct[port];
         }
     }

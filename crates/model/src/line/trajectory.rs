@@ -147,9 +147,13 @@ impl InputTrajectory {
         if load > self.unloaded { load } else { 0.0 }
     }
 
-    /// Slip speed of a bristle at `time` (s from the start of the piece) over that in the middle: the ratio of the velocities.
+    /// Slip speed of a bristle at `time` (s from the start of the piece) over that in the middle: the ratio of the velocities, which
+    /// have one sign but for rounding.
     fn slip_ratio(&self, time: f64) -> f64 {
-        if self.direction == 0.0 { 1.0 } else { self.velocity(time) / self.velocity(0.5 * self.length) }
+        if self.direction == 0.0 {
+            return 1.0;
+        }
+        (self.velocity(time) / self.velocity(0.5 * self.length)).clamp(0.0, 2.0)
     }
 
     /// Time integral of the load times the slip ratio, N s; by Simpson's rule, which is exact for both linear.

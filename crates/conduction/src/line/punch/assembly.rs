@@ -4,14 +4,13 @@
 
 use super::across::{Across, Sides, Wave};
 use super::depth::Depth;
-use super::galerkin::{Points, Shape, steepest_held_rates};
+use super::galerkin::{Points, Shape, lag};
 use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
-use crate::reduced::lagging;
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use scene::FarBoundary;
@@ -120,13 +119,18 @@ impl<'a> Assembly<'a> {
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
         let far = match self.top_is_prescribed() {
             true => self.through_held_top(wave, shape),
-            false => self.top_exposure(wave) * shape.top,
+            false => self.top_exposure(wave) * self.top(shape),
         };
         [cooling, ambient, far]
     }
 
+    /// Temperature of a top without prescribed temperature by a shape: its value there but for the lag, [`lag`].
+    fn top(&self, shape: &Shape) -> f64 {
+        shape.top * lag(&self.depth, shape)
+    }
+
     /// Heat flow of a state through a top of prescribed temperature, W/m over the norm of the state; by reciprocity its input per kelvin
-    /// of that top. See [`lagging`].
+    /// of that top. See [`lag`].
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
         if !self.top_is_prescribed() {
             return 0.0;
@@ -137,7 +141,7 @@ impl<'a> Assembly<'a> {
             By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
         };
         let rate = shape.rate_through_height;
-        rate * self.heat_content(wave, shape) * lagging(rate, steepest_held_rates(&self.depth)) - by_face
+        rate * self.heat_content(wave, shape) * lag(&self.depth, shape) - by_face
     }
 
     /// Heat content of a state, J/m over its norm.
@@ -282,10 +286,17 @@ impl<'a> Assembly<'a> {
             for port in 0..PORTS {
                 left.contact[port] += sign * shape.contact * input[port] / shape.rate;
                 left.seen[port] += sign * self.seen(shape) * input[port] / shape.rate;
-                left.top[port] += sign * shape.top * input[port] / shape.rate;
+                left.top[port] += sign * self.top(shape) * input[port] / shape.rate;
             }
             left.seen_by_flux += sign * self.seen(shape) * shape.contact / shape.rate;
-            left.top_by_flux += sign * shape.top * shape.contact / shape.rate;
+            left.top_by_flux += sign * self.top(shape) * shape.contact / shape.rate;
+        }
+        if sign > 0.0 {
+            // What the lag leaves out of the top's temperature by its own flux.
+            for shape in states.iter().filter(|shape| shape.rate > 0.0) {
+                let left_out = 1.0 - lag(&self.depth, shape).powi(2);
+                left.top[FAR] += self.top_exposure(wave) * shape.top * shape.top * left_out / shape.rate;
+            }
         }
         left
     }
@@ -303,7 +314,7 @@ impl<'a> Assembly<'a> {
             let exposure = self.exposure(wave);
             for shape in mode.map_or(&[][..], |mode| &mode.states[..]) {
                 operators.cooled.states[first] = per_length * exposure * self.seen(shape);
-                operators.far_face.states[first] = per_width * wave.integral * shape.top;
+                operators.far_face.states[first] = per_width * wave.integral * self.top(shape);
                 first += 1;
             }
             if exposure == 0.0 && wave.integral == 0.0 {

@@ -4,21 +4,23 @@
 //! Theory: docs/theory.md, sections 4.6, 4.2.
 
 use super::depth::Depth;
+use crate::reduced::lagging;
 use nalgebra::DMatrix;
 use numerics::factorization;
 use numerics::grading::towards_face;
 use scene::FarBoundary;
 
-/// Rates of the trial functions for a flux into the top, over k/(C h^2).
-const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
+/// Decays of the trial functions for a flux into the top, times the height.
+const TOP_DECAYS: [f64; 4] = [1.0, 4.0, 12.0, 40.0];
 
 /// Decays of the trial functions for a temperature of the top, times the height.
 const HELD_DECAYS: [f64; 5] = [1.5, 4.5, 14.0, 40.0, 120.0];
 
-/// Rates of the two steepest trial functions for a temperature of the top, 1/s, see [`crate::reduced::lagging`].
-pub(super) fn steepest_held_rates(depth: &Depth) -> [f64; 2] {
-    let [.., second, first] = HELD_DECAYS;
-    [first, second].map(|decay: f64| depth.diffusivity() * (decay / depth.height).powi(2))
+/// Part of a shape that follows the top at once, see [`lagging`].
+pub(super) fn lag(depth: &Depth, shape: &Shape) -> f64 {
+    let steepest = if depth.driven_top { &TOP_DECAYS[2..] } else { &HELD_DECAYS[3..] };
+    let [second, first] = [0, 1].map(|k| depth.diffusivity() * (steepest[k] / depth.height).powi(2));
+    lagging(shape.rate_through_height, [first, second])
 }
 
 /// Points through the height: a quadrature that resolves every trial function, then extra points at which values of the
@@ -198,8 +200,8 @@ impl Basis {
             } else {
                 self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
             }
-            for rate in TOP_RATES {
-                self.add_from_top(points, (self.decay * self.decay + rate / (h * h)).sqrt());
+            for decay in TOP_DECAYS {
+                self.add_from_top(points, self.decay.hypot(decay / h));
             }
         }
     }

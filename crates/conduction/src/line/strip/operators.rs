@@ -88,6 +88,7 @@ impl StripOperators {
             surface_transfer: 0.0,
             volume_transfer: 0.0,
             base: properties.base,
+            path_at_base: properties.path_at_base,
             cooling: CoolingPort::Surface,
         };
         let convection = if full { 0.0 } else { properties.convection };
