@@ -14,10 +14,13 @@ fn at_rest_temperatures_stay_between_those_of_bodies_and_neighbours() {
             // The surface of an insulator is counted at its initial temperature.
             let mut around = case.around.to_vec();
             around.extend(["punch.initial_temperature", "strip.initial_temperature"].map(|name| drive.get(name)));
-            around.extend(temperatures(&mut drive));
+            let [punch, strip, contact] = temperatures(&mut drive);
+            around.extend([punch, strip]);
             let [low, high] = [f64::min, f64::max].map(|of| around.iter().copied().reduce(of).unwrap());
             // What the reductions of the bodies leave of a jump.
             let allowance = 2e-2 * (high - low);
+            let bounds = low - allowance..=high + allowance;
+            assert!(bounds.contains(&contact), "{level} {number} {case:?}: {contact} K at once, not in {bounds:?}");
             if random.next() < 0.5 {
                 drive.set("normal_load", case.load * random.between(0.01, 1.0));
             }
@@ -26,10 +29,7 @@ fn at_rest_temperatures_stay_between_those_of_bodies_and_neighbours() {
                 drive.0.step(step).unwrap_or_else(|error| panic!("{level} {number} {case:?}: {error}"));
                 let highest = drive.get("contact_temperature_max");
                 for t in temperatures(&mut drive).into_iter().chain([highest]) {
-                    assert!(
-                        (low - allowance..=high + allowance).contains(&t),
-                        "{level} {number} {case:?}: {t} K after {step} s, between {low} and {high} K"
-                    );
+                    assert!(bounds.contains(&t), "{level} {number} {case:?}: {t} K after {step} s, not in {bounds:?}");
                 }
             }
         }

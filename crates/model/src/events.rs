@@ -6,7 +6,7 @@ use super::Inputs;
 
 /// Part of the step within which an event is assigned to the end of the step next to it. The inputs there differ from 0 by this
 /// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
-const AT_END: f64 = 1e-9;
+pub(crate) const AT_END: f64 = 1e-9;
 
 /// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
 /// number of pieces.

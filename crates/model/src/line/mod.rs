@@ -23,7 +23,7 @@ mod step;
 mod trajectory;
 mod wear_rates;
 
-use crate::events::edges;
+use crate::events::{AT_END, edges};
 use crate::lumped::conditions::Tunables;
 use crate::lumped::{self, Lumped, limit};
 use crate::{Inputs, StepFailure};
@@ -47,6 +47,9 @@ fn jumps(before: f64, now: f64, scale: f64) -> bool {
     // Before the first step the value is NaN.
     before.is_nan() || (now - before).abs() > 1e-6 * scale
 }
+
+/// Largest difference of slip and travel, relative to the travel, with which a bristle counts as slipping throughout a piece.
+const SLIPS_THROUGHOUT: f64 = 1e-2;
 
 /// Instance of a scene at the line level.
 #[derive(Clone, Debug)]
@@ -274,11 +277,27 @@ impl Line {
                     heat.reverse();
                 }
                 self.state.direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
-                self.piece(&inputs.after(slopes, piece[0]), slopes, length)?;
+                let start = inputs.after(slopes, piece[0]);
+                let onset = self.onset_of_slip(&start, slopes, length);
+                self.piece(&start, slopes, onset.unwrap_or(length))?;
+                if let Some(onset) = onset {
+                    self.piece(&start.after(slopes, onset), slopes, length - onset)?;
+                }
             }
         }
         (self.state.end_inputs, self.state.scales) = (end, scales);
         Ok(())
+    }
+
+    /// Time (s) at which a bristle begins to slip within a piece of `length` (s).
+    fn onset_of_slip(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> Option<f64> {
+        if !self.mean.has_bristle() {
+            return None;
+        }
+        self.follow_elastic_slip(inputs);
+        let loaded = self.loaded(inputs);
+        let onset = self.mean.sticks_for(&loaded, slopes, length);
+        (onset > AT_END * length && onset < (1.0 - AT_END) * length).then_some(onset)
     }
 
     /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
@@ -386,13 +405,20 @@ impl Line {
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
             let work = state.dissipated - dissipated;
             let distance = state.distance - distance;
+            let radius = self.operators.scene.mean_radius;
+            let travel = (length * inputs.after(slopes, 0.5 * length).velocity(radius)).abs();
             let plain = LumpedTemperature::constant(temperature, expansion);
             let torque = self.trajectory(inputs, slopes, length, plain).impulse() * self.operators.mean.power_factor;
             let (heat_per_pressure, released) = match torque > 0.0 {
                 true => (work * self.operators.mean.area / torque, 0.0),
                 false => (0.0, work / length),
             };
-            Slipped { distance, ratio, heat_per_pressure, released }
+            let coefficient = self.mean.kinetic_coefficient();
+            let throughout = coefficient * torque > 0.0 && (distance - travel).abs() < SLIPS_THROUGHOUT * travel;
+            // Where friction is that of the law, the speed at which its work is that of the bristle.
+            let works = throughout && self.heat.is_some();
+            let speed = if works { heat_per_pressure / coefficient } else { distance / length };
+            Slipped { speed, throughout, ratio, heat_per_pressure, released }
         });
         Ok(LumpedTemperature {
             temperature: [temperature, state.end_temperature + state.reference],

@@ -92,7 +92,7 @@ impl Line {
     }
 
     /// Inputs of the lumped level.
-    fn loaded(&mut self, inputs: &Inputs) -> Inputs {
+    pub(super) fn loaded(&mut self, inputs: &Inputs) -> Inputs {
         let mut loaded = *inputs;
         loaded.normal_load = self.carried(inputs);
         loaded

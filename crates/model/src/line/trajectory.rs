@@ -21,11 +21,13 @@ pub(crate) struct LumpedTemperature {
 /// Slip of a bristle in a piece, the same for all cells and in proportion to the sliding velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slipped {
-    /// Distance slipped, m.
-    pub distance: f64,
+    /// Slip speed in the middle of the piece, m/s.
+    pub speed: f64,
+    /// The bristle slips throughout, so that friction is that of the law.
+    pub throughout: bool,
     /// Friction force over normal load at the end, signed.
     pub ratio: f64,
-    /// Friction heat flux over the pressure in the middle of the piece, m/s.
+    /// Friction heat flux over the pressure in the middle of the piece, without Stribeck factor, m/s.
     pub heat_per_pressure: f64,
     /// Heat flux that the bristle leaves where the contact opens at once, W/m2.
     pub released: f64,
@@ -156,11 +158,18 @@ impl InputTrajectory {
         (self.velocity(time) / self.velocity(0.5 * self.length)).clamp(0.0, 2.0)
     }
 
-    /// Time integral of the load times the slip ratio, N s; by Simpson's rule, which is exact for both linear.
+    /// Time integral of the load times slip ratio and Stribeck factor, N s, by Simpson's rule on four parts: exact but for that factor.
     pub(crate) fn impulse(&self) -> f64 {
-        let [first, middle, last] =
-            [0.0, 0.5 * self.length, self.length].map(|time| self.load(time) * self.slip_ratio(time));
-        self.length * (first + 4.0 * middle + last) / 6.0
+        let part = 0.125 * self.length;
+        let sum: f64 = [1.0, 4.0, 2.0, 4.0, 2.0, 4.0, 2.0, 4.0, 1.0]
+            .iter()
+            .enumerate()
+            .map(|(k, weight)| (weight, part * k as f64))
+            .map(|(weight, time)| {
+                weight * self.load(time) * self.slip_ratio(time) * self.friction.stribeck(self.velocity(time))
+            })
+            .sum();
+        sum * part / 3.0
     }
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
@@ -201,12 +210,18 @@ impl InputTrajectory {
         let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
-        let (signed_friction, speed) = match self.heat.slipped {
-            Some(slipped) => (slipped.ratio, slipped.distance / self.length * self.slip_ratio(time)),
-            None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
+        let held = self.heat.slipped.filter(|slipped| !slipped.throughout);
+        let signed_friction = match held {
+            Some(slipped) => slipped.ratio,
+            None => sign * (kinetic_coefficient * self.friction.stribeck(velocity)),
         };
-        let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time));
-        let released = self.heat.slipped.map_or(0.0, |slipped| slipped.released);
+        let speed = match self.heat.slipped {
+            Some(slipped) => slipped.speed * self.slip_ratio(time),
+            None => (sign * velocity).max(0.0),
+        };
+        let heat_per_pressure =
+            held.map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time) * self.friction.stribeck(velocity));
+        let released = held.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);
         StageConditions {
             sign,

@@ -226,6 +226,11 @@ impl Bristle {
         (z + (goal - z) * x * first + drift * time * x * second, rate)
     }
 
+    /// Duration of sticking, 0 where it slips.
+    pub(crate) fn sticks_for(&self, z: f64, v: Line, limit: Line) -> f64 {
+        if self.force(z, v.start, limit.start).1 { 0.0 } else { self.sticks_until(z, v, limit).0 }
+    }
+
     /// Duration of sticking, and the side to which the bristle then slips.
     fn sticks_until(&self, z: f64, v: Line, limit: Line) -> (f64, f64) {
         let (k, c) = (self.stiffness, self.damping);

@@ -24,6 +24,7 @@ pub(crate) mod step;
 pub(crate) mod stepper;
 
 use crate::{Inputs, StepFailure};
+use bristle::Line;
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
@@ -151,6 +152,25 @@ impl Lumped {
     /// Whether a bristle models the friction force at standstill.
     pub(crate) fn has_bristle(&self) -> bool {
         self.state.stiffness > 0.0
+    }
+
+    /// Kinetic friction coefficient at the temperature at the end of the last step.
+    pub(crate) fn kinetic_coefficient(&self) -> f64 {
+        self.friction.kinetic_coefficient(self.state.end_temperature + self.state.reference)
+    }
+
+    /// Time (s) for which the bristle sticks from the start of a piece of `length` (s) on, at the friction coefficient at its start;
+    /// infinite without a bristle.
+    pub(crate) fn sticks_for(&self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> f64 {
+        let (operators, state) = (&self.operators, &self.state);
+        let Some(bristle) = operators.bristle(state.stiffness) else { return f64::INFINITY };
+        let per_load = self.kinetic_coefficient() * operators.scene.faces * operators.power_factor;
+        let ends = [*inputs, inputs.after(slopes, length)].map(|at| {
+            let velocity = at.velocity(operators.scene.mean_radius);
+            [velocity, per_load * self.friction.stribeck(velocity) * at.normal_load.max(0.0)]
+        });
+        let [velocity, limit] = [0, 1].map(|k| Line { start: ends[0][k], rate: (ends[1][k] - ends[0][k]) / length });
+        bristle.sticks_for(state.bristle, velocity, limit)
     }
 
     /// Takes the friction force over elastic displacement `elastic` (N/m) of a contact whose pressure has changed. The energy of the
