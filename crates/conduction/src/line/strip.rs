@@ -13,7 +13,7 @@
 //! fast phase rotation is not decay. The rest is direct feedthrough, a matrix that depends on the velocity
 //! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
-//! In unidirectional sliding on a straight path the contact meets fresh material: the wave numbers are the odd
+//! On an open path, or one of over a thousand widths, the contact meets fresh material: the wave numbers are the odd
 //! multiples of pi/L, the states have an additional decay rate that damps the periodic images, and the direct
 //! feedthrough makes the steady response that of the endless path, from the moving source in real space. Between start
 //! and steady state the error of this damping is 1 to 2 per cent of the steady temperature at a Peclet number of 1,
@@ -118,15 +118,15 @@ impl StripHeat {
         (self.operators.waves.len(), self.operators.table.nodes())
     }
 
-    /// Length of the period, m.
-    pub fn period(&self) -> f64 {
-        self.operators.period
+    /// Length of the path, or of the period of an open one, m.
+    pub fn length(&self) -> f64 {
+        self.operators.length
     }
 
-    /// Mean flux over the period, W/m2, from fluxes into the cells and a cooling flux on the whole surface.
+    /// Mean flux over the path, W/m2, from fluxes into the cells and a cooling flux on the whole surface.
     fn mean_flux(&self, flux: &[f64], cooling: f64) -> f64 {
         let operators = &*self.operators;
-        dense::dot(flux, &operators.widths) / operators.period + cooling
+        dense::dot(flux, &operators.widths) / operators.length + cooling
     }
 
     /// Surface temperature of the mean mode, and its mean temperature through the depth, at a stage with the means of
@@ -182,7 +182,7 @@ impl StripHeat {
         let observed = &operators.mean.contact_temperature;
         let level = self.held_mean(state) + self.held_background(observed, state, surroundings, given);
         // The Robin correction raises the temperature that drives it, through the static correction of the mean mode.
-        let covered = 1.0 - operators.free_length / operators.period;
+        let covered = 1.0 - operators.free_length / operators.length;
         let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
         let returned = operators.convection * (level - surroundings.end.ambient) / (1.0 - feedback);
         [given + covered * returned, returned]
@@ -194,10 +194,10 @@ impl StripHeat {
         state_layout::dot(&self.operators.contact_mean, re)
     }
 
-    /// Observation of the mean mode under the contact at frozen state: on fresh material without the heat that the
+    /// Observation of the mean mode under the contact at frozen state: on an open path without the heat that the
     /// contact left behind.
     fn held_background(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
-        let seen = if self.operators.fresh { surroundings.end.cooling } else { flux };
+        let seen = if self.operators.remembers { flux } else { surroundings.end.cooling };
         self.held_observation(observed, self.operators.background(state), surroundings, seen)
     }
 
@@ -212,7 +212,7 @@ impl StripHeat {
 
     /// Cooling flux on the free surface as a mean over the period.
     fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
-        surroundings.end.cooling * self.operators.free_length / self.operators.period
+        surroundings.end.cooling * self.operators.free_length / self.operators.length
     }
 }
 
@@ -369,7 +369,7 @@ impl Observed for StripHeat {
         let FrozenState { state, surroundings, flux, .. } = *at;
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let surface = &self.operators.mean.contact_temperature;
-        let everywhere = self.held_observation(surface, state, surroundings, entering);
+        let everywhere = self.held_background(surface, state, surroundings, entering);
         let mut seen = std::mem::take(&mut work.strip().seen);
         self.temperature_at_frozen_state(at, &mut seen, work);
         let beside = self.beside(everywhere, &seen);
@@ -379,15 +379,15 @@ impl Observed for StripHeat {
 
     fn far_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
-        self.held_observation(&self.operators.mean.base_temperature, state, surroundings, entering)
+        self.held_background(&self.operators.mean.base_temperature, state, surroundings, entering)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let mean = &operators.mean;
         let [entering, returned] = self.held_fluxes(state, surroundings, flux);
-        let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
-        let width = operators.period - operators.free_length;
+        let flow = |observed| operators.length * self.held_observation(observed, state, surroundings, entering);
+        let width = operators.length - operators.free_length;
         [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]
     }
 
@@ -401,7 +401,7 @@ impl Observed for StripHeat {
         let mean = &self.operators.mean;
         let tail = &state[state.len() - TAIL..];
         let by_base = mean.stored.direct[BASE] * tail[3];
-        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + by_base);
+        let stored = self.operators.length * (mean.stored.of_states(&padded(state, mean.count), mean.count) + by_base);
         Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
     }
 

@@ -36,8 +36,8 @@ impl StripHeat {
         let before = self.account(state).stored;
         let mut ambient = 0.0;
         let carried = self.mean_states(state, surroundings, weights, effective);
-        let alone =
-            operators.fresh.then(|| self.mean_states(operators.background(state), surroundings, weights, [0.0; 2]));
+        let alone = (!operators.remembers)
+            .then(|| self.mean_states(operators.background(state), surroundings, weights, [0.0; 2]));
         for k in 0..mean.count {
             let (old, new) = (state[k], carried[k]);
             let source = mean.input[CONTACT][k] * (over_step(effective) + step * cooling)
@@ -52,7 +52,7 @@ impl StripHeat {
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
             + step * (mean.ambient_flow.direct[AMBIENT] * air + mean.ambient_flow.direct[BASE] * far);
-        let lost = operators.period * (ambient - step * cooling) - returned;
+        let lost = operators.length * (ambient - step * cooling) - returned;
         let tail = state.len() - TAIL;
         state[tail + 3] = surroundings.end.far;
         let stored = self.account(state).stored - before;

@@ -81,7 +81,7 @@ impl StripHeat {
         stage: Stage,
         levels: &mut [f64; 2],
     ) -> f64 {
-        let mean = robin_correction.unit[0] * amounts[0] / self.operators.period;
+        let mean = robin_correction.unit[0] * amounts[0] / self.operators.length;
         robin_correction.amplitudes(amounts, &mut scratch.heat_end);
         self.add_own_flux(scratch, stage, mean, levels);
         mean
@@ -141,14 +141,14 @@ impl StripHeat {
             own = self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
         self.observe(scratch, levels, [&mut *temperature, distortion]);
-        let fluxes = [self.mean_flux(&scratch.first, 0.0), own];
+        // On an open path the air acts on the material that arrives: the heat left behind does not return.
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), own].map(|flux| operators.remembered() * flux);
         let mean = &operators.mean;
-        // States of the whole strip, also where the contact is not affected by the heat left behind.
-        let states = self.mean_states(state, surroundings, weights, fluxes);
+        let states = self.mean_states(operators.background(state), surroundings, weights, fluxes);
         let around = surroundings.at(stage);
         let [everywhere, base] = [&mean.contact_temperature, &mean.base_temperature].map(|observed| {
             observed.of_states(&states, mean.count)
-                + observed.direct[CONTACT] * own
+                + observed.direct[CONTACT] * fluxes[OWN]
                 + observed.direct[AMBIENT] * around.ambient
                 + observed.direct[BASE] * around.far
         });
@@ -158,11 +158,11 @@ impl StripHeat {
     /// Mean temperature of the surface beside the contact, from that of the whole surface and those of the cells.
     pub(super) fn beside(&self, everywhere: f64, temperature: &[f64]) -> f64 {
         let operators = &*self.operators;
-        let StripOperators { period, free_length, .. } = *operators;
-        if operators.fresh || free_length <= 1e-9 * period {
+        let StripOperators { length, free_length, .. } = *operators;
+        if operators.fresh || free_length <= 1e-9 * length {
             return everywhere;
         }
-        (period * everywhere - dense::dot(&operators.widths, temperature)) / free_length
+        (length * everywhere - dense::dot(&operators.widths, temperature)) / free_length
     }
 
     /// Response of an observation of the mean mode to a unit flux of `stage` through a port.
@@ -206,6 +206,7 @@ impl StripHeat {
             entering += self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
         self.observe(scratch, levels, [&mut *temperature, distortion]);
+        entering *= operators.remembered();
         let whole = |observed| {
             self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
         };
@@ -213,7 +214,7 @@ impl StripHeat {
         let [everywhere, base] = seen.map(whole);
         influence.mean = whole(&mean.mean_temperature);
         influence.faces = [self.beside(everywhere, temperature), base];
-        let per_flux = self.mean_response(seen[face], stage, CONTACT) / operators.period;
+        let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
         if self.step.is_open() {
             return by_cell.fill(0.0);
         }

@@ -103,7 +103,7 @@ impl Interval<'_> {
             level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
         }
         let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
-        level * operators.remembered() * distortion / operators.period
+        level * operators.remembered() * distortion / operators.length
     }
 
     /// Influence matrices from the mode responses and the mean mode, with the Robin correction.

@@ -24,7 +24,8 @@ use std::f64::consts::PI;
 pub(crate) struct StripOperators {
     pub widths: Vec<f64>,
     pub half: usize,
-    pub period: f64,
+    /// Length over which the mean mode is the mean, m: that of a closed path, else the period.
+    pub length: f64,
     /// K/(rho c), m2/s.
     pub diffusivity: f64,
     /// Length of the surface beside the contact, m.
@@ -50,8 +51,9 @@ pub(crate) struct StripOperators {
     pub expands: bool,
     /// The temperature of the base is prescribed.
     pub held: bool,
-    /// Fresh material under the contact: heat received does not return to it.
+    /// Fresh material under the contact: heat received does not return to it, or on a long closed path by the mean mode alone.
     pub fresh: bool,
+    pub remembers: bool,
     pub image_damping: ImageDamping,
     /// Largest `q dv h/8` of the shortest mode at which the influence matrices are those of the mean velocity. The
     /// contribution of such modes to the temperature is below one in a hundred. 0: no interpolation between velocities.
@@ -95,7 +97,9 @@ impl StripOperators {
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
-        let fresh = properties.path == SlidingPath::Unidirectional;
+        let fresh = properties.fresh(width);
+        let remembering = properties.remembering(width, period);
+        let length = remembering.unwrap_or(period);
         let image_damping = ImageDamping {
             // Decay exponent of the damping of periodic images while the contact passes one period.
             per_length: if fresh { 4.0 / period } else { 0.0 },
@@ -142,9 +146,9 @@ impl StripOperators {
         let mut operators = StripOperators {
             half: shapes.half(),
             distance_sum: DistanceSum::new(cells, &waves, unit),
-            period,
+            length,
             diffusivity,
-            free_length: (period - widths.iter().sum::<f64>()).max(0.0),
+            free_length: (length - widths.iter().sum::<f64>()).max(0.0),
             convection,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
             state_layout,
@@ -156,6 +160,7 @@ impl StripOperators {
             expands: expansion.is_some(),
             held: properties.base == FarBoundary::Held,
             fresh,
+            remembers: remembering.is_some(),
             image_damping,
             steady: 10.0 * tolerance.min(1e-3),
             table,
@@ -213,10 +218,10 @@ impl StripOperators {
         }
     }
 
-    /// Number of states before those of the Fourier modes: of the mean mode, and on fresh material of a second one
-    /// without the heat of the contact.
+    /// Number of states before those of the Fourier modes: of the mean mode, and on an open path of a second one without the heat of
+    /// the contact.
     pub(crate) fn mean_states(&self) -> usize {
-        if self.fresh { 2 * self.mean.count } else { self.mean.count }
+        if self.remembers { self.mean.count } else { 2 * self.mean.count }
     }
 
     /// States of the mean mode that determine the temperature under the contact.
@@ -226,7 +231,7 @@ impl StripOperators {
 
     /// Fraction of the mean flux whose heat returns to the contact.
     pub(crate) fn remembered(&self) -> f64 {
-        if self.fresh { 0.0 } else { 1.0 }
+        if self.remembers { 1.0 } else { 0.0 }
     }
 
     /// Real and imaginary parts of the states of the modes.

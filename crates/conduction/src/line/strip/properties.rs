@@ -92,6 +92,9 @@ impl ImageDamping {
     }
 }
 
+/// Length of a path over the width of the contact beyond which the contact meets fresh material.
+const LONGEST_PATH: f64 = 1000.0;
+
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
 const FLATTEST: f64 = 2000.0;
 
@@ -123,6 +126,24 @@ impl StripProperties {
         }
     }
 
+    /// Whether the contact meets fresh material: on a straight path without strokes, or one so long that its harmonics, up to the
+    /// largest number, would be as long as the contact.
+    pub(super) fn fresh(&self, width: f64) -> bool {
+        match self.path {
+            SlidingPath::Closed(along) | SlidingPath::Stroke { stroke: along, .. } => along > LONGEST_PATH * width,
+            SlidingPath::Unidirectional => true,
+        }
+    }
+
+    /// Length over which the heat of the contact spreads in time, so that the contact meets its mean: of a closed path, or the
+    /// `period` of a stroke's cell; none on an open one.
+    pub(super) fn remembering(&self, width: f64, period: f64) -> Option<f64> {
+        match self.path {
+            SlidingPath::Closed(length) => Some(length.max(width)),
+            _ => (!self.fresh(width)).then_some(period),
+        }
+    }
+
     /// Length of the period, and largest distance between heated and observed point along the material.
     pub(super) fn period(&self, width: f64, duration: f64) -> (f64, f64) {
         let mut reach = (self.conductivity / self.capacity * duration).sqrt();
@@ -132,14 +153,15 @@ impl StripProperties {
         if self.base == FarBoundary::Held {
             reach = reach.min(self.height);
         }
+        let fresh = self.fresh(width);
         match self.path {
-            SlidingPath::Closed(length) => (length.max(width), f64::INFINITY),
+            SlidingPath::Closed(length) if !fresh => (length.max(width), f64::INFINITY),
             // The allowance covers a stroke longer than planned.
-            SlidingPath::Stroke { stroke, length } => {
+            SlidingPath::Stroke { stroke, length } if !fresh => {
                 ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
             }
-            // Lower bound of the period of a unidirectional path, in widths of the contact.
-            SlidingPath::Unidirectional => ((width + 8.0 * reach).max(12.0 * width), f64::INFINITY),
+            // Lower bound of the period of an endless path, in widths of the contact.
+            _ => ((width + 8.0 * reach).max(12.0 * width), f64::INFINITY),
         }
     }
 }

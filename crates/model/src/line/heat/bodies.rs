@@ -64,7 +64,7 @@ impl Bodies {
             return Ok(Bodies::made(scene, bodies, error_weights, punch::mate::cooled_length(scene), 0));
         }
         let strip = strip(scene, cells, tolerance)?;
-        let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
+        let free = strip.as_ref().map_or(0.0, |strip| strip.length() - 2.0 * cells.half_width());
         let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
         let strip = strip.map(|body| Box::new(body) as Box<dyn ThermalBody>);
         Ok(Bodies::made(scene, [punch, strip], error_weights, free.max(0.0), waves))

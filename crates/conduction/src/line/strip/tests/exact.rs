@@ -199,7 +199,7 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
         println!(
             "{:?} period {} {} states error {:.1e}",
             body.size(),
-            body.period(),
+            body.length(),
             body.states(),
             body.operators.error
         );
