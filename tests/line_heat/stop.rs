@@ -4,7 +4,7 @@
 //! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
 //! thermal distortion would make the problem ill-posed.
 
-use test_support::{Drive, scene};
+use test_support::{Drive, HELD, scene};
 
 const LOAD: f64 = 14e3;
 const CONDUCTANCE: f64 = 20e3;
@@ -88,4 +88,46 @@ fn the_pad_parts_above_that_speed_and_not_below() {
         (least, most)
     });
     assert!(below.0 > 0.9 && above.0 < 0.6 && above.1 > 1.3 * below.1, "{below:?} {above:?}");
+}
+
+/// A brake pad that moves less than a lap and stops: a straight path and a closed one are the same.
+#[test]
+fn after_a_stop_an_endless_path_is_as_warm_as_a_closed_one() {
+    let brake = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 17.0),
+        ("punch.width", 0.11),
+        ("punch.conductivity", 0.9),
+        ("punch.thermal_expansion", 0.0),
+        ("strip.height", 0.025),
+        ("strip.conductivity", 45.0),
+        ("strip.density", 7850.0),
+        ("strip.thermal_expansion", 0.0),
+        ("strip.base_thermal", HELD),
+        ("strip.convection", 0.0),
+        ("contact.mean_radius", 0.0),
+        ("nominal.load", 25e3),
+        ("nominal.velocity", 0.06),
+        ("nominal.duration", 60.0),
+    ];
+    for (tolerance, bound) in [(1e-2, 1e-2), (1e-3, 2e-3)] {
+        let run = |path: [(&str, f64); 2]| {
+            let mut drive = Drive::stock(&[&brake[..], &path, &[("solver.tolerance", tolerance)]].concat());
+            drive.set("normal_load", 25e3).set("sliding_velocity", 0.08).steps(48, 0.25);
+            let peak = drive.get("contact_temperature");
+            drive
+                .slope("sliding_velocity", -0.08)
+                .step(1.0)
+                .set("sliding_velocity", 0.0)
+                .slope("sliding_velocity", 0.0);
+            let stop = drive.get("contact_temperature");
+            [peak, stop, drive.step(1.0).get("contact_temperature")].map(|t| t - 293.15)
+        };
+        let [open, closed] =
+            [[("strip.path", 1.0), ("strip.length", 0.0)], [("strip.path", 2.0), ("strip.length", 2.5)]].map(run);
+        println!("{tolerance}: {open:?} {closed:?}");
+        for (open, other) in open.iter().zip(closed) {
+            assert!((open - other).abs() < bound * closed[0], "{tolerance}: {open} and {other} of {} K", closed[0]);
+        }
+    }
 }

@@ -81,7 +81,7 @@ impl StripOperators {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
         }
         let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
-        let (period, reach) = properties.period(width, resolution.duration);
+        let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab {
             height: properties.height,
