@@ -108,6 +108,9 @@ const MEETING: f64 = 1e-4;
 /// points do not see: rounding.
 const RETURNED: f64 = 36.0;
 
+/// Parts of [`Bristle::deflection_by_parts`].
+const GRADED: i32 = 10;
+
 /// Largest number of transitions between sticking and slipping in a step; linear velocity and limit cause fewer.
 const MOST_CHANGES: usize = 16;
 
@@ -154,6 +157,30 @@ impl Bristle {
             self.carry(&mut moved, v, late, [change, step], step);
         }
         moved
+    }
+
+    /// Deflection (m) at the end of `step` (s) under the limit `limit` (N) times a factor of the velocity. Its parts are halved towards the
+    /// lower speed, where a Stribeck factor is steep.
+    pub(crate) fn deflection_by_parts(
+        &self,
+        z: f64,
+        v: Line,
+        limit: Line,
+        step: f64,
+        factor: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let slows = v.at(step).abs() < v.start.abs();
+        let at = |part: i32| match (slows, part) {
+            (true, GRADED) => step,
+            (true, _) => step * (1.0 - 0.5_f64.powi(part)),
+            (false, 0) => 0.0,
+            (false, _) => step * 0.5_f64.powi(GRADED - part),
+        };
+        (0..GRADED).fold(z, |z, part| {
+            let [start, length] = [at(part), at(part + 1) - at(part)];
+            let [first, last] = [start, start + length].map(|time| limit.at(time).max(0.0) * factor(v.at(time)));
+            self.advance(z, v.from(start), Line { start: first, rate: (last - first) / length }, length).deflection
+        })
     }
 
     /// Advances `moved` over the part `span` of the step.
