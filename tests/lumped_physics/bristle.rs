@@ -156,3 +156,25 @@ fn a_stop_leaves_the_force_that_the_bristle_had_when_it_stuck() {
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
+
+/// The slip begins from rest, as the limit falls below the force; and it never wore before.
+#[test]
+fn a_strained_bristle_is_unloaded_at_rest_at_any_tolerance() {
+    for damping in [0.0, 2e3] {
+        let end = |tolerance: f64| {
+            let own = [("solver.tolerance", tolerance), ("contact.stick_damping", damping)];
+            let mut drive = Drive::stock(&[&[("contact.stick_stiffness", STIFFNESS)], &own[..]].concat());
+            drive.set("normal_load", 350.0).set("sliding_velocity", 1e-4).step(0.5).set("sliding_velocity", 0.0);
+            assert!((drive.get("friction_force") - 250.0).abs() < 1e-9);
+            drive.slope("normal_load", -35_000.0).step(0.01).set("normal_load", 0.0).step(0.1);
+            ["dissipated_energy", "wear_volume_punch", "sliding_distance"].map(|name| drive.get(name))
+        };
+        let [coarse, fine, finest] = [1e-3, 1e-6, 1e-9].map(end);
+        // Stored energy and the heat of the damper before, wear, slip.
+        let heat = 0.5 * 250.0_f64.powi(2) / STIFFNESS + 0.5 * damping * 1e-8;
+        for (index, value) in [heat, finest[1], 250.0 / STIFFNESS].into_iter().enumerate() {
+            assert!((coarse[index] - value).abs() <= 1e-3 * value, "{damping}: {coarse:?}, {value}");
+            assert!((fine[index] - value).abs() <= 1e-6 * value, "{damping}: {fine:?}, {value}");
+        }
+    }
+}

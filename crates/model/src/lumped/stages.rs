@@ -536,7 +536,8 @@ impl<const COMMON: bool> Stages<COMMON> {
             let temperature = between(self.temperature) + self.reference;
             stepper.wear_rate(body, pressure, speeds[index], between(self.kinetic_coefficient), temperature)
         });
-        let end = (self.kinetic_coefficient[1], self.temperature[1] + self.reference);
+        let slip = maximum(self.speed[0], self.speed[1]);
+        let end = [self.kinetic_coefficient[1], self.temperature[1] + self.reference, slip];
         stepper.wear_error(body, rates, [start, middle], uneven, end, peak)
     }
 }
