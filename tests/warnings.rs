@@ -168,6 +168,20 @@ fn a_negative_load_is_told_once_with_its_value() {
     }
 }
 
+/// A ramp to 0 ends beside it by the rounding of slope and time.
+#[test]
+fn a_load_below_zero_by_rounding_is_not_told() {
+    for level in [LUMPED, LINE] {
+        let starts = [("solver.fidelity", level), FEW];
+        let ramp = |slope| in_steps(&starts, SLIDING, &[("normal_load", slope)], 1);
+        assert_eq!(ramp(-20_000.000_000_000_1), SILENT);
+        assert_one(&ramp(-20_000.01), &["normal_load = -0.001"]);
+        assert_eq!(in_steps(&starts, &[("sliding_velocity", 8.0), ("normal_load", -1e-13)], &[], 3), SILENT);
+        let rises = [("sliding_velocity", 8.0), ("normal_load", -1e-13)];
+        assert_eq!(in_steps(&starts, &rises, &[("normal_load", 5_000.0)], 2), SILENT);
+    }
+}
+
 #[test]
 fn limits_are_told_where_they_are_reached() {
     for level in [LUMPED, LINE] {

@@ -1,7 +1,7 @@
 //! Subdivided communication steps where a bristle carries the friction force: results in slip, stick and at
 //! transitions are independent of the subdivision.
 
-use test_support::{Drive, scene};
+use test_support::{Drive, LINE, LUMPED, scene};
 
 const OUTPUTS: [&str; 7] = [
     "dissipated_energy",
@@ -99,5 +99,82 @@ fn cutting_reversals_and_changes_between_sticking_and_slipping_changes_at_most_t
     for damping in [0.0, 2e4] {
         let changes = [("contact.stick_stiffness", 1e6), ("contact.stick_damping", damping)];
         cutting("disc_brake", &changes, "sliding_velocity", courses, &[1e-3, 1e-4]);
+    }
+}
+
+const STIFFNESS: f64 = 5e6;
+const RATIO: f64 = 1.15;
+const STRIBECK: f64 = 0.05;
+
+/// Force (N) of the bristle at the end of a stop from 12 m/s in .35 s under the kinetic friction force `kinetic` (N), by small steps.
+fn held(kinetic: f64, damping: f64) -> f64 {
+    let (deceleration, step) = (12.0 / 0.35, 1e-7);
+    let mut z = kinetic / STIFFNESS;
+    for index in (0..200_000).rev() {
+        let v = deceleration * step * (f64::from(index) + 0.5);
+        let limit = kinetic * (1.0 + (RATIO - 1.0) * (-v / STRIBECK).exp());
+        if STIFFNESS * z + damping * v <= limit {
+            z += v * step;
+        } else {
+            let goal = limit / STIFFNESS;
+            z = if damping > 0.0 { goal + (z - goal) * (-STIFFNESS * step / damping).exp() } else { goal };
+        }
+    }
+    STIFFNESS * z
+}
+
+#[test]
+fn a_stop_leaves_the_force_that_the_bristle_had_when_it_stuck() {
+    let bristle = [
+        ("contact.stick_stiffness", STIFFNESS),
+        ("contact.static_friction_ratio", RATIO),
+        ("contact.stribeck_velocity", STRIBECK),
+        ("solver.cells", 9.0),
+    ];
+    let mut failed = Vec::new();
+    for (level, tolerance) in [(LUMPED, 1e-2), (LUMPED, 1e-3), (LUMPED, 1e-4), (LINE, 1e-2), (LINE, 1e-3)] {
+        for damping in [0.0, 2e3, 1e4] {
+            let own = [("solver.fidelity", level), ("solver.tolerance", tolerance), ("contact.stick_damping", damping)];
+            let exact = held(2.0 * 0.4 * 350.0, damping);
+            for parts in [1, 28] {
+                let mut drive = Drive::stock(&[&bristle[..], &own].concat());
+                drive.set("normal_load", 350.0);
+                for part in 0..parts {
+                    let left = 1.0 - f64::from(part) / f64::from(parts);
+                    drive.set("sliding_velocity", 12.0 * left).slope("sliding_velocity", -12.0 / 0.35);
+                    drive.step(0.35 / f64::from(parts));
+                }
+                drive.set("sliding_velocity", 0.0);
+                let force = drive.get("friction_force");
+                let error = (force - exact).abs() / (tolerance * exact);
+                if error.is_nan() || error > 1.0 {
+                    let text = format!("level {level}, {tolerance:e}, damping {damping}, {parts} parts");
+                    failed.push(format!("{text}: {force} N instead of {exact} N, {:?} steps", drive.0.work()));
+                }
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+/// The slip begins from rest, as the limit falls below the force; and it never wore before.
+#[test]
+fn a_strained_bristle_is_unloaded_at_rest_at_any_tolerance() {
+    for damping in [0.0, 2e3] {
+        let end = |tolerance: f64| {
+            let own = [("solver.tolerance", tolerance), ("contact.stick_damping", damping)];
+            let mut drive = Drive::stock(&[&[("contact.stick_stiffness", STIFFNESS)], &own[..]].concat());
+            drive.set("normal_load", 350.0).set("sliding_velocity", 1e-4).step(0.5).set("sliding_velocity", 0.0);
+            assert!((drive.get("friction_force") - 250.0).abs() < 1e-9);
+            drive.slope("normal_load", -35_000.0).step(0.01).set("normal_load", 0.0).step(0.1);
+            ["dissipated_energy", "wear_volume_punch", "sliding_distance"].map(|name| drive.get(name))
+        };
+        let [coarse, fine, finest] = [1e-3, 1e-6, 1e-9].map(end);
+        // Stored energy and the heat of the damper before, wear, slip.
+        let heat = 0.5 * 250.0_f64.powi(2) / STIFFNESS + 0.5 * damping * 1e-8;
+        for (index, value) in [heat, finest[1], 250.0 / STIFFNESS].into_iter().enumerate() {
+            assert!((coarse[index] - value).abs() <= 1e-3 * value, "{damping}: {coarse:?}, {value}");
+            assert!((fine[index] - value).abs() <= 1e-6 * value, "{damping}: {fine:?}, {value}");
+        }
     }
 }

@@ -8,6 +8,16 @@ use super::Inputs;
 /// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
 pub(crate) const AT_END: f64 = 1e-9;
 
+/// Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0.
+pub(crate) const UNLOADED: f64 = 1e-12;
+
+/// Whether the load falls below 0 in a step from `inputs` to `end` by more than the rounding of an input that is intended to be 0, at
+/// this nominal load, N.
+pub(crate) fn load_is_negative(inputs: &Inputs, end: &Inputs, nominal: f64) -> bool {
+    let [first, last] = [inputs.normal_load, end.normal_load];
+    first.min(last) < -(AT_END * first.max(last)).max(UNLOADED * nominal)
+}
+
 /// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
 /// number of pieces.
 pub(crate) fn edges(inputs: &Inputs, slopes: Option<&Inputs>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {

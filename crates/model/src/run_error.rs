@@ -163,7 +163,7 @@ impl RunError {
         self.known(prepared, step_error).map_or(UNKNOWN, |error| error.min(UNKNOWN))
     }
 
-    /// Writes advice where the error of the run is known and above the tolerance.
+    /// Writes advice where the error of the run is known and above the tolerance; without advice from [`UNKNOWN`] on.
     ///
     /// # Errors
     /// Those of `text`.
@@ -172,7 +172,11 @@ impl RunError {
         let tolerance = prepared.requested.tolerance;
         let Some(error) = self.known(prepared, step_error).filter(|error| *error > tolerance) else { return Ok(()) };
         let cells = prepared.operators.cells();
-        write!(text, "estimated_error = {} is above the tolerance {}", Number(error), Number(tolerance))?;
+        let stated = error.min(UNKNOWN);
+        write!(text, "estimated_error = {} is above the tolerance {}", Number(stated), Number(tolerance))?;
+        if error >= UNKNOWN {
+            return write!(text, ": not known");
+        }
         if self.resolved(prepared, step_error).is_some_and(|resolved| resolved <= tolerance) {
             return write!(text, " by the elastic slip: contact.tangential_compliance = elastic includes it");
         }

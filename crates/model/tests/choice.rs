@@ -1,7 +1,11 @@
 //! Choice of the automatic level: what it costs, and what it depends on.
 
+use model::Inputs;
 use model::levels::ModelOperators;
+use model::lumped::conditions::Tunables;
+use model::plan::distance::Distance;
 use model::plan::{BuiltModel, Choice, ModelLevel};
+use model::run_error::{RunError, SavedRunError};
 use scene::Scene;
 use test_support::{Application, changed, changed_scene, scene};
 
@@ -88,5 +92,24 @@ fn operators_built_beside_others_are_those_built_alone() {
             };
             assert!(same, "{name}, {:?}, {}", scene.fidelity, scene.tolerance);
         }
+    }
+}
+
+/// The output is at most 1, which stands for an error that is not known: the advice says the same number, and no cells.
+#[test]
+fn advice_has_the_number_of_the_output_and_names_cells_below_it_only() {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.error_estimate", 3.0)];
+    let scene = changed_scene(&scene("disc_brake"), &line);
+    let prepared = BuiltModel::new(&scene, steady::run_in).unwrap();
+    let mut run = RunError::new(&prepared, Tunables::of(&scene), &Inputs::constant(0.0));
+    let start = run.save();
+    for (apart, advised) in [(0.5, true), (1.5, false), (f64::INFINITY, false)] {
+        let distance = Some(Distance { apart: [0.0, apart, 0.0], largest: [1.0; 3] });
+        run.set(&SavedRunError { distance, ..start.clone() });
+        let (mut text, output) = (String::new(), run.of(&prepared, 0.0));
+        run.write_advice(&prepared, 0.0, &mut text).unwrap();
+        assert_eq!(output, apart.min(1.0));
+        assert!(text.starts_with(&format!("estimated_error = {output} is above")), "{text}");
+        assert_eq!([text.contains("solver.cells"), text.ends_with("not known")], [advised, !advised], "{text}");
     }
 }

@@ -23,7 +23,7 @@ mod step;
 mod trajectory;
 mod wear_rates;
 
-use crate::events::{AT_END, edges};
+use crate::events::{AT_END, edges, load_is_negative};
 use crate::lumped::conditions::Tunables;
 use crate::lumped::{self, Lumped, limit};
 use crate::{Inputs, StepFailure};
@@ -249,7 +249,7 @@ impl Line {
     /// Advances in pieces between sign changes of velocity and load.
     fn pieces(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
         let end = inputs.after(slopes, step);
-        if inputs.normal_load < 0.0 || end.normal_load < 0.0 {
+        if load_is_negative(inputs, &end, self.operators.scene.nominal_load) {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);

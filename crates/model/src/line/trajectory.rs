@@ -4,6 +4,7 @@
 
 use super::operators::LineOperators;
 use crate::Inputs;
+use crate::events::UNLOADED;
 use conduction::line::GAMMA;
 use contact::friction::FrictionLaw;
 
@@ -131,9 +132,8 @@ impl InputTrajectory {
             heat,
             friction,
             mean_radius,
-            // Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0. Any load
-            // at all would bring the surfaces together, which then exchange heat, and let them part again.
-            unloaded: 1e-12 * operators.scene.nominal_load,
+            // Any load at all would bring the surfaces together, which then exchange heat, and let them part again.
+            unloaded: UNLOADED * operators.scene.nominal_load,
             direction: 0.0,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.

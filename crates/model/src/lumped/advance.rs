@@ -10,7 +10,7 @@ use super::state::LumpedState;
 use super::stepper::{Attempt, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
-use crate::events::edges;
+use crate::events::{edges, load_is_negative};
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
@@ -137,7 +137,7 @@ impl Lumped {
             self.grow([velocity; 2], inputs.normal_load, step);
             return Ok(());
         }
-        if inputs.normal_load < 0.0 {
+        if load_is_negative(inputs, inputs, self.operators.scene.nominal_load) {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         self.judge_temperature(attempt.hottest);
@@ -179,8 +179,7 @@ impl Lumped {
         if self.near_end_of_body(inputs, slopes, step) {
             *backup = Some(self.state.clone());
         }
-        let last_load = inputs.after(slopes, step).normal_load;
-        if inputs.normal_load < 0.0 || last_load < 0.0 {
+        if load_is_negative(inputs, &inputs.after(slopes, step), self.operators.scene.nominal_load) {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let mut budget = Budget::new(1, 0);

@@ -108,6 +108,9 @@ const MEETING: f64 = 1e-4;
 /// points do not see: rounding.
 const RETURNED: f64 = 36.0;
 
+/// Parts of [`Bristle::deflection_by_parts`].
+const GRADED: i32 = 10;
+
 /// Largest number of transitions between sticking and slipping in a step; linear velocity and limit cause fewer.
 const MOST_CHANGES: usize = 16;
 
@@ -156,6 +159,30 @@ impl Bristle {
         moved
     }
 
+    /// Deflection (m) at the end of `step` (s) under the limit `limit` (N) times a factor of the velocity. Its parts are halved towards the
+    /// lower speed, where a Stribeck factor is steep.
+    pub(crate) fn deflection_by_parts(
+        &self,
+        z: f64,
+        v: Line,
+        limit: Line,
+        step: f64,
+        factor: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let slows = v.at(step).abs() < v.start.abs();
+        let at = |part: i32| match (slows, part) {
+            (true, GRADED) => step,
+            (true, _) => step * (1.0 - 0.5_f64.powi(part)),
+            (false, 0) => 0.0,
+            (false, _) => step * 0.5_f64.powi(GRADED - part),
+        };
+        (0..GRADED).fold(z, |z, part| {
+            let [start, length] = [at(part), at(part + 1) - at(part)];
+            let [first, last] = [start, start + length].map(|time| limit.at(time).max(0.0) * factor(v.at(time)));
+            self.advance(z, v.from(start), Line { start: first, rate: (last - first) / length }, length).deflection
+        })
+    }
+
     /// Advances `moved` over the part `span` of the step.
     fn carry(&self, moved: &mut Moved, v: Line, limit: Line, span: [f64; 2], step: f64) {
         let k = self.stiffness;
@@ -184,7 +211,7 @@ impl Bristle {
                 let time = c * step - now;
                 // The end of the step belongs to its last part.
                 if time > 0.0 && time <= length || last && point == 2 && span[1] == step {
-                    let (_, rate) = self.deflection(moved.deflection, v, limit, slipping, time);
+                    let (_, rate) = self.deflects(moved.deflection, v, limit, slipping, time);
                     let slip = if slipping.is_some() { (v.at(time) - rate).abs() } else { 0.0 };
                     // Dissipation of the damper, in sticking and in slipping.
                     moved.power[point] = limit.at(time) * slip + self.damping * rate * rate;
@@ -192,16 +219,16 @@ impl Bristle {
                 }
             }
             let before = moved.deflection;
-            let (after, _) = self.deflection(before, v, limit, slipping, length);
+            let (change, _) = self.deflects(before, v, limit, slipping, length);
             let heat = match slipping {
                 None => self.damping * v.work(&v, length),
-                Some(side) => side * limit.work(&v, length) - 0.5 * k * (after * after - before * before),
+                Some(side) => side * limit.work(&v, length) - k * change * (before + 0.5 * change),
             };
             moved.heat += heat.max(0.0);
             if slipping.is_some() {
-                moved.slipped += (v.integral(length) - (after - before)).abs();
+                moved.slipped += (v.integral(length) - change).abs();
             }
-            moved.deflection = after;
+            moved.deflection = before + change;
             if last {
                 return;
             }
@@ -210,12 +237,13 @@ impl Bristle {
         }
     }
 
-    /// Deflection and its rate after `time` of sticking, or of slipping to the given side.
-    fn deflection(&self, z: f64, v: Line, limit: Line, slipping: Option<f64>, time: f64) -> (f64, f64) {
+    /// Change of the deflection, and its rate, after `time` of sticking, or of slipping to the given side. Not the new deflection, whose
+    /// rounding is a large speed in a short step.
+    fn deflects(&self, z: f64, v: Line, limit: Line, slipping: Option<f64>, time: f64) -> (f64, f64) {
         let (k, c) = (self.stiffness, self.damping);
-        let Some(side) = slipping else { return (z + v.integral(time), v.at(time)) };
+        let Some(side) = slipping else { return (v.integral(time), v.at(time)) };
         if c == 0.0 {
-            return (side * limit.at(time) / k, side * limit.rate / k);
+            return (side * limit.at(time) / k - z, side * limit.rate / k);
         }
         let x = k * time / c;
         let decay = (-x).exp();
@@ -223,7 +251,7 @@ impl Bristle {
         let (goal, drift) = (side * limit.start / k, side * limit.rate / k);
         // Not (L sgn - k z)/c, which for a weak damper is the rounding error of z.
         let rate = drift * (1.0 - decay) + (goal - z) * k / c * decay;
-        (z + (goal - z) * x * first + drift * time * x * second, rate)
+        ((goal - z) * x * first + drift * time * x * second, rate)
     }
 
     /// Duration of sticking, 0 where it slips.
@@ -257,8 +285,8 @@ impl Bristle {
         }
         // c times the slip speed: a straight line of slope `far` plus an exponential.
         let excess = |time: f64| {
-            let (z, _) = self.deflection(z, v, limit, Some(side), time);
-            side * (k * z + c * v.at(time)) - limit.at(time)
+            let (change, _) = self.deflects(z, v, limit, Some(side), time);
+            side * (k * (z + change) + c * v.at(time)) - limit.at(time)
         };
         let far = side * c * v.rate;
         let near = far + side * k * (side * limit.start - k * z) / c - limit.rate;

@@ -57,14 +57,15 @@ impl Stepper<'_> {
 
     /// Third difference of the wear rate over the start and the three points, which is the quadrature error, in units of the
     /// tolerance: `rates` at the stages, `others` at the start and at the point 2/3, m/s; `uneven`, an additional error; friction
-    /// coefficient and temperature (K) at the end of the step; the highest rate so far.
+    /// coefficient and temperature (K) at the end of the step, and the slip speed (m/s) of a bristle, which also slips where the bodies
+    /// rest; the highest rate so far.
     pub(crate) fn wear_error(
         &self,
         body: &BodyOperators,
         rates: &[f64; 2],
         others: [f64; 2],
         uneven: f64,
-        end: (f64, f64),
+        [friction, temperature, slip]: [f64; 3],
         peak: f64,
     ) -> f64 {
         let [first, second] = others;
@@ -73,8 +74,8 @@ impl Stepper<'_> {
         // of the whole piece.
         let whole = self.ends.map_or(0.0, |ends| {
             let load = ends[0].load.max(ends[1].load);
-            let slip = ends[0].slip.max(ends[1].slip);
-            0.1 * self.cut * self.wear_rate(body, load / self.operators.area, slip, end.0, end.1)
+            let slip = ends[0].slip.max(ends[1].slip).max(slip);
+            0.1 * self.cut * self.wear_rate(body, load / self.operators.area, slip, friction, temperature)
         });
         let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
         if third == 0.0 { 0.0 } else { third / (self.operators.budget.steps.lumped_wear * scale) }

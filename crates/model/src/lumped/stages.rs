@@ -426,7 +426,7 @@ impl<const COMMON: bool> Stages<COMMON> {
         let surfaces = self.partition.beside_insulator([in_punch.0, in_strip.0], into);
         let temperature = 0.5 * (surfaces[0] + surfaces[1]);
         let scale = self.flux_scale(stepper, state, punch);
-        let (mut exchange, mut defect) = (0.0, 0.0);
+        let (mut exchange, mut defect, mut held) = (0.0, 0.0, 0.0);
         let half_resistance = operators.half_resistance;
         if punch.conducts() && strip.conducts() && half_resistance > 0.0 && self.closed {
             let ((_, gain), (_, strip_gain)) = (in_punch, in_strip);
@@ -452,6 +452,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             // is weighted by duration. A release has the same heat in a part of any duration, and is displaced within it.
             let [transitions, released] = self.unevenness(stepper);
             defect += (bent.abs() + transitions + released / stepper.cut) / stepper.cut;
+            held = self.held_error(stepper, conditions[0].stribeck);
         } else {
             let heat = kinetic_coefficient * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
@@ -459,7 +460,7 @@ impl<const COMMON: bool> Stages<COMMON> {
         // The residual overestimates the error of the mean flux, for which the Radau quadrature has two orders more. Changes
         // during the step persist after it, hence the larger factor.
         let defect = if constant { exchange + defect } else { 2.0 * exchange + 4.0 * defect };
-        let mut error = defect / (steps.lumped_flux * scale);
+        let mut error = maximum(defect / (steps.lumped_flux * scale), held);
         if !constant && operators.flash.is_some() {
             error = maximum(error, stepper.flash.error(strip.flux[0], steps.whole, state.peak_rise));
         }
@@ -478,6 +479,28 @@ impl<const COMMON: bool> Stages<COMMON> {
             error = maximum(error, of(&operators.strip, &own.rates[1]));
         }
         error
+    }
+
+    /// Error of the force in which the bristle is left, in units of the tolerance: where it sticks before the end of the step, that force
+    /// stays. The limit is a line through the stages, but the Stribeck factor, `start` at the start, is steep near standstill.
+    #[inline(never)]
+    fn held_error(&self, stepper: &Stepper, start: f64) -> f64 {
+        let Some(bristle) = self.bristle.filter(|_| [start; 2] != self.stribeck) else { return 0.0 };
+        let (operators, friction, step) = (stepper.operators, stepper.friction, stepper.propagators.step);
+        let plain = [0, 1].map(|stage| self.limit(stepper, self.kinetic_coefficient[stage], 1.0, self.pressure[stage]));
+        let limit = Line::through_stages(plain, step);
+        let exact =
+            bristle.deflection_by_parts(self.deflection_at_start, self.velocity, limit, step, |v| friction.stribeck(v));
+        // A slipping bristle forgets within c/k: the errors of the steps add up to that of a step over 1 - exp(-h k/c).
+        let forgotten =
+            if bristle.damping > 0.0 { -(-step * bristle.stiffness / bristle.damping).exp_m1() } else { 1.0 };
+        let rounding = 16.0 * f64::EPSILON * exact.abs();
+        let apart = bristle.stiffness * ((self.moved.deflection - exact).abs() - rounding).max(0.0) / forgotten;
+        // The largest force of the whole piece.
+        let load = stepper.ends.map_or(0.0, |ends| maximum(ends[0].load, ends[1].load));
+        let most = self.limit(stepper, self.kinetic_coefficient[1], 1.0, load / operators.area);
+        let scale = maximum(maximum(most, maximum(plain[0], plain[1])), bristle.stiffness * exact.abs());
+        if apart > 0.0 { apart / (operators.budget.steps.whole * scale) } else { 0.0 }
     }
 
     /// Third difference of the wear rate, which is the quadrature error, in units of the tolerance.
@@ -513,7 +536,8 @@ impl<const COMMON: bool> Stages<COMMON> {
             let temperature = between(self.temperature) + self.reference;
             stepper.wear_rate(body, pressure, speeds[index], between(self.kinetic_coefficient), temperature)
         });
-        let end = (self.kinetic_coefficient[1], self.temperature[1] + self.reference);
+        let slip = maximum(self.speed[0], self.speed[1]);
+        let end = [self.kinetic_coefficient[1], self.temperature[1] + self.reference, slip];
         stepper.wear_error(body, rates, [start, middle], uneven, end, peak)
     }
 }
