@@ -37,6 +37,7 @@ use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
 use properties::FrozenProperties;
+use scene::Body;
 
 /// Differences stored for the Anderson acceleration of a stage.
 const ACCELERATION_DEPTH: usize = 8;
@@ -70,6 +71,20 @@ struct Parameters {
     half_resistance: f64,
     /// Shortest length of a step with thermal control, and longest time for which the bodies are reduced, s.
     times: [f64; 2],
+    /// Shortest length of a step with thermal control in which a cell closes, s.
+    closing: f64,
+}
+
+/// Time (s) within which a cell of `width` (m) that closes exchanges no more than a sixteenth of the heat by which a depth of its width differs
+/// between the bodies.
+///
+/// At a difference `T` the flux begins as `h_c T` and falls to `T e_1 e_2/(e_1 + e_2) t^(-1/2)` with the effusivities `e_i`: what is left after
+/// the time of diffusion across the cell is the heat over `rho c` times the width, largest in the body of the smaller heat capacity.
+fn closing_time(bodies: [&Body; 2], conductance: f64, width: f64) -> f64 {
+    let [punch, strip] = bodies.map(|body| (body.conductivity * body.capacity()).sqrt());
+    let effusivity = punch * strip / (punch + strip);
+    let heat = LEAST_PART.sqrt() * width * bodies[0].capacity().min(bodies[1].capacity());
+    (heat / conductance).max((heat / effusivity).powi(2))
 }
 
 /// Iterate of the stage under way, N values each, and workspace of the iteration.
@@ -202,6 +217,7 @@ impl ThermalCoupling {
         let across = [&operators.scene.punch, strip].map(|body| width * width * body.capacity() / body.conductivity);
         let shortest = (operators.scene.tolerance.powi(2) * duration).max(LEAST_PART * across[0].min(across[1]));
         let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
+        let closing = if exchanges { closing_time([&operators.scene.punch, strip], conductance, width) } else { 0.0 };
         let divides = exchanges && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
         ThermalCoupling {
             parameters: Parameters {
@@ -210,6 +226,7 @@ impl ThermalCoupling {
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
                 times: [shortest, duration],
+                closing: closing.max(shortest),
             },
             work: bodies.each_ref().map(|body| body.as_ref().map(|own| own.workspace())),
             bodies,

@@ -253,7 +253,7 @@ impl Line {
                     return Outcome::RejectedByGrowthGuard;
                 }
                 let of_properties = solved.error_of_properties(&given);
-                Outcome::Tried(maximum(wear, solved.error(operators, of_heat)).max(of_properties))
+                Outcome::Tried(maximum(wear, solved.error(&given, of_heat, path.length())).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

@@ -4,10 +4,10 @@
 
 use super::ThermalCoupling;
 use super::evaluation::largest;
-use super::stage::{Solved, weighted};
+use super::stage::{Solved, state_of, weighted};
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
-use crate::line::stages::ContactStages;
+use crate::line::stages::{ContactStages, StepData};
 use crate::line::state::LineState;
 use conduction::line::{FrozenState, GAMMA, Stage};
 use contact::friction::FrictionLaw;
@@ -43,15 +43,30 @@ impl Solved<'_> {
     /// nominal duration, over which a step of tolerance^2 of it has the impedance of one tolerance; not for longer communication
     /// steps.
     pub(crate) fn is_controlled(&self, whole: f64) -> bool {
-        let ([shortest, nominal], part) = (self.0.parameters.times, LEAST_PART * whole);
-        self.0.step > if whole > nominal { part } else { part.min(shortest.max(LEAST_PART * part)) }
+        self.is_longer(self.0.parameters.times[0], whole)
+    }
+
+    /// Whether the step is longer than `shortest` (s), within what a communication step of the length `whole` (s) admits.
+    fn is_longer(&self, shortest: f64, whole: f64) -> bool {
+        let part = LEAST_PART * whole;
+        self.0.step > if whole > self.0.parameters.times[1] { part } else { part.min(shortest.max(LEAST_PART * part)) }
+    }
+
+    /// Whether a cell that exchanged no heat at the start of the step does so at one of its stages.
+    fn closes(&self, state: &HeatState) -> bool {
+        let [first, end] = self.0.flux.each_ref().map(|flux| &flux[0]);
+        let mut cells = state.flux[0].iter().zip(first.iter().zip(end));
+        cells.any(|(before, (first, end))| *before == 0.0 && (*first != 0.0 || *end != 0.0))
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
-    /// `bound` is that of the displacement, in m.
-    pub fn error(&mut self, operators: &LineOperators, bound: f64) -> f64 {
+    /// `bound` is that of the displacement, in m. Where surfaces meet at two temperatures in less than [`closing_time`](super::closing_time),
+    /// that of the faces alone: a cell that opens hot and closes cold has no state of rest, and alternates in the shortest steps that it is given.
+    pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64, whole: f64) -> f64 {
+        let operators = given.operators;
         let faces = self.error_of_faces(operators, bound);
-        if self.0.open {
+        let meets = self.closes(state_of(given)) && !self.is_longer(self.0.parameters.closing, whole);
+        if self.0.open || meets {
             return faces;
         }
         let heat = &mut *self.0;
