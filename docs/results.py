@@ -1,7 +1,7 @@
 """Numbers of the pages beside what their commands compute now.
 
-    python docs/numbers.py            # all; or the names of some: `python docs/numbers.py "run disc_brake" paper`
-    python docs/numbers.py --write    # puts those that differ into the pages
+    python docs/results.py            # all; or the names of some: `python docs/results.py "run disc_brake" paper`
+    python docs/results.py --write    # puts those that differ into the pages
 
 A passage of a page has `{}` for each number. Numbers are equal within one unit of the last digit printed. Times are not compared: the
 pages give their date.

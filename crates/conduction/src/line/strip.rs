@@ -13,7 +13,7 @@
 //! fast phase rotation is not decay. The rest is direct feedthrough, a matrix that depends on the velocity
 //! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
-//! On an open path, or one of over a thousand widths, the contact meets fresh material: the wave numbers are the odd
+//! On an open path, or one too long for its harmonics, the contact meets fresh material: the wave numbers are the odd
 //! multiples of pi/L, the states have an additional decay rate that damps the periodic images, and the direct
 //! feedthrough makes the steady response that of the endless path, from the moving source in real space. Between start
 //! and steady state the error of this damping is 1 to 2 per cent of the steady temperature at a Peclet number of 1,

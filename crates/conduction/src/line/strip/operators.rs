@@ -81,6 +81,7 @@ impl StripOperators {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
         }
         let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
+        let resolution = &Resolution { tolerance, ..*resolution };
         let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab {
@@ -97,8 +98,8 @@ impl StripOperators {
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
-        let fresh = properties.fresh(width);
-        let remembering = properties.remembering(width, period);
+        let fresh = properties.fresh(width, resolution);
+        let remembering = properties.remembering(width, period, fresh);
         let length = remembering.unwrap_or(period);
         let image_damping = ImageDamping {
             // Decay exponent of the damping of periodic images while the contact passes one period.

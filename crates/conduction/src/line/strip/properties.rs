@@ -6,6 +6,7 @@ use super::depth::Expansion;
 use crate::lateral::Lateral;
 use elasticity::OutOfRange;
 use scene::FarBoundary;
+use std::f64::consts::PI;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -57,6 +58,13 @@ pub struct Resolution {
     pub tolerance: f64,
 }
 
+impl Resolution {
+    /// Decay rate beyond which modes have no states, 1/s.
+    pub(super) fn fastest(&self) -> f64 {
+        (0.7 * (1e-3 / self.tolerance).powf(0.4)).clamp(0.5, 20.0) / self.shortest
+    }
+}
+
 /// Damping of periodic images: the rate that sliding on fresh material adds to every decay, so that heat left behind
 /// does not return with the next periodic image of the contact. It is not used where the contact does not pass a period
 /// within the whole time.
@@ -92,8 +100,8 @@ impl ImageDamping {
     }
 }
 
-/// Length of a path over the width of the contact beyond which the contact meets fresh material.
-const LONGEST_PATH: f64 = 1000.0;
+/// Harmonics of a path that can have states: see [`super::reduction`].
+const RESOLVED_HARMONICS: f64 = 4000.0;
 
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
 const FLATTEST: f64 = 2000.0;
@@ -126,21 +134,24 @@ impl StripProperties {
         }
     }
 
-    /// Whether the contact meets fresh material: on a straight path without strokes, or one so long that its harmonics, up to the
-    /// largest number, would be as long as the contact.
-    pub(super) fn fresh(&self, width: f64) -> bool {
+    /// Whether the contact meets fresh material: on a straight path without strokes, or one on which harmonics that decay as slowly
+    /// as the resolution asks, down to a quarter of the contact, would be too many.
+    pub(super) fn fresh(&self, width: f64, resolution: &Resolution) -> bool {
+        let shortest = (resolution.fastest() * self.capacity / self.conductivity).sqrt().min(8.0 * PI / width);
         match self.path {
-            SlidingPath::Closed(along) | SlidingPath::Stroke { stroke: along, .. } => along > LONGEST_PATH * width,
+            SlidingPath::Closed(along) | SlidingPath::Stroke { stroke: along, .. } => {
+                along * shortest > 2.0 * PI * RESOLVED_HARMONICS
+            }
             SlidingPath::Unidirectional => true,
         }
     }
 
     /// Length over which the heat of the contact spreads in time, so that the contact meets its mean: of a closed path, or the
     /// `period` of a stroke's cell; none on an open one.
-    pub(super) fn remembering(&self, width: f64, period: f64) -> Option<f64> {
+    pub(super) fn remembering(&self, width: f64, period: f64, fresh: bool) -> Option<f64> {
         match self.path {
             SlidingPath::Closed(length) => Some(length.max(width)),
-            _ => (!self.fresh(width)).then_some(period),
+            _ => (!fresh).then_some(period),
         }
     }
 
@@ -156,7 +167,7 @@ impl StripProperties {
         if self.base == FarBoundary::Held {
             reach = reach.min(self.height);
         }
-        let fresh = self.fresh(width);
+        let fresh = self.fresh(width, resolution);
         match self.path {
             SlidingPath::Closed(length) if !fresh => (length.max(width), f64::INFINITY),
             // The allowance covers a stroke longer than planned.

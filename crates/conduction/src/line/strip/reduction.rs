@@ -78,7 +78,7 @@ impl Layer<'_> {
     fn reduce_at(&self, resolution: &Resolution) -> Reduction {
         let Layer { properties, cells, slab, mean, period, reach, fresh, tolerance } = *self;
         let spacing = 2.0 * PI / period;
-        let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
+        let fastest = resolution.fastest();
         let shortest_wave = (fastest / slab.diffusivity()).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let mut waves = harmonics(period, last, reach);
