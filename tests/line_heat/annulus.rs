@@ -345,3 +345,23 @@ fn a_slipping_bristle_heats_as_rigid_friction_does() {
         }
     }
 }
+
+/// With mean heat the friction of the tables is predicted over the inputs as they change: load and speed that fall together wear the
+/// same in one step as in many.
+#[test]
+fn mean_heat_is_predicted_over_inputs_that_change() {
+    let worn = |steps: u32| {
+        let mut drive = clutch(&[("solver.heat", 2.0)]);
+        let duration = 2.0;
+        for step in 0..steps {
+            let left = 1.0 - f64::from(step) / f64::from(steps);
+            drive.set("normal_load", 1e3 * left).slope("normal_load", -1e3 / duration);
+            drive.set("sliding_velocity", 0.5 + 0.9 * left).slope("sliding_velocity", -0.9 / duration);
+            drive.step(duration / f64::from(steps));
+        }
+        drive.get("wear_depth")
+    };
+    let (one, many) = (worn(1), worn(100));
+    println!("{one:e} {many:e}");
+    assert!((one / many - 1.0).abs() < 0.03, "{one:e} {many:e}");
+}

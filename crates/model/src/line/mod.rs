@@ -314,14 +314,15 @@ impl Line {
             return self.step_line(&self.trajectory(inputs, slopes, length, heat), length);
         }
         // Load carried by the contact at the start; with an expanding caliper or temperature-dependent friction a first pass of
-        // the lumped level at this load predicts the temperature.
+        // the lumped level at this load predicts temperature and slip.
         let first = self.carried(inputs);
         let mut loaded = *inputs;
         loaded.normal_load = first;
         let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
         if follows_heat {
             self.unpredicted.clone_from(self.mean.state());
-            heat = self.step_mean(&loaded, None, length, true)?;
+            let rates = self.rates_of_carried(inputs, slopes, first);
+            heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
             self.mean.set_state(&self.unpredicted);
         }
         self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
@@ -341,15 +342,8 @@ impl Line {
     ) -> Result<(), StepFailure> {
         if self.mean.has_bristle() {
             // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
-            let mut loaded = *inputs;
-            loaded.normal_load = self.carried(inputs);
-            let mut rates = slopes.copied();
-            if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
-                // Without a caliper what the contact carries follows the load.
-                let follows = self.operators.scene.holder_stiffness == 0.0;
-                let ratio = if inputs.normal_load > 0.0 { loaded.normal_load / inputs.normal_load } else { 1.0 };
-                rates.normal_load *= if follows { ratio } else { 0.0 };
-            }
+            let loaded = self.loaded(inputs);
+            let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
             self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
             self.pass_friction_to_lumped();
@@ -370,6 +364,17 @@ impl Line {
         rates.normal_load = (last - loaded.normal_load) / length;
         let sloped = slopes.is_some() || last != loaded.normal_load;
         self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// Rates of the inputs of the lumped level where the contact carries `carried` (N): without a caliper it follows the load.
+    fn rates_of_carried(&self, inputs: &Inputs, slopes: Option<&Inputs>, carried: f64) -> Option<Inputs> {
+        let mut rates = *slopes?;
+        if self.operators.decides_load() {
+            let follows = self.operators.scene.holder_stiffness == 0.0;
+            let ratio = if inputs.normal_load > 0.0 { carried / inputs.normal_load } else { 1.0 };
+            rates.normal_load *= if follows { ratio } else { 0.0 };
+        }
+        Some(rates)
     }
 
     /// Inputs over the piece, with the courses of the lumped temperature.
