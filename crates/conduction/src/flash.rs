@@ -319,7 +319,7 @@ mod tests {
             volume_transfer: 0.0,
             base,
             cooling: CoolingPort::Surface,
-            path_at_base: false,
+            heat_path: false,
         }
     }
 

@@ -168,7 +168,7 @@ mod tests {
             volume_transfer: 0.0,
             base: FarBoundary::Held,
             cooling: CoolingPort::Surface,
-            path_at_base: false,
+            heat_path: false,
         };
         MovingSource::new(slab, 1.0, path).spreading(Some(Lateral::new(2.0 * b, 1.0)))
     }

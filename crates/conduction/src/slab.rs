@@ -56,7 +56,7 @@ pub struct Slab {
     /// Boundary condition at z = h.
     pub base: FarBoundary,
     /// Whether a heat path acts on a base without prescribed temperature: a flux that follows its temperature at once.
-    pub path_at_base: bool,
+    pub heat_path: bool,
     /// Location of the variable cooling.
     pub cooling: CoolingPort,
 }
@@ -133,7 +133,7 @@ impl Slab {
 
     /// Whether the temperature of the base may jump.
     fn has_steep_base(&self) -> bool {
-        self.base == FarBoundary::Held || self.path_at_base
+        self.base == FarBoundary::Held || self.heat_path
     }
 
     /// Part of a state of decay rate `rate` (1/s) that follows the base at once, see [`lagging`].
@@ -269,7 +269,7 @@ mod tests {
             volume_transfer: 0.0,
             base,
             cooling: CoolingPort::Surface,
-            path_at_base: false,
+            heat_path: false,
         }
     }
 
@@ -372,7 +372,7 @@ mod tests {
     #[test]
     fn a_heat_path_at_the_base_cools_the_contact_by_diffusion() {
         // Slab at 1 K, insulated at the contact, with a conductance G to 0 K: Carslaw and Jaeger, section 3.11.
-        let slab = Slab { path_at_base: true, ..iron(FarBoundary::Insulated) };
+        let slab = Slab { heat_path: true, ..iron(FarBoundary::Insulated) };
         let time = slab.height.powi(2) / slab.diffusivity();
         for tolerance in [1e-1, 1e-2, 1e-3] {
             let body = slab.reduce(1000.0, tolerance);

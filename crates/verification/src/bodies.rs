@@ -18,7 +18,7 @@ fn iron(height: f64, base: FarBoundary) -> Slab {
         surface_transfer: 0.0,
         volume_transfer: 0.0,
         base,
-        path_at_base: false,
+        heat_path: false,
         cooling: CoolingPort::Surface,
     }
 }

@@ -61,7 +61,7 @@ impl Layer {
                 FarFace::Held(_) => body.far_boundary(),
             },
             cooling: CoolingPort::Surface,
-            path_at_base: false,
+            heat_path: false,
         };
         let lifts = expands.then_some((coefficient * by_pressure.0, coefficient * by_pressure.1));
         let conduction = (body.conductivity > 0.0).then(|| Depth::with_dilatation(&slab, lifts, wave));

@@ -75,11 +75,12 @@ struct Parameters {
     closing: f64,
 }
 
-/// Time (s) within which a cell of `width` (m) that closes exchanges no more than a sixteenth of the heat by which a depth of its width differs
-/// between the bodies.
+/// Time (s) within which a cell of `width` (m) that closes exchanges no more than a sixteenth of the heat by which a depth of its
+/// width differs between the bodies.
 ///
-/// At a difference `T` the flux begins as `h_c T` and falls to `T e_1 e_2/(e_1 + e_2) t^(-1/2)` with the effusivities `e_i`: what is left after
-/// the time of diffusion across the cell is the heat over `rho c` times the width, largest in the body of the smaller heat capacity.
+/// At a difference `T` the flux begins as `h_c T` and falls to `T e_1 e_2/(e_1 + e_2) t^(-1/2)` with the effusivities `e_i`: what
+/// is left after the time of diffusion across the cell is the heat over `rho c` times the width, largest in the body of the smaller
+/// heat capacity.
 fn closing_time(bodies: [&Body; 2], conductance: f64, width: f64) -> f64 {
     let [punch, strip] = bodies.map(|body| (body.conductivity * body.capacity()).sqrt());
     let effusivity = punch * strip / (punch + strip);

@@ -210,8 +210,8 @@ impl InputTrajectory {
         let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
-        let held = self.heat.slipped.filter(|slipped| !slipped.throughout);
-        let signed_friction = match held {
+        let sticking = self.heat.slipped.filter(|slipped| !slipped.throughout);
+        let signed_friction = match sticking {
             Some(slipped) => slipped.ratio,
             None => sign * (kinetic_coefficient * self.friction.stribeck(velocity)),
         };
@@ -219,9 +219,9 @@ impl InputTrajectory {
             Some(slipped) => slipped.speed * self.slip_ratio(time),
             None => (sign * velocity).max(0.0),
         };
-        let heat_per_pressure =
-            held.map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time) * self.friction.stribeck(velocity));
-        let released = held.map_or(0.0, |slipped| slipped.released);
+        let heat_per_pressure = sticking
+            .map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time) * self.friction.stribeck(velocity));
+        let released = sticking.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);
         StageConditions {
             sign,

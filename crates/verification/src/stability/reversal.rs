@@ -49,7 +49,7 @@ pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cell
         capacity: path.conductivity / path.diffusivity,
         convection: 0.0,
         base: FarBoundary::Held,
-        path_at_base: false,
+        heat_path: false,
         path: SlidingPath::Closed(path.length),
         expansion: None,
         lateral: None,

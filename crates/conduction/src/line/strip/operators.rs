@@ -51,8 +51,9 @@ pub(crate) struct StripOperators {
     pub expands: bool,
     /// The temperature of the base is prescribed.
     pub held: bool,
-    /// Fresh material under the contact: heat received does not return to it, or on a long closed path by the mean mode alone.
+    /// The harmonics are those of fresh material under the contact: no heat that it left behind returns by them.
     pub fresh: bool,
+    /// The heat that the contact left behind returns as the mean over `length`.
     pub remembers: bool,
     pub image_damping: ImageDamping,
     /// Largest `q dv h/8` of the shortest mode at which the influence matrices are those of the mean velocity. The
@@ -91,7 +92,7 @@ impl StripOperators {
             surface_transfer: 0.0,
             volume_transfer: 0.0,
             base: properties.base,
-            path_at_base: properties.path_at_base,
+            heat_path: properties.heat_path,
             cooling: CoolingPort::Surface,
         };
         let convection = if full { 0.0 } else { properties.convection };

@@ -38,7 +38,7 @@ pub struct StripProperties {
     /// Condition at the base.
     pub base: FarBoundary,
     /// Whether a heat path acts on the base, see [`crate::slab::Slab`].
-    pub path_at_base: bool,
+    pub heat_path: bool,
     /// Path of the contact.
     pub path: SlidingPath,
     /// Thermal expansion; `None`: no thermal distortion.
