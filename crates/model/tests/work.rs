@@ -65,7 +65,7 @@ fn braking_through_the_critical_speed_takes_few_repetitions() {
     let ring = [("solver.cells", 32.0)];
     let stop = work("hot_spots", &ring, 1e-4, |n| 0.1 + 0.1 * (0.02 * f64::from(n)).cos());
     println!("{stop:?}");
-    assert!(stop.solutions < 8.0 && stop.factorisations < 0.9, "{stop:?}");
+    assert!(stop.solutions < 10.0 && stop.factorisations < 0.9, "{stop:?}");
 }
 
 /// A step size rejected by the growth guard is not retried after every other step.

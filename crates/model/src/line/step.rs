@@ -26,8 +26,11 @@ use numerics::maximum::maximum;
 use scene::message::Number;
 use std::fmt;
 
-/// Order of the error.
+/// Order of the error of wear; that of heat is up to a half higher.
 const ORDER: u8 = 2;
+
+/// Error below which the step is doubled, with a margin for errors of the order 2.5.
+const DOUBLING: f64 = 0.12;
 
 /// Number of steps before a step size rejected by the growth guard is tried again.
 const RETRY_DELAY: u8 = 32;
@@ -62,8 +65,7 @@ impl Line {
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.advance_without_wear(path, length);
         }
-        // Error below which the step is doubled: it goes as the square of the step.
-        let mut control = StepController::new(length, self.state.refinement, 0.175);
+        let mut control = StepController::new(length, self.state.refinement, DOUBLING);
         let mut failures = 0;
         let of_work = path.error_of_work() / operators.budget.steps.whole;
         while !control.is_done() {
@@ -86,7 +88,6 @@ impl Line {
                     self.state.steps += 1;
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     failures = 0;
-                    // The error is O(h^2): this margin permits doubling the step.
                     let rejected_by_growth =
                         self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
                     control.accept(error, !rejected_by_growth);

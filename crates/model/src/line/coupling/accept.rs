@@ -23,14 +23,28 @@ pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 /// a tenth of a kelvin.
 pub(super) const LEAST_RISE: f64 = 0.1;
 
-/// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
-/// deviates by (1/2 - gamma) of its change. A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the
-/// step more or less than it should, and deviates by half of its flux. One that closes counts as smooth: its flux jumps by the
-/// difference of both temperatures over the square root of the step, whose effect no shorter step makes smaller.
-fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
-    let status = closed[0].iter().zip(closed[1]);
-    for ((defect, (first, end)), (early, late)) in defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status) {
-        *defect = (end - first) * if *early && !late { 0.5 } else { 0.5 - GAMMA };
+/// Deviation of a flux from the straight line through both stages of a step, from its values `before` the step, at its first stage and
+/// at its end.
+///
+/// That of a smooth flux is largest at the start of the step, `gamma h^2 q''/2`. A flux that jumps there and changes little afterwards,
+/// as by inputs that are held, deviates by no more than `(1/2 - gamma)` of its change, by which the embedded first-order solution differs.
+pub(super) fn deviation_from_line([before, first, end]: [f64; 3]) -> f64 {
+    let change = end - first;
+    let at_start = before - first + GAMMA / (1.0 - GAMMA) * change;
+    let embedded = (0.5 - GAMMA) * change;
+    if at_start.abs() < embedded.abs() { at_start } else { embedded }
+}
+
+/// [`deviation_from_line`] of the fluxes of a body before the step, at its first stage and at its end, W/m2, by cells.
+///
+/// A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the step more or less than it should, and deviates by
+/// half of its flux. One that closes counts as smooth: its flux jumps by the difference of both temperatures over the square root of the
+/// step, whose effect no shorter step makes smaller.
+fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], defect: &mut [f64]) {
+    for (i, defect) in defect.iter_mut().enumerate() {
+        let [before, first, end] = flux.map(|flux| flux[i]);
+        let opens = closed[0][i] && !closed[1][i];
+        *defect = if opens { 0.5 * (end - first) } else { deviation_from_line([before, first, end]) };
     }
 }
 
@@ -64,8 +78,9 @@ impl Solved<'_> {
     /// that of the faces alone: a cell that opens hot and closes cold has no state of rest, and alternates in the shortest steps that it is given.
     pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64, whole: f64) -> f64 {
         let operators = given.operators;
-        let faces = self.error_of_faces(operators, bound);
-        let meets = self.closes(state_of(given)) && !self.is_longer(self.0.parameters.closing, whole);
+        let state = state_of(given);
+        let faces = self.error_of_faces(operators, state, bound);
+        let meets = self.closes(state) && !self.is_longer(self.0.parameters.closing, whole);
         if self.0.open || meets {
             return faces;
         }
@@ -80,7 +95,8 @@ impl Solved<'_> {
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
-            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
+            let flux = [&state.flux[side], &heat.flux[0][side], &heat.flux[1][side]];
+            flux_defect(closed, flux, &mut heat.iterate.difference);
             heat.iterate.sums[0].fill(0.0);
             dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {
@@ -105,11 +121,11 @@ impl Solved<'_> {
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
-    fn error_of_faces(&self, operators: &LineOperators, bound: f64) -> f64 {
+    fn error_of_faces(&self, operators: &LineOperators, state: &HeatState, bound: f64) -> f64 {
         let heat = &*self.0;
         let touch =
             !heat.open && heat.partitions[0].closed().iter().chain(heat.partitions[1].closed()).any(|closed| *closed);
-        let [error, of_faces, moved] = heat.errors_of_faces(touch);
+        let [error, of_faces, moved] = heat.errors_of_faces(state, touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
         let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
         maximum(moved / bound, error / (operators.budget.steps.line_heat * rise))
@@ -224,6 +240,16 @@ mod tests {
     /// Rates in the first stage of a step of length 1, and behind it.
     fn rates(flux: impl Fn(f64) -> f64) -> [f64; 2] {
         [(flux(GAMMA) - flux(0.0)) / GAMMA, (flux(1.0) - flux(GAMMA)) / (1.0 - GAMMA)]
+    }
+
+    #[test]
+    fn a_flux_deviates_from_the_line_through_the_stages_by_its_curvature_or_by_its_change() {
+        let of = |flux: fn(f64) -> f64| deviation_from_line([0.0, GAMMA, 1.0].map(flux));
+        assert!(of(|t| 3.0 - 2.0 * t).abs() < 1e-15);
+        // q'' = 0.2: gamma q''/2 at the start, where (t - gamma)(t - 1) is largest.
+        assert!((of(|t| 3.0 - 2.0 * t + 0.1 * t * t) - 0.1 * GAMMA).abs() < 1e-15);
+        // Held inputs jump before the first stage.
+        assert!((of(|t| if t == 0.0 { 9.0 } else { 3.0 - t }) + (0.5 - GAMMA) * (1.0 - GAMMA)).abs() < 1e-15);
     }
 
     #[test]

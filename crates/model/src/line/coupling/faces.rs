@@ -13,7 +13,7 @@
 //! Theory: docs/theory.md, sections 4.11, 6.1, 7.1.
 
 use super::ThermalCoupling;
-use super::accept::{LEAST_RISE, slope_over_step};
+use super::accept::{LEAST_RISE, deviation_from_line, slope_over_step};
 use super::evaluation::largest;
 use crate::line::heat::air::cooling;
 use crate::line::heat::bodies::cooled_part;
@@ -183,10 +183,12 @@ impl Faces {
     /// Errors at the end of the step by fluxes that are not linear over it, K: of the temperatures of cells, faces and bodies, and
     /// whichever is largest. The deviation of a flux from the line through both stages changes a temperature with the response x by
     /// `x (1 + s (R - x))/(1 + s R)` of it, s the decrease of the law: what reaches the face changes the flux in return.
-    fn errors(&self, count: usize) -> impl Iterator<Item = (&FaceInfluence, f64, f64)> {
+    /// `before`: fluxes at the start of the step.
+    fn errors(&self, count: usize, before: &[[f64; FACES]; 2]) -> impl Iterator<Item = (&FaceInfluence, f64, f64)> {
         self.faces.iter().enumerate().map(move |(k, face)| {
             let influence = &self.influence[k];
-            let deviation = (0.5 - GAMMA) * (self.flux[1][k] - self.flux[0][k]).abs();
+            let before = before[face.side][face.face];
+            let deviation = deviation_from_line([before, self.flux[0][k], self.flux[1][k]]).abs();
             let fall =
                 self.conditions[1].as_ref().map_or(0.0, |at| face.law(self.reference, self.temperature[1][k], at)[1]);
             let own = influence.faces[face.face];
@@ -310,10 +312,10 @@ impl ThermalCoupling {
 
     /// Errors of the step by the fluxes of the faces, see [`Faces::errors`]: of temperatures, K, and the largest rise of a face, K;
     /// of the distortion less its mean where cells `touch`, m.
-    pub(super) fn errors_of_faces(&self, touch: bool) -> [f64; 3] {
+    pub(super) fn errors_of_faces(&self, state: &HeatState, touch: bool) -> [f64; 3] {
         let count = self.iterate.closed.len();
         let (mut temperature, mut distortion) = (0.0, 0.0);
-        for (influence, deviation, error) in self.faces.errors(count) {
+        for (influence, deviation, error) in self.faces.errors(count, &state.cooling) {
             temperature += error;
             let mean = influence.distortion.iter().sum::<f64>() / count as f64;
             let square: f64 = influence.distortion.iter().map(|moved| (moved - mean).powi(2)).sum();
