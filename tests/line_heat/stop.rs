@@ -4,7 +4,7 @@
 //! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
 //! thermal distortion would make the problem ill-posed.
 
-use test_support::{Drive, HELD, scene};
+use test_support::{Application, Drive, HELD, scene};
 
 const LOAD: f64 = 14e3;
 const CONDUCTANCE: f64 = 20e3;
@@ -88,6 +88,62 @@ fn the_pad_parts_above_that_speed_and_not_below() {
         (least, most)
     });
     assert!(below.0 > 0.9 && above.0 < 0.6 && above.1 > 1.3 * below.1, "{below:?} {above:?}");
+}
+
+/// A rigid pad of 24 mm that insulates slides over fresh steel at 11.6 m/s and stops: heat flows along columns of the strip alone, each
+/// heated since it met the pad.
+///
+/// After heating by `q` for a time `a` the surface of a half-space is `2q/K sqrt(k_d/pi) (sqrt(a + r) - sqrt r)` warmer at `r` after its
+/// end (Carslaw and Jaeger, 2.9).
+#[test]
+fn the_first_moments_of_an_endless_path_and_its_stop_are_those_of_columns() {
+    let (width, depth, speed, load, friction) = (0.0241741, 0.01, 11.5721, 1004.25, 0.262319);
+    let (conductivity, capacity): (f64, f64) = (50.0, 7800.0 * 460.0);
+    let scale = 2.0 * friction * load / (width * depth) * speed / conductivity
+        * (conductivity / capacity / std::f64::consts::PI).sqrt();
+    // Means over the pad of sqrt(a + r) where a = min(t, x/v) at the distance x from its leading edge.
+    let mean = |time: f64, rest: f64| {
+        let met = (speed * time / width).min(1.0);
+        let age = met * width / speed;
+        let root = |t: f64| 2.0 / 3.0 * t.powf(1.5);
+        (root(age + rest) - root(rest)) * speed / width + (1.0 - met) * (time + rest).sqrt() - rest.sqrt()
+    };
+    let mut changes: Vec<(String, f64)> =
+        (1..=8).map(|k| (format!("contact.friction_fade.factor[{k}]"), 1.0)).collect();
+    let plain = ["punch.conductivity", "punch.thermal_expansion", "strip.thermal_expansion", "punch.convection"];
+    let more = ["strip.convection", "strip.emissivity", "holder.pivot_height", "contact.shear_coupling"];
+    let worn = ["punch.wear_coefficient", "strip.wear_coefficient"];
+    changes.extend([&plain[..], &more, &worn].concat().into_iter().map(|name| (name.to_owned(), 0.0)));
+    changes.extend(
+        [("punch.body", 1.0), ("contact.conductance", 1e12), ("solver.fidelity", 3.0), ("solver.cells", 33.0)]
+            .map(|(name, value)| (name.to_owned(), value)),
+    );
+    let mut changes: Vec<(&str, f64)> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let starts = Application::read("fading_pin").starts;
+    let step = 2.10616e-4;
+    let end = 200.0 * step;
+    let peak = scale * mean(end, 0.0);
+    for (tolerance, bound) in [(1e-2, 6e-3), (1e-3, 3e-3), (1e-4, 5e-3)] {
+        changes.push(("solver.tolerance", tolerance));
+        let mut drive = Drive::from_starts(&starts, &changes);
+        drive.set("normal_load", load).set("sliding_velocity", speed);
+        let check = |drive: &mut Drive, exact: f64, what: &str| {
+            let found = drive.get("contact_temperature") - 293.15;
+            println!("{tolerance:e} {what}: {found} and {exact} of {peak} K");
+            assert!((found - exact).abs() < bound * peak, "{tolerance:e} {what}: {found} and {exact} of {peak} K");
+        };
+        for number in 1..=200 {
+            drive.step(step);
+            if [1, 2, 5, 10, 20, 200].contains(&number) {
+                check(&mut drive, scale * mean(f64::from(number) * step, 0.0), &format!("step {number}"));
+            }
+        }
+        drive.set("sliding_velocity", 0.0);
+        for number in 1..=3 {
+            drive.step(step);
+            check(&mut drive, scale * mean(end, f64::from(number) * step), &format!("{number} after the stop"));
+        }
+    }
 }
 
 /// A brake pad that moves less than a lap and stops: a straight path and a closed one are the same.

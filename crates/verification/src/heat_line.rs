@@ -84,8 +84,8 @@ pub(super) fn problems() -> Vec<Problem> {
 /// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over images.
 fn jaeger(all: &mut Vec<Problem>) {
     // Heat of a slow band spreads so far that steps of a tenth of its thermal time would need too many Fourier modes.
-    let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
-    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+    let slow = Resolution { duration: 1e6, shortest: 10.0, travel: f64::INFINITY, tolerance: 1e-4 };
+    let fast = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
     for (peclet, height, cells, path, resolution) in [
         (0.1, 60.0, 65, SlidingPath::Closed(4000.0), slow),
         (1.0, 12.0, 65, SlidingPath::Unidirectional, fast),
@@ -108,7 +108,7 @@ fn jaeger(all: &mut Vec<Problem>) {
 
 /// A square on a half-space with lateral conduction to both sides, against the history integral of the instantaneous sources.
 fn squares(all: &mut Vec<Problem>) {
-    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+    let fast = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
     for (peclet, height, cells, path, resolution) in
         [(1.0, 30.0, 33, SlidingPath::Unidirectional, fast), (10.0, 4.0, 33, SlidingPath::Unidirectional, fast)]
     {
@@ -199,7 +199,8 @@ fn unidirectional(all: &mut Vec<Problem>) {
                 scale: None,
                 compute: Box::new(move || {
                     let properties = unit(height, base_of(base), SlidingPath::Unidirectional);
-                    let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+                    let resolution =
+                        Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
                     let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
                     Ok(mean(&cells, &values))
                 }),
@@ -224,7 +225,7 @@ fn between_nodes(all: &mut Vec<Problem>) {
             scale: Some(1.0),
             compute: Box::new(move || {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
-                let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance };
+                let resolution = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance };
                 let mut body =
                     StripHeat::new(&unit(HEIGHT, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution)
                         .map_err(refused)?;
@@ -274,7 +275,8 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     expansion: None,
                     lateral: None,
                 };
-                let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
+                let resolution =
+                    Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-3 };
                 let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
                 Ok(mean(&cells, &values))
             }),
@@ -296,7 +298,8 @@ fn oscillating(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
                 let properties = unit(150.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
                 let step = 2.0 * PI / 64.0;
-                let resolution = Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4 };
+                let resolution =
+                    Resolution { duration: 160.0 * PI, shortest: step, travel: f64::INFINITY, tolerance: 1e-4 };
                 let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
                 let mut state = vec![0.0; body.states()];
                 let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
@@ -341,7 +344,7 @@ fn distortion(all: &mut Vec<Problem>) {
                 lateral: None,
             };
             let cells = Cells::graded(0.1, 33).map_err(refused)?;
-            let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
+            let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
             let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
             body.prepare(1e14, [0.0; 2]);
             let influence = &body.influence(Stage::End).distortion;

@@ -365,7 +365,7 @@ mod tests {
             expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
             lateral: None,
         };
-        let resolution = Resolution { duration: 50.0, shortest: 0.05, tolerance: 1e-4 };
+        let resolution = Resolution { duration: 50.0, shortest: 0.05, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap())
     }
 

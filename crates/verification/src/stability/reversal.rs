@@ -54,7 +54,7 @@ pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cell
         expansion: None,
         lateral: None,
     };
-    let resolution = Resolution { duration, shortest: step, tolerance: 0.2 * AGREEMENT };
+    let resolution = Resolution { duration, shortest: step, travel: f64::INFINITY, tolerance: 0.2 * AGREEMENT };
     let strip = StripHeat::new(&properties, &cells, &resolution).map_err(|error| error.to_string())?;
     Ok((cells, strip))
 }

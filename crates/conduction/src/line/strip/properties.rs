@@ -54,6 +54,8 @@ pub struct Resolution {
     pub duration: f64,
     /// Shortest step, s: faster decays act as direct feedthrough.
     pub shortest: f64,
+    /// Way that the contact slides in the longest time, m.
+    pub travel: f64,
     /// Permitted relative error of the contact temperature by the reduction.
     pub tolerance: f64,
 }
@@ -102,6 +104,9 @@ impl ImageDamping {
 
 /// Harmonics of a path that can have states: see [`super::reduction`].
 const RESOLVED_HARMONICS: f64 = 4000.0;
+
+/// Longest period on an endless path, in diffusion lengths over the whole time: 1,100 harmonics of seven states.
+const LONGEST_PERIOD: f64 = 1400.0;
 
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
 const FLATTEST: f64 = 2000.0;
@@ -155,11 +160,14 @@ impl StripProperties {
         }
     }
 
-    /// Length of the period, and largest distance between heated and observed point along the material. On an endless path the
-    /// damping of the images also takes heat from under the contact, in inverse proportion to the period: 2 % of the rise after a
-    /// stop with 12 widths of the contact, 0.3 % with 48, so the period follows the `tolerance`.
+    /// Length of the period, m, and largest distance between heated and observed point along the material.
+    ///
+    /// On an endless path the damping of the images also takes heat from under the contact: of what a width W holds `4 W/(5 L)` where a
+    /// period L is short beside the way S, and `4 W S/(10 L^2)` where it is long. Half of the tolerance limits the latter; where the way
+    /// is long that would take too many harmonics, and the root of the tolerance does. Harmonics to a fifth of the diffusion length over
+    /// the whole time must have states, or the first moments have none.
     pub(super) fn period(&self, width: f64, resolution: &Resolution) -> (f64, f64) {
-        let Resolution { duration, tolerance, .. } = *resolution;
+        let Resolution { duration, travel, tolerance, .. } = *resolution;
         let mut reach = (self.conductivity / self.capacity * duration).sqrt();
         if self.convection > 0.0 {
             reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
@@ -174,7 +182,11 @@ impl StripProperties {
             SlidingPath::Stroke { stroke, length } if !fresh => {
                 ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
             }
-            _ => ((width + 8.0 * reach).max(width * (2.4 / tolerance.sqrt()).clamp(12.0, 240.0)), f64::INFINITY),
+            _ => {
+                let widths = (4.8 / tolerance.sqrt()).min((0.8 * travel / (width * tolerance)).sqrt());
+                let widths = widths.min(LONGEST_PERIOD * reach / width).clamp(12.0, 76.0);
+                ((width + 8.0 * reach).max(width * widths), f64::INFINITY)
+            }
         }
     }
 }

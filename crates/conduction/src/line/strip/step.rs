@@ -192,7 +192,7 @@ mod tests {
             expansion: Some(expansion),
             lateral: None,
         };
-        let resolution = Resolution { duration: 10.0, shortest: 1e-3, tolerance: 1e-2 };
+        let resolution = Resolution { duration: 10.0, shortest: 1e-3, travel: f64::INFINITY, tolerance: 1e-2 };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut kept = body.clone();
         let mut places = std::collections::BTreeSet::new();

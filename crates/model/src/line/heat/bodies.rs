@@ -155,7 +155,9 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         expansion,
         lateral: Lateral::of(scene),
     };
-    let resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
+    let duration = scene.nominal_duration;
+    let travel = scene.nominal_velocity * duration;
+    let resolution = Resolution { duration, shortest: shortest(scene), travel, tolerance };
     let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
     // Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
     strip.expect(1.5 * scene.nominal_velocity);

@@ -20,7 +20,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, elasticity::Base::Bonded);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         // A prescribed temperature, or the flux of forced convection.
@@ -85,7 +85,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     ] {
         let properties = steel(0.02, FarBoundary::Convecting(500.0), path, convection);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let (mut state, flux) = (vec![0.0; body.states()], vec![1e5; 12]);
         body.uniform(20.0, &mut state);
@@ -136,7 +136,7 @@ fn faces_and_cells_are_reciprocal_in_reversed_sliding() {
     for convection in [0.0, 300.0] {
         let properties = steel(0.02, FarBoundary::Insulated, SlidingPath::Closed(0.1), convection);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-4 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-4 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let [mut forth, mut back] = [FaceInfluence::new(12), FaceInfluence::new(12)];
         for stage in [Stage::First, Stage::End] {
@@ -161,7 +161,7 @@ fn convection_acts_beside_the_contact_only() {
     let mut properties = steel(0.02, FarBoundary::Insulated, SlidingPath::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
-    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1e4, shortest: 1.0, travel: f64::INFINITY, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     march(&mut body, &mut state, 1e4, 20, |_| 0.3);
@@ -189,7 +189,7 @@ fn everything_at_one_temperature_stays_there() {
     for base in [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(300.0)] {
         let properties = steel(0.02, base, SlidingPath::Closed(0.3), 100.0);
         let cells = Cells::graded(0.05, 9).unwrap();
-        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         body.uniform(10.0, &mut state);
@@ -212,7 +212,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let count = 8;
     let length = 0.0754;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
     let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
         let properties = StripProperties { conductivity, capacity, ..steel(0.05, FarBoundary::Held, path, 0.0) };
         StripHeat::new(&properties, &cells, &resolution).unwrap()
@@ -261,7 +261,7 @@ fn an_open_contact_is_one_without_fluxes_whatever_was_prepared_before() {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, elasticity::Base::Bonded);
         let cells = Cells::graded(0.02, 9).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-3 };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let held = base == FarBoundary::Held;
         let mut state = vec![0.0; body.states()];

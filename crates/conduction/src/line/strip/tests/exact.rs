@@ -20,7 +20,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
         };
         let properties = cast_iron(0.011, base, SlidingPath::Closed(0.74));
         let cells = Cells::graded(0.0475, 33).unwrap();
-        let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.operators.error);
         for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
@@ -48,7 +48,7 @@ fn half_space_at_short_times() {
     // Far from the edges of a wide contact at rest: 84.375 K after 1 s of 1 MW/m2.
     let properties = cast_iron(0.1, FarBoundary::Insulated, SlidingPath::Closed(0.5));
     let cells = Cells::graded(0.1, 33).unwrap();
-    let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     let temperature = march(&mut body, &mut state, 0.02, 50, |_| 0.0);
@@ -63,7 +63,7 @@ fn the_stated_error_of_a_short_contact_is_that_of_its_temperature() {
     let properties = StripProperties { lateral, ..steel(0.01, FarBoundary::Held, SlidingPath::Closed(0.1), 10.0) };
     let cells = Cells::graded(1e-3, 17).unwrap();
     let after = |steps: usize, shortest: f64| {
-        let resolution = Resolution { duration: 1e4, shortest, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 1e4, shortest, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         let temperature = march(&mut body, &mut state, 10.0 / steps as f64, steps, |_| 0.0);
@@ -82,7 +82,7 @@ fn oscillating_band_on_a_half_plane() {
     let period = 2.0 * std::f64::consts::PI;
     let per_period = 64;
     let step = period / per_period as f64;
-    let resolution = Resolution { duration: 80.0 * period, shortest: step, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 80.0 * period, shortest: step, travel: f64::INFINITY, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     println!("{:?} {} states error {:.1e}", body.size(), body.states(), body.operators.error);
     let mut state = vec![0.0; body.states()];
@@ -105,7 +105,7 @@ fn jaeger_on_a_long_closed_path() {
         [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
     {
         let properties = unit(height, FarBoundary::Held, SlidingPath::Closed(2000.0));
-        let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
+        let resolution = Resolution { duration: 1e6, shortest: 10.0, travel: f64::INFINITY, tolerance: 1e-4 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
         let influence = &body.influence(Stage::End).temperature;
@@ -130,7 +130,7 @@ fn heated_half_plane_curves_by_its_flux() {
     let mut properties = steel(100.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
     properties.expansion = expanding(0.3, elasticity::Base::Smooth);
     let cells = Cells::graded(0.1, 33).unwrap();
-    let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
+    let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     body.prepare(1e14, [0.0, 0.0]);
     let influence = &body.influence(Stage::End).distortion;
@@ -151,7 +151,7 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
     properties.expansion = expanding(0.3, elasticity::Base::Bonded);
     let count = 32;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 1e3, shortest: 0.01, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1e3, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let slab = crate::slab::Slab {
         height: 0.02,
@@ -194,7 +194,7 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
         (2.0, FarBoundary::Insulated, LayerBase::Insulated),
     ] {
         let properties = unit(height, base, SlidingPath::Unidirectional);
-        let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!(
             "{:?} period {} {} states error {:.1e}",
@@ -221,7 +221,7 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
 #[test]
 fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3 };
+    let resolution = Resolution { duration: 400.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-3 };
     for peclet in [0.1, 1.0, 10.0] {
         let mut unidirectional =
             StripHeat::new(&unit(40.0, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();

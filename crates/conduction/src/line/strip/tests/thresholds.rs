@@ -23,7 +23,7 @@ fn temperatures(body: &mut StripHeat, state: &[f64], flux: &[f64], step: f64, ve
 #[test]
 fn temperatures_are_finite_and_continuous_over_every_threshold() {
     let cells = Cells::graded(0.02, 9).unwrap();
-    let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2 };
+    let resolution = Resolution { duration: 10.0, shortest: 0.02, travel: f64::INFINITY, tolerance: 1e-2 };
     for path in [SlidingPath::Unidirectional, SlidingPath::Stroke { stroke: 0.05, length: 0.0 }] {
         let mut body = StripHeat::new(&cooled_steel(path), &cells, &resolution).unwrap();
         let flux = uneven(&cells, 1);

@@ -9,7 +9,7 @@ use scene::FarBoundary;
 #[test]
 fn responses_do_not_depend_on_which_velocities_came_before() {
     let cells = Cells::graded(0.03, 9).unwrap();
-    let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-2 };
+    let resolution = Resolution { duration: 100.0, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-2 };
     for path in [SlidingPath::Unidirectional, SlidingPath::Stroke { stroke: 0.02, length: 0.0 }] {
         let properties = StripProperties { convection: 0.2, ..unit(0.5, FarBoundary::Held, path) };
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -35,7 +35,7 @@ fn responses_do_not_depend_on_which_velocities_came_before() {
 #[test]
 fn a_layer_as_thin_as_is_accepted_conducts_through_its_height() {
     let cells = Cells::uniform(0.05, 65).unwrap();
-    let resolution = Resolution { duration: 10.0, shortest: 0.01, tolerance: 1e-3 };
+    let resolution = Resolution { duration: 10.0, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-3 };
     let layer = |height: f64| steel(height, FarBoundary::Held, SlidingPath::Closed(0.5), 0.0);
     let thinnest = 0.1 / 2000.0;
     let mut strip = StripHeat::new(&layer(thinnest), &cells, &resolution).unwrap();
