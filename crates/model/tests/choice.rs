@@ -2,6 +2,7 @@
 
 use model::Inputs;
 use model::levels::ModelOperators;
+use model::line::operators::Shared;
 use model::lumped::conditions::Tunables;
 use model::plan::distance::Distance;
 use model::plan::{BuiltModel, Choice, ModelLevel};
@@ -10,7 +11,7 @@ use scene::Scene;
 use test_support::{Application, changed, changed_scene, scene};
 
 fn choice(scene: &Scene) -> Choice {
-    Choice::new(scene, steady::run_in).0
+    Choice::new(scene, &mut Shared::default(), steady::run_in).0
 }
 
 /// Steps are counted, so the same scene has the same level everywhere; the coarser pair ends a comparison that it settles.

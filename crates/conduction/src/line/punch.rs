@@ -81,7 +81,7 @@ const FAR: usize = 2;
 pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BodyError> {
     let block = punch_block(scene, cells, true)?;
     let refused = |error: BlockError| BodyError { body: "punch", reason: error.into() };
-    reduce_with_mean(scene, cells, block.as_ref(), [tolerance; 2], duration).map_err(refused)
+    reduce_with_mean(scene, cells, block.as_deref(), [tolerance; 2], duration).map_err(refused)
 }
 
 /// [`reduce`] with the finite elements of the punch, and a separate tolerance, the second, for the longest modes, of which the

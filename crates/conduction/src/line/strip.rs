@@ -50,6 +50,7 @@ mod waves;
 pub use depth::dilatation;
 pub use depth::{Depth, Expansion};
 pub use properties::{Resolution, SlidingPath, StripProperties};
+pub use reduction::Reductions;
 
 use super::workspace::Memory;
 use super::{
@@ -95,7 +96,20 @@ impl StripHeat {
     /// # Errors
     /// A property outside its range, named with its limit.
     pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
-        let operators = StripOperators::new(properties, cells, resolution)?;
+        Self::among(&mut Reductions::default(), properties, cells, resolution)
+    }
+
+    /// [`Self::new`], whose reduction is one of those `known`, which it joins.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn among(
+        known: &mut Reductions,
+        properties: &StripProperties,
+        cells: &Cells,
+        resolution: &Resolution,
+    ) -> Result<Self, OutOfRange> {
+        let operators = StripOperators::new(properties, cells, resolution, known)?;
         let step = Step::new(&operators);
         Ok(StripHeat { operators: Arc::new(operators), step })
     }

@@ -6,7 +6,7 @@ use super::ModelLevel;
 use super::distance::{Distance, largest};
 use super::nominal::{NominalCourse, Run};
 use crate::levels::ModelOperators;
-use crate::line::operators::RunIn;
+use crate::line::operators::{RunIn, Shared};
 use scene::{HeatResolution, Scene};
 
 /// Cells of the two lines.
@@ -34,7 +34,11 @@ pub struct Comparison {
 ///
 /// # Errors
 /// The reason for which nothing can be compared.
-pub(crate) fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<ModelOperators>), String> {
+pub(crate) fn compare(
+    scene: &Scene,
+    shared: &mut Shared,
+    run_in: RunIn,
+) -> Result<(Comparison, Vec<ModelOperators>), String> {
     let course = NominalCourse::new(scene)?;
     let mut compared = course.scene(scene);
     // Tolerance of the three runs.
@@ -51,7 +55,8 @@ pub(crate) fn compare(scene: &Scene, run_in: RunIn) -> Result<(Comparison, Vec<M
     let mut operators = vec![lumped];
     let mut coarser: Option<Run> = None;
     for cells in COMPARED_CELLS {
-        let line = operators[0].beside(&ModelLevel::Line(cells).apply(&compared), run_in)?;
+        let line =
+            ModelOperators::sharing(&ModelLevel::Line(cells).apply(&compared), operators.first(), shared, run_in)?;
         let line_run = course.run(&line, MOST_LINE_STEPS)?;
         operators.push(line);
         comparison.steps += line_run.steps;
