@@ -60,7 +60,7 @@ impl ModelOperators {
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
-        Self::sharing(scene, None, &mut Shared::default(), run_in)
+        Self::sharing(scene, None, &mut Shared::default(), run_in).map(ModelOperators::ready)
     }
 
     /// Builds the operators of the level of `scene`, which has the same bodies, contact and nominal conditions as theirs, and shares what
@@ -69,10 +69,21 @@ impl ModelOperators {
     /// # Errors
     /// As [`ModelOperators::new`].
     pub fn beside(&self, scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
-        Self::sharing(scene, Some(self), &mut Shared::default(), run_in)
+        Self::sharing(scene, Some(self), &mut Shared::default(), run_in).map(ModelOperators::ready)
     }
 
-    /// [`ModelOperators::new`] or, with `known`, [`ModelOperators::beside`], with what contact lines share.
+    /// These operators with the responses of their bodies computed for the velocities of a run.
+    pub(crate) fn ready(self) -> ModelOperators {
+        if let ModelOperators::Line(line) = &self {
+            let bodies = line.heat.iter().flat_map(|bodies| bodies.prototypes.iter().flatten());
+            // Up to half more than the nominal velocity.
+            bodies.for_each(|body| body.expect(1.5 * line.scene.nominal_velocity));
+        }
+        self
+    }
+
+    /// [`ModelOperators::new`] or, with `known`, [`ModelOperators::beside`], with what contact lines share, not yet
+    /// [`ModelOperators::ready`].
     pub(crate) fn sharing(
         scene: &Scene,
         known: Option<&ModelOperators>,

@@ -114,12 +114,6 @@ impl StripHeat {
         Ok(StripHeat { operators: Arc::new(operators), step })
     }
 
-    /// Computes the table of the direct feedthrough for velocities up to `velocity` (m/s). Nodes for faster sliding are
-    /// computed by the first step that uses them; results are the same either way.
-    pub fn expect(&self, velocity: f64) {
-        self.operators.table.expect(velocity);
-    }
-
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
     /// the tail of the state.
     fn rates_given_back(&self) -> usize {
@@ -315,6 +309,10 @@ impl ThermalBody for StripHeat {
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);
         self.advance_by(work.strip(), [re, im], after, surroundings, flux);
+    }
+
+    fn expect(&self, velocity: f64) {
+        self.operators.table.expect(velocity);
     }
 
     fn boxed(&self) -> Box<dyn ThermalBody> {

@@ -76,10 +76,12 @@ impl Choice {
         match compare(scene, shared, run_in) {
             Ok((comparison, operators)) => {
                 let error = comparison.error;
-                let (level, relation) =
-                    if error <= scene.tolerance { (ModelLevel::Lumped, "not above") } else { (line, "above") };
+                let (level, by, relation) = match error <= scene.tolerance {
+                    true => (ModelLevel::Lumped, "by", "not above"),
+                    false => (line, "by at least", "above"),
+                };
                 let reason = format!(
-                    "over the nominal course lumped differs by {error:.1e} from the line, {relation} the tolerance"
+                    "over the nominal course lumped differs {by} {error:.1e} from the line, {relation} the tolerance"
                 );
                 (Choice { level, reason, comparison: Some(comparison) }, operators)
             }
@@ -121,7 +123,8 @@ impl BuiltModel {
         };
         let mut build = |wanted: Scene, beside: Option<&ModelOperators>| {
             let same = known.iter().find(|operators| *operators.scene() == wanted);
-            same.map_or_else(|| ModelOperators::sharing(&wanted, beside, &mut shared, run_in), |same| Ok(same.clone()))
+            let made = || ModelOperators::sharing(&wanted, beside, &mut shared, run_in);
+            same.cloned().map_or_else(made, Ok).map(ModelOperators::ready)
         };
         let wanted = choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene));
         let operators = build(wanted, known.first())?;

@@ -157,10 +157,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64, known: &mut Reductions) -
         lateral: Lateral::of(scene),
     };
     let resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
-    let strip = StripHeat::among(known, &properties, cells, &resolution).map_err(|error| error.to_string())?;
-    // Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
-    strip.expect(1.5 * scene.nominal_velocity);
-    Ok(Some(strip))
+    StripHeat::among(known, &properties, cells, &resolution).map(Some).map_err(|error| error.to_string())
 }
 
 /// Cooled area of the strip over its area beside the contact on a closed path; 1 where the area is not given, or the path open.
