@@ -6,7 +6,6 @@
 
 use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use crate::body_error::BodyReason;
-use crate::discretization::cells_for;
 use crate::half_plane::{mean_across_to_depth, scale_columns, tangential_to_depth};
 use crate::strip::FLATTEST;
 use crate::strip_shear::layer_difference;
@@ -106,8 +105,10 @@ pub(crate) fn block(scene: &Scene, cells: &Cells, known: &mut Vec<Arc<Block>>) -
     // Without a compliance of its own the punch may have any modulus, on which its distortion does not depend.
     let youngs_modulus = if is_pressed { scene.punch.youngs_modulus } else { 1.0 };
     let body = Body { youngs_modulus, ..scene.punch.clone() };
-    let meshed = cells_for(scene, cells.count().max(FEWEST_MESHED))?;
-    let (properties, discretization) = mesh_within(&meshed, &body, scene.tolerance.min(PRESSURE_TOLERANCE));
+    let is_coarse = cells.count() < FEWEST_MESHED;
+    let finer = is_coarse.then(|| Cells::graded(cells.half_width(), FEWEST_MESHED)).transpose()?;
+    let tolerance = scene.tolerance.min(PRESSURE_TOLERANCE);
+    let (properties, discretization) = mesh_within(finer.as_ref().unwrap_or(cells), &body, tolerance);
     if let Some(block) = known.iter().find(|block| block.is(properties, discretization)) {
         return Ok(block.clone());
     }
