@@ -31,20 +31,22 @@ pub struct Comparison {
     pub rise: f64,
 }
 
-/// Compares the lumped level of `scene` with contact lines; also returns the operators that were built.
+/// Compares the lumped level of `scene` with contact lines; the operators that it builds join those `known`.
 ///
 /// # Errors
 /// The reason for which nothing can be compared.
 pub(crate) fn compare(
     scene: &Scene,
+    known: &mut Vec<ModelOperators>,
     shared: &mut Shared,
     run_in: RunIn,
-) -> Result<(Comparison, Vec<ModelOperators>), String> {
+) -> Result<Comparison, String> {
     let course = NominalCourse::new(scene)?;
     let mut compared = course.scene(scene);
     // Tolerance of the three runs.
     (compared.tolerance, compared.heat_resolution) = (1e-2, HeatResolution::Resolved);
     let lumped = ModelOperators::new(&ModelLevel::Lumped.apply(&compared), run_in)?;
+    known.push(lumped.clone());
     let run = course.run(&lumped, MOST_LINE_STEPS, |_, _| false)?;
     let mut comparison = Comparison {
         error: 0.0,
@@ -53,12 +55,12 @@ pub(crate) fn compare(
         steps: run.steps,
         rise: run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max),
     };
-    let mut operators = vec![lumped];
     // Runs that a line is compared with, and the largest values of each.
     let mut others = vec![(highest(&run.history), run.history)];
     for cells in COMPARED_CELLS {
         let compared = ModelLevel::Line(cells).apply(&compared);
-        let line = ModelOperators::sharing(&compared, operators.first(), shared, run_in)?;
+        let line = ModelOperators::sharing(&compared, Some(&lumped), shared, run_in)?;
+        known.push(line.clone());
         let mut distances = vec![Distance::default(); others.len()];
         let sum = |parts: Vec<Main>| largest(std::array::from_fn(|output| parts.iter().map(|part| part[output]).sum()));
         let run = course.run(&line, MOST_LINE_STEPS, |segment, main| {
@@ -70,7 +72,6 @@ pub(crate) fn compare(
             comparison.error = sum(parts.collect());
             comparison.error > scene.tolerance
         })?;
-        operators.push(line);
         comparison.steps += run.steps;
         if comparison.error <= scene.tolerance {
             comparison.error = sum(distances.iter().map(Distance::relative).collect());
@@ -80,7 +81,7 @@ pub(crate) fn compare(
         }
         others.push((highest(&run.history), run.history));
     }
-    Ok((comparison, operators))
+    Ok(comparison)
 }
 
 /// Largest magnitude of each output.

@@ -73,8 +73,9 @@ impl Choice {
             return (Choice { level: ModelLevel::Lumped, reason, comparison: None }, Vec::new());
         }
         let line = ModelLevel::Line(scene.cells);
-        match compare(scene, shared, run_in) {
-            Ok((comparison, operators)) => {
+        let mut known = Vec::new();
+        let choice = match compare(scene, &mut known, shared, run_in) {
+            Ok(comparison) => {
                 let error = comparison.error;
                 let (level, by, relation) = match error <= scene.tolerance {
                     true => (ModelLevel::Lumped, "by", "not above"),
@@ -83,13 +84,14 @@ impl Choice {
                 let reason = format!(
                     "over the nominal course lumped differs {by} {error:.1e} from the line, {relation} the tolerance"
                 );
-                (Choice { level, reason, comparison: Some(comparison) }, operators)
+                Choice { level, reason, comparison: Some(comparison) }
             }
             Err(reason) => {
                 let reason = format!("nothing to compare lumped with: {reason}");
-                (Choice { level: line, reason, comparison: None }, Vec::new())
+                Choice { level: line, reason, comparison: None }
             }
-        }
+        };
+        (choice, known)
     }
 }
 
