@@ -6,6 +6,7 @@ use super::block::Block;
 pub use super::body_error::{BodyError, BodyReason};
 use super::{Cells, Compliance, OutOfRange, kinds};
 use scene::{Geometry, Scene};
+use std::sync::Arc;
 
 /// Cells of the scene's contact line: graded to the edges, uniform where the contact has none (periodic).
 ///
@@ -47,11 +48,27 @@ pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
 /// # Errors
 /// Elastic constants or a height outside their range, a block too slender or too flat.
 pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
-    compliances_with(scene, cells, punch_block(scene, cells, false)?.as_ref())
+    compliances_with(scene, cells, punch_block(scene, cells, false)?.as_deref())
 }
 
 /// Finite elements of the punch, where its compliance or, if it is heated, its distortion is that of a block.
-pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<Block>, BodyError> {
+///
+/// # Errors
+/// As [`compliances`].
+pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<Arc<Block>>, BodyError> {
+    punch_block_among(&mut Vec::new(), scene, cells, heated)
+}
+
+/// [`punch_block`], which joins those `known`: one of the same punch on the same mesh is not made again.
+///
+/// # Errors
+/// As [`compliances`].
+pub fn punch_block_among(
+    known: &mut Vec<Arc<Block>>,
+    scene: &Scene,
+    cells: &Cells,
+    heated: bool,
+) -> Result<Option<Arc<Block>>, BodyError> {
     let is_distorted = heated
         && scene.punch.conductivity > 0.0
         && scene.punch.thermal_expansion > 0.0
@@ -59,7 +76,7 @@ pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<
     if !(is_distorted || kinds::is_pressed_as_block(scene)) {
         return Ok(None);
     }
-    kinds::block(scene, cells).map(Some).map_err(|reason| BodyError { body: "punch", reason })
+    kinds::block(scene, cells, known).map(Some).map_err(|reason| BodyError { body: "punch", reason })
 }
 
 /// [`compliances`] with the block of [`punch_block`].

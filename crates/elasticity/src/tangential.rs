@@ -38,7 +38,7 @@ pub fn tangential_stiffness(scene: &Scene) -> f64 {
 /// block's is computed by finite elements; zero for rigid bodies and Winkler foundations. `contact.shear_coupling` is
 /// ignored.
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
-    tangential_compliances_with(scene, cells, punch_block(scene, cells, false)?.as_ref())
+    tangential_compliances_with(scene, cells, punch_block(scene, cells, false)?.as_deref())
 }
 
 /// [`tangential_compliances`] with the block of [`punch_block`].

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 8.1.
 
-use super::line::operators::RunIn;
+use super::line::operators::{RunIn, Shared};
 use super::line::{self, Line};
 use super::lumped::conditions::Tunables;
 use super::lumped::{self, Lumped};
@@ -60,10 +60,7 @@ impl ModelOperators {
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
-        Ok(match scene.fidelity {
-            Fidelity::Line => ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene, run_in)?)),
-            _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::new(scene))),
-        })
+        Self::sharing(scene, None, &mut Shared::default(), run_in).map(ModelOperators::ready)
     }
 
     /// Builds the operators of the level of `scene`, which has the same bodies, contact and nominal conditions as theirs, and shares what
@@ -72,12 +69,36 @@ impl ModelOperators {
     /// # Errors
     /// As [`ModelOperators::new`].
     pub fn beside(&self, scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
-        let known = self.mean();
-        Ok(match scene.fidelity {
-            Fidelity::Line => {
-                ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, known, run_in)?))
+        Self::sharing(scene, Some(self), &mut Shared::default(), run_in).map(ModelOperators::ready)
+    }
+
+    /// These operators with the responses of their bodies computed for the velocities of a run.
+    pub(crate) fn ready(self) -> ModelOperators {
+        if let ModelOperators::Line(line) = &self {
+            let bodies = line.heat.iter().flat_map(|bodies| bodies.prototypes.iter().flatten());
+            // Up to half more than the nominal velocity.
+            bodies.for_each(|body| body.expect(1.5 * line.scene.nominal_velocity));
+        }
+        self
+    }
+
+    /// [`ModelOperators::new`] or, with `known`, [`ModelOperators::beside`], with what contact lines share, not yet
+    /// [`ModelOperators::ready`].
+    pub(crate) fn sharing(
+        scene: &Scene,
+        known: Option<&ModelOperators>,
+        shared: &mut Shared,
+        run_in: RunIn,
+    ) -> Result<ModelOperators, String> {
+        let known = known.map(ModelOperators::mean);
+        Ok(match (scene.fidelity, known) {
+            (Fidelity::Line, _) => {
+                ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, known, shared, run_in)?))
             }
-            _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::beside(scene, known))),
+            (_, Some(known)) => {
+                ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::beside(scene, known)))
+            }
+            (_, None) => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::new(scene))),
         })
     }
 

@@ -1,7 +1,8 @@
 //! Choice of the automatic level: what it costs, and what it depends on.
 
 use model::Inputs;
-use model::levels::ModelOperators;
+use model::levels::{Model, ModelOperators};
+use model::line::operators::Shared;
 use model::lumped::conditions::Tunables;
 use model::plan::distance::Distance;
 use model::plan::{BuiltModel, Choice, ModelLevel};
@@ -10,7 +11,7 @@ use scene::Scene;
 use test_support::{Application, changed, changed_scene, scene};
 
 fn choice(scene: &Scene) -> Choice {
-    Choice::new(scene, steady::run_in).0
+    Choice::new(scene, &mut Shared::default(), steady::run_in).0
 }
 
 /// Steps are counted, so the same scene has the same level everywhere; the coarser pair ends a comparison that it settles.
@@ -30,9 +31,14 @@ fn a_comparison_is_reproducible_and_ends_when_it_is_settled() {
         loose.level == ModelLevel::Lumped && all.steps > comparison.steps && all.error >= comparison.error,
         "{all:?}"
     );
+    // What ends it early is below the whole error: just above and below that the level is the one of the whole comparison.
+    let [above, below] = [1.001, 0.999].map(|part| choice(&Scene { tolerance: part * all.error, ..wide.clone() }));
+    assert_eq!((above.level, above.comparison), (ModelLevel::Lumped, Some(all.clone())));
+    let found = below.comparison.unwrap();
+    assert!(below.level == ModelLevel::Line(0) && found.error <= all.error && found.steps <= all.steps, "{found:?}");
 }
 
-/// No line of a comparison takes more than 300 internal steps; where one would, the run itself measures its error.
+/// No line of a comparison takes more than 200 internal steps; where one would, the run itself measures its error.
 #[test]
 fn a_comparison_is_short() {
     for name in ["piston_ring", "rod_seal", "slideway", "safety_gear", "pom_bushing", "drum_brake", "fading_pin"] {
@@ -91,6 +97,25 @@ fn operators_built_beside_others_are_those_built_alone() {
                 _ => false,
             };
             assert!(same, "{name}, {:?}, {}", scene.fidelity, scene.tolerance);
+        }
+    }
+}
+
+/// Lines that share finite elements and modes of the strip run as those built alone, to the last bit, whatever was built before.
+#[test]
+fn lines_that_share_run_as_those_built_alone() {
+    for name in ["disc_brake", "reciprocating_punch"] {
+        let auto = changed_scene(&scene(name), &[("solver.fidelity", 1.0), ("solver.tolerance", 1e-3)]);
+        let built = BuiltModel::new(&auto, steady::run_in).unwrap();
+        for shared in [built.operators, built.companion.unwrap()] {
+            let alone = ModelOperators::new(shared.scene(), steady::run_in).unwrap();
+            let [alone, shared] = [alone, shared].map(|operators| {
+                let inputs = Inputs::new(auto.nominal_velocity, auto.nominal_load, 293.15);
+                let mut model = Model::new(&operators, Tunables::of(operators.scene()), &inputs);
+                model.step(&inputs, None, 0.1 * auto.nominal_duration).unwrap();
+                model.save()
+            });
+            assert!(alone == shared, "{name}");
         }
     }
 }

@@ -304,6 +304,10 @@ pub trait ThermalBody: Observed + Debug + Send + Sync {
         work: &mut Workspace,
     );
 
+    /// Computes now what steps at velocities up to `velocity` (m/s) need, not in the first step that needs it; results are the same either
+    /// way.
+    fn expect(&self, _velocity: f64) {}
+
     /// A copy with weights of its own.
     fn boxed(&self) -> Box<dyn ThermalBody>;
 }

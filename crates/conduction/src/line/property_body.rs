@@ -270,6 +270,10 @@ impl ThermalBody for PropertyBody {
         self.settle(after, account, mean);
     }
 
+    fn expect(&self, velocity: f64) {
+        self.constant.expect(velocity);
+    }
+
     fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }

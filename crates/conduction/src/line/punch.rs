@@ -56,9 +56,10 @@ use shift_selection::{Scale, Selection};
 /// their own.
 pub(crate) const MAXIMUM_STATES: usize = 256;
 
-/// Number of transverse modes whose steady fields distort the contact line by the law of the whole body; those of shorter
-/// wavelength do so as on a half-plane.
+/// Most transverse modes whose steady fields distort the contact line by the law of the whole body, in all and per cell; those of
+/// shorter wavelength, below two thirds of a mean cell, do so as on a half-plane.
 const DISTORTING_MODES: usize = 96;
+const DISTORTING_MODES_PER_CELL: usize = 3;
 
 /// Number of transverse modes in the steady effects that have no closed sum; the terms beyond fall like 1/m^3.
 const SUMMED_MODES: usize = 1000;
@@ -81,7 +82,7 @@ const FAR: usize = 2;
 pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BodyError> {
     let block = punch_block(scene, cells, true)?;
     let refused = |error: BlockError| BodyError { body: "punch", reason: error.into() };
-    reduce_with_mean(scene, cells, block.as_ref(), [tolerance; 2], duration).map_err(refused)
+    reduce_with_mean(scene, cells, block.as_deref(), [tolerance; 2], duration).map_err(refused)
 }
 
 /// [`reduce`] with the finite elements of the punch, and a separate tolerance, the second, for the longest modes, of which the

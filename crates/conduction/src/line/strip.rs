@@ -50,6 +50,7 @@ mod waves;
 pub use depth::dilatation;
 pub use depth::{Depth, Expansion};
 pub use properties::{Resolution, SlidingPath, StripProperties};
+pub use reduction::Reductions;
 
 use super::workspace::Memory;
 use super::{
@@ -95,15 +96,22 @@ impl StripHeat {
     /// # Errors
     /// A property outside its range, named with its limit.
     pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
-        let operators = StripOperators::new(properties, cells, resolution)?;
-        let step = Step::new(&operators);
-        Ok(StripHeat { operators: Arc::new(operators), step })
+        Self::among(&mut Reductions::default(), properties, cells, resolution)
     }
 
-    /// Computes the table of the direct feedthrough for velocities up to `velocity` (m/s). Nodes for faster sliding are
-    /// computed by the first step that uses them; results are the same either way.
-    pub fn expect(&self, velocity: f64) {
-        self.operators.table.expect(velocity);
+    /// [`Self::new`], whose reduction is one of those `known`, which it joins.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn among(
+        known: &mut Reductions,
+        properties: &StripProperties,
+        cells: &Cells,
+        resolution: &Resolution,
+    ) -> Result<Self, OutOfRange> {
+        let operators = StripOperators::new(properties, cells, resolution, known)?;
+        let step = Step::new(&operators);
+        Ok(StripHeat { operators: Arc::new(operators), step })
     }
 
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
@@ -301,6 +309,10 @@ impl ThermalBody for StripHeat {
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);
         self.advance_by(work.strip(), [re, im], after, surroundings, flux);
+    }
+
+    fn expect(&self, velocity: f64) {
+        self.operators.table.expect(velocity);
     }
 
     fn boxed(&self) -> Box<dyn ThermalBody> {

@@ -9,6 +9,7 @@ use super::element::CondensedElement;
 use super::mesh::{ENTITIES_PER_ELEMENT, Mesh};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -85,7 +86,11 @@ impl Pattern {
             symbolic_matrix.as_ref(),
             Side::Upper,
             SymmetricOrdering::Identity,
-            CholeskySymbolicParams::default(),
+            // Columns of an element's edges are eliminated together, however few there are.
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
         )
         .map_err(|_| FactorizationError::OutOfMemory)?;
         Ok(Self { components, symbolic_matrix, symbolic_factor, neighbours })
@@ -158,7 +163,6 @@ impl Pattern {
         }
         factorization::check(values, values.len()).map_err(|_| FactorizationError::NotPositiveDefinite)?;
         let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), values);
-        factor.values.fill(0.0);
         self.symbolic_factor
             .factorize_numeric_llt(
                 &mut factor.values,

@@ -64,6 +64,7 @@ pub struct Compliance {
 #[derive(Debug)]
 pub struct Block {
     pub(super) properties: BlockProperties,
+    discretization: Option<Discretization>,
     pub(super) order: usize,
     pub(super) mesh: Mesh,
     pub(super) pattern: Pattern,
@@ -82,7 +83,13 @@ impl Block {
         properties.check()?;
         discretization.check()?;
         let (x, z) = discretization.grids(properties.width, properties.height);
-        Self::on_grids(properties, x, z, discretization.order)
+        let block = Self::on_grids(properties, x, z, discretization.order)?;
+        Ok(Self { discretization: Some(discretization), ..block })
+    }
+
+    /// Whether [`Self::new`] makes this block from these arguments.
+    pub(crate) fn is(&self, properties: BlockProperties, discretization: Discretization) -> bool {
+        self.properties == properties && self.discretization == Some(discretization)
     }
 
     pub(super) fn on_grids(properties: BlockProperties, x: Grid, z: Grid, order: usize) -> Result<Self, BlockError> {
@@ -92,7 +99,7 @@ impl Block {
         let elements = elements.ok_or(failed(FactorizationError::NotPositiveDefinite))?;
         let pattern = Pattern::new(&mesh, 2).map_err(failed)?;
         let factor = pattern.factorize(&mesh, &elements, &kind, &[]).map_err(failed)?;
-        Ok(Self { properties, order, mesh, pattern, elements, kind, factor })
+        Ok(Self { properties, discretization: None, order, mesh, pattern, elements, kind, factor })
     }
 
     /// Number of unknowns after condensation.

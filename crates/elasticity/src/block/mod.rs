@@ -165,21 +165,24 @@ impl Discretization {
     /// Order and layers for contact pressures on the cells between `boundaries` to `tolerance`, relative to the mean
     /// pressure, under a flat rigid partner with friction .25.
     ///
-    /// Measured with 9 to 257 cells: the pressure's error is at most 2e-3 at order 5 and falls by 3.5 with each order
-    /// (nu <= .45; up to four times that near nu = .5), once the smallest element is a third of the smallest cell. That
-    /// of C is ten times smaller relative to its largest entry. Order 8, the highest taken, gives about 5e-5.
+    /// Measured with 5 to 129 cells, `height` from width/20 to 5/3 `width` and nu <= .45: the pressure's error is at most 1e-3 at
+    /// order 5 up to 33 cells, beyond 2.7e-5 per cell (2.5 times that at a `height` of 8 `width`, 5 times near nu = .5), and falls by 3.5
+    /// with each order. That of C is five times smaller relative to its largest entry. Order 8, the highest taken, gives about 5e-5.
     ///
     /// Elements span at most half as many cells as their order, which resolves temperature fields that vary from cell to cell
-    /// ([`distortion`]): with 9 to 65 uniform cells and `height` from width/20 to 2 `width` the distortion by cos(q x) exp(-q z) is
-    /// off by at most 2e-4 of its amplitude at a wavelength of 4 cells (order 6), and 1e-3 at 2.7 cells.
+    /// ([`distortion`]): the distortion by cos(q x) exp(-q z) is off by at most 3e-4 of its amplitude at a wavelength of 8 cells, 8e-3
+    /// at 4 cells (order 5; 2e-3 at order 6).
     pub fn for_cells(width: f64, height: f64, boundaries: &[f64], tolerance: f64) -> Self {
-        let order = 5.0 + (2e-3 / tolerance).ln() / 3.5f64.ln();
+        let of_fifth = (2.7e-5 * boundaries.windows(2).len() as f64).max(1e-3);
+        let order = 5.0 + (of_fifth / tolerance).ln() / 3.5f64.ln();
         let order = (order.ceil() as usize).clamp(3, Self::HIGHEST_ORDER);
         let sizes = boundaries.windows(2).map(|pair| pair[1] - pair[0]);
         let (smallest, largest) = sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), c| (least.min(c), most.max(c)));
         // The elements shrink over this distance from a corner.
         let reach = (0.5 * width).min(height);
-        let ratio = (smallest / (3.0 * reach)).clamp(1e-10, 1.0);
+        // Smallest element over the smallest cell, 1: beyond order 5 a larger one would be the larger error.
+        let finest = if order > 5 { 1.0 / 3.0 } else { 4.0 / 3.0 };
+        let ratio = (finest * smallest / reach).clamp(1e-10, 1.0);
         let contact_layers = 1 + (ratio.ln() / Self::CELL_GRADING.ln()).ceil() as usize;
         let top_layers = 1 + order / 2;
         let longest = 0.5 * order as f64 * largest;

@@ -8,11 +8,13 @@ use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
 use crate::tolerance::ToleranceBudget;
+use conduction::line::strip::Reductions;
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactState, Normal, Tilt, check_operators};
-use elasticity::discretization::{cells_for, compliances_with, load_weights, punch_block, relative_radii};
+use elasticity::block::Block;
+use elasticity::discretization::{cells_for, compliances_with, load_weights, punch_block_among, relative_radii};
 use elasticity::tangential::tangential_compliances_with;
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
@@ -117,6 +119,13 @@ pub struct LineOperators {
     pub rotates: bool,
 }
 
+/// What does not depend on the cells of contact lines, or serves several: made once for all lines of an initialisation.
+#[derive(Debug, Default)]
+pub struct Shared {
+    blocks: Vec<Arc<Block>>,
+    strips: Reductions,
+}
+
 /// Finds the gap of a run-in punch, N cell means in m, of a scene with or without (`false`) resolved heat. Steady states are a layer above
 /// this one, so whoever builds operators passes the function that finds them.
 pub(crate) type RunIn = fn(&Scene, bool, &Cells, &[Compliance; 2]) -> Result<Vec<f64>, String>;
@@ -130,16 +139,17 @@ impl LineOperators {
         Self::with_heat(scene, is_resolved(scene), run_in)
     }
 
-    /// Builds the contact line with what it shares with `known`: [`lumped::operators::LumpedOperators::beside`].
+    /// Builds the contact line with what it shares with `known`, [`lumped::operators::LumpedOperators::beside`], and with other lines.
     ///
     /// # Errors
     /// As [`LineOperators::new`].
     pub(crate) fn beside(
         scene: &Scene,
-        known: &lumped::operators::LumpedOperators,
+        known: Option<&lumped::operators::LumpedOperators>,
+        shared: &mut Shared,
         run_in: RunIn,
     ) -> Result<LineOperators, String> {
-        Self::build(scene, is_resolved(scene), Some(known), run_in)
+        Self::build(scene, is_resolved(scene), known, shared, run_in)
     }
 
     /// Builds the contact line with resolved or lumped heat, whether heat feeds back or not.
@@ -147,7 +157,7 @@ impl LineOperators {
     /// # Errors
     /// As [`LineOperators::new`].
     pub fn with_heat(scene: &Scene, heat: bool, run_in: RunIn) -> Result<LineOperators, String> {
-        Self::build(scene, heat, None, run_in)
+        Self::build(scene, heat, None, &mut Shared::default(), run_in)
     }
 
     /// Finds the edges of the contact within cells.
@@ -165,14 +175,16 @@ impl LineOperators {
         scene: &Scene,
         heat: bool,
         known: Option<&lumped::operators::LumpedOperators>,
+        shared: &mut Shared,
         run_in: RunIn,
     ) -> Result<LineOperators, String> {
         let count = if scene.cells == 0 { cells_of(scene.tolerance) } else { scene.cells };
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
-        let block = punch_block(scene, &cells, heat).map_err(|error| error.to_string())?;
-        let bodies = compliances_with(scene, &cells, block.as_ref()).map_err(|error| error.to_string())?;
+        let block = punch_block_among(&mut shared.blocks, scene, &cells, heat).map_err(|error| error.to_string())?;
+        let block = block.as_deref();
+        let bodies = compliances_with(scene, &cells, block).map_err(|error| error.to_string())?;
         let [punch, strip] = &bodies;
         let mut initial_gap = match &scene.initial_shape {
             InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
@@ -185,7 +197,7 @@ impl LineOperators {
         }
         let tangential = if scene.elastic_slip && scene.geometry != Geometry::Annular {
             let [punch, strip] =
-                tangential_compliances_with(scene, &cells, block.as_ref()).map_err(|error| error.to_string())?;
+                tangential_compliances_with(scene, &cells, block).map_err(|error| error.to_string())?;
             Some(punch.to_far_face + strip.to_far_face)
         } else {
             None
@@ -209,7 +221,7 @@ impl LineOperators {
         let moves = !heat || scene.stick_stiffness > 0.0 || scene.elastic_slip;
         let mean = lumped::operators::LumpedOperators::build(&mean_scene(scene, heat), compliance, moves, known);
         let mean = Arc::new(mean);
-        let heat = heat.then(|| Bodies::new(scene, &cells, block.as_ref()).map(Arc::new)).transpose()?;
+        let heat = heat.then(|| Bodies::new(scene, &cells, block, &mut shared.strips).map(Arc::new)).transpose()?;
         let [punch, strip] = laws;
         let operators = LineOperators {
             heat,

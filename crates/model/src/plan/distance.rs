@@ -47,6 +47,15 @@ impl Distance {
         })
     }
 
+    /// What [`Self::relative`] will be at least, where these are the distances so far and the other run reaches `highest` in all: the
+    /// first reaches at most the sum.
+    pub(crate) fn at_least(&self, highest: &Main) -> Main {
+        std::array::from_fn(|output| match self.apart[output] {
+            0.0 => 0.0,
+            apart => apart / (highest[output] + apart),
+        })
+    }
+
     /// The distance of two histories over their common beginning, relative to the largest values of the first.
     pub fn of(first: &[Main], other: &[Main]) -> Distance {
         let mut distance = Distance::default();
@@ -70,6 +79,12 @@ mod tests {
         assert_eq!(distance.relative(), [0.0, 0.02, 0.5]);
         distance.follow([f64::NAN, 0.0, 4.0], [1.0, 0.0, 6.0]);
         assert_eq!(largest(distance.relative()), f64::INFINITY);
+        // Two runs: what their first instants say is not above what all say.
+        let runs = [[[1.0, 2.0, 0.0], [9.0, 3.0, 0.0]], [[1.5, 2.0, 0.0], [4.0, 2.5, 0.0]]];
+        let [so_far, whole] = [1, 2].map(|count| Distance::of(&runs[0][..count], &runs[1][..count]));
+        assert_eq!(so_far.at_least(&[4.0, 2.5, 0.0]), [0.5 / 4.5, 0.0, 0.0]);
+        assert_eq!(whole.at_least(&[4.0, 2.5, 0.0]), [5.0 / 9.0, 0.5 / 3.0, 0.0]);
+        assert_eq!(whole.relative(), [5.0 / 9.0, 0.5 / 3.0, 0.0]);
         assert_eq!(largest(Distance::of(&[[0.0; 3]], &[[0.0, 1.0, 0.0]]).relative()), f64::INFINITY);
     }
 }

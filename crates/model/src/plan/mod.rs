@@ -18,7 +18,7 @@ pub(crate) mod nominal;
 
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::can_be_resolved;
-use crate::line::operators::RunIn;
+use crate::line::operators::{RunIn, Shared};
 use comparison::{Comparison, compare};
 use scene::message::Number;
 use scene::{ErrorEstimate, Fidelity, HeatResolution, Scene};
@@ -67,27 +67,31 @@ pub struct Choice {
 
 impl Choice {
     /// Chooses the level of `scene`; also returns the operators that were built.
-    pub fn new(scene: &Scene, run_in: RunIn) -> (Choice, Vec<ModelOperators>) {
+    pub fn new(scene: &Scene, shared: &mut Shared, run_in: RunIn) -> (Choice, Vec<ModelOperators>) {
         if scene.has_rigid_bodies() {
             let reason = "both bodies are rigid, so the pressure is uniform".into();
             return (Choice { level: ModelLevel::Lumped, reason, comparison: None }, Vec::new());
         }
         let line = ModelLevel::Line(scene.cells);
-        match compare(scene, run_in) {
-            Ok((comparison, operators)) => {
+        let mut known = Vec::new();
+        let choice = match compare(scene, &mut known, shared, run_in) {
+            Ok(comparison) => {
                 let error = comparison.error;
-                let (level, relation) =
-                    if error <= scene.tolerance { (ModelLevel::Lumped, "not above") } else { (line, "above") };
+                let (level, by, relation) = match error <= scene.tolerance {
+                    true => (ModelLevel::Lumped, "by", "not above"),
+                    false => (line, "by at least", "above"),
+                };
                 let reason = format!(
-                    "over the nominal course lumped differs by {error:.1e} from the line, {relation} the tolerance"
+                    "over the nominal course lumped differs {by} {error:.1e} from the line, {relation} the tolerance"
                 );
-                (Choice { level, reason, comparison: Some(comparison) }, operators)
+                Choice { level, reason, comparison: Some(comparison) }
             }
             Err(reason) => {
                 let reason = format!("nothing to compare lumped with: {reason}");
-                (Choice { level: line, reason, comparison: None }, Vec::new())
+                Choice { level: line, reason, comparison: None }
             }
-        }
+        };
+        (choice, known)
     }
 }
 
@@ -111,20 +115,18 @@ impl BuiltModel {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<BuiltModel, String> {
         let requested = scene.clone();
+        let mut shared = Shared::default();
         let (choice, known) = match scene.fidelity {
             Fidelity::Auto => {
-                let (choice, known) = Choice::new(scene, run_in);
+                let (choice, known) = Choice::new(scene, &mut shared, run_in);
                 (Some(choice), known)
             }
             _ => (None, Vec::new()),
         };
-        let build = |wanted: Scene, beside: Option<&ModelOperators>| match (
-            known.iter().find(|operators| *operators.scene() == wanted),
-            beside,
-        ) {
-            (Some(operators), _) => Ok(operators.clone()),
-            (None, Some(other)) => other.beside(&wanted, run_in),
-            (None, None) => ModelOperators::new(&wanted, run_in),
+        let mut build = |wanted: Scene, beside: Option<&ModelOperators>| {
+            let same = known.iter().find(|operators| *operators.scene() == wanted);
+            let made = || ModelOperators::sharing(&wanted, beside, &mut shared, run_in);
+            same.cloned().map_or_else(made, Ok).map(ModelOperators::ready)
         };
         let wanted = choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene));
         let operators = build(wanted, known.first())?;

@@ -120,11 +120,17 @@ impl NominalCourse {
         self.segments.iter().flat_map(|segment| segment.velocity).fold(0.0, |most, speed| maximum(most, speed.abs()))
     }
 
-    /// Runs the course on operators of [`NominalCourse::scene`] with at most `most` internal steps of a contact line.
+    /// Runs the course on operators of [`NominalCourse::scene`] with at most `most` internal steps of a contact line, and not further
+    /// than to the segment whose number and outputs at its end are `enough`.
     ///
     /// # Errors
     /// A step that has no solution, or too many steps.
-    pub(crate) fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
+    pub(crate) fn run(
+        &self,
+        operators: &ModelOperators,
+        most: u32,
+        mut enough: impl FnMut(usize, &Main) -> bool,
+    ) -> Result<Run, String> {
         let tunables = Tunables::of(operators.scene());
         let ambient = tunables.ambient_temperature;
         let mut inputs = Inputs::new(self.segments[0].velocity[0], self.segments[0].load, ambient);
@@ -132,7 +138,7 @@ impl NominalCourse {
         model.limit_attempts(most);
         let mut values = Box::new([0.0; COUNT]);
         let mut run = Run::default();
-        for segment in &self.segments {
+        for (number, segment) in self.segments.iter().enumerate() {
             let [first, last] = segment.velocity;
             (inputs.sliding_velocity, inputs.normal_load) = (first, segment.load);
             let mut slopes = Inputs::constant(0.0);
@@ -142,6 +148,9 @@ impl NominalCourse {
                 .map_err(|failure| format!("{}: {failure}", operators.description()))?;
             model.write_end(&mut values);
             run.history.push(main_outputs(&values, ambient));
+            if enough(number, &run.history[number]) {
+                break;
+            }
         }
         let (accepted, rejected) = model.work();
         (run.steps, run.work) = (accepted + rejected, model.friction_work());

@@ -156,7 +156,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
     let block = punch_block(&scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
-    let made = Bodies::new(&scene, cells, block.as_ref()).map_err(SteadyError::Heat)?;
+    let made = Bodies::new(&scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));

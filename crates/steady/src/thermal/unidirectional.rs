@@ -72,7 +72,7 @@ pub(super) fn solve(
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
     let block = punch_block(scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
-    let made = Bodies::new(scene, cells, block.as_ref()).map_err(SteadyError::Heat)?;
+    let made = Bodies::new(scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let velocity = cold.strokes[0].velocity;
     // Length of the step over the longest time constant of the bodies: the steady response to 1e-8.

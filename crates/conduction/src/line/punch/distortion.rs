@@ -13,7 +13,7 @@ use super::across::Across;
 use super::assembly::{Assembly, Mode};
 use super::galerkin::Shape;
 use super::waves::Waves;
-use super::{AMBIENT, By, COOLING, DISTORTING_MODES, FAR, SUMMED_MODES};
+use super::{AMBIENT, By, COOLING, DISTORTING_MODES, DISTORTING_MODES_PER_CELL, FAR, SUMMED_MODES};
 use crate::line::reduced::{PORTS, ReducedOperators};
 use crate::line::strip::dilatation;
 use elasticity::block::{Block, BlockError, FunctionsAcross};
@@ -258,7 +258,8 @@ impl Assembly<'_> {
         let mut by_port: Vec<(usize, usize, f64)> = Vec::new();
         let first = self.modes.iter().scan(0, |next, mode| Some(std::mem::replace(next, *next + mode.states.len())));
         let first: Vec<usize> = first.collect();
-        for m in 0..DISTORTING_MODES.max(self.modes.len()) {
+        let longest = DISTORTING_MODES.min(DISTORTING_MODES_PER_CELL * cells.count()).max(self.modes.len());
+        for m in 0..longest {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             match mode {
@@ -319,7 +320,6 @@ impl Assembly<'_> {
             }
         }
         // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a mode of short wavelength.
-        let longest = DISTORTING_MODES.max(self.modes.len());
         let mut short = self.waves.sum(longest..SUMMED_MODES.max(longest), |_, wave| {
             distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
         });

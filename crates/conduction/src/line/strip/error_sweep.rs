@@ -4,10 +4,9 @@
 
 use super::depth::{Depth, DepthModes};
 use super::properties::Resolution;
-use super::waves::{Shapes, Wave};
+use super::waves::Wave;
 use crate::reduced::ReducedBody;
 use crate::slab::Slab;
-use elasticity::Cells;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
 
@@ -27,24 +26,21 @@ pub(crate) struct ErrorSweep {
 }
 
 impl ErrorSweep {
-    /// Sweep for these modes and their layers, with the modes' shapes on the cells.
+    /// Sweep for these modes and their layers under a contact of the width `width`, m.
     pub(crate) fn new(
-        cells: &Cells,
+        width: f64,
         slab: &Slab,
         mean: Option<&ReducedBody>,
         period: f64,
         (waves, layers): (&[Wave], &[Depth]),
-        shapes: &Shapes,
         resolution: &Resolution,
     ) -> ErrorSweep {
-        let width = 2.0 * cells.half_width();
-        let weights: Vec<f64> = (0..waves.len())
-            .map(|index| {
-                let (even, _) = shapes.rows(index);
-                let half: f64 = even.iter().zip(cells.widths()).map(|(shape, c)| shape * c).sum();
-                let centre =
-                    if cells.count() % 2 == 1 { even[even.len() - 1] * cells.widths()[even.len() - 1] } else { 0.0 };
-                2.0 * waves[index].count / period * (2.0 * half - centre).powi(2) / width
+        let weights: Vec<f64> = waves
+            .iter()
+            .map(|wave| {
+                // Integral of the mode over the contact.
+                let heat = 2.0 * (0.5 * wave.number * width).sin() / wave.number;
+                2.0 * wave.count / period * heat * heat / width
             })
             .collect();
         let (slow, fast) = (0.3 / resolution.duration, 1.0 / resolution.shortest);

@@ -5,7 +5,7 @@
 use super::depth::Expansion;
 use super::distance::DistanceSum;
 use super::properties::{ImageDamping, Resolution, SlidingPath, StripProperties};
-use super::reduction::{Layer, Reduction};
+use super::reduction::{Layer, Reductions};
 use super::robin_correction::RobinCorrection;
 use super::stage_response::{Layout, RANK};
 use super::state_layout::{Level, of_mode, state_layout};
@@ -75,6 +75,7 @@ impl StripOperators {
         properties: &StripProperties,
         cells: &Cells,
         resolution: &Resolution,
+        known: &mut Reductions,
     ) -> Result<StripOperators, OutOfRange> {
         let width = 2.0 * cells.half_width();
         properties.check(width)?;
@@ -109,19 +110,20 @@ impl StripOperators {
         };
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
-        let mean = slab.reduce(resolution.duration, tolerance);
-        let layer = Layer { properties, cells, slab: &slab, mean: &mean, period, reach, fresh, tolerance };
-        let Reduction { last, fastest, waves, shapes, modes, counts, error } = layer.reduce(resolution);
+        let layer = Layer { properties, width, slab: &slab, period, reach, fresh, tolerance };
+        let reduction = known.of((properties, width, resolution), || layer.reduce(resolution));
+        let (last, fastest, waves) = (reduction.last, reduction.fastest, reduction.waves.clone());
+        let shapes = Shapes::new(cells, &waves);
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
         // Lowest velocity at which modes as long as the contact differ from those at rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         // Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(1e7 * diffusivity / width);
-        let state_layout = state_layout(&counts);
-        let states = counts.iter().sum();
+        let state_layout = state_layout(&reduction.counts);
+        let states = reduction.counts.iter().sum();
         let (mut rate, mut temperature, mut distortion) = (vec![0.0; states], vec![0.0; states], vec![0.0; states]);
         // States that a mode does not use stay 0.
-        for (wave, mode) in modes.iter().enumerate() {
+        for (wave, mode) in reduction.modes.iter().enumerate() {
             let fastest = mode.rate.iter().copied().fold(0.0, f64::max);
             for (k, place) in of_mode(&state_layout, wave).enumerate() {
                 rate[place] = mode.rate.get(k).copied().unwrap_or(fastest);
@@ -138,9 +140,7 @@ impl StripOperators {
             expansion: expansion.copied(),
             lateral: properties.lateral,
             period,
-            last,
-            waves: waves.clone(),
-            modes,
+            reduction: reduction.clone(),
             unit,
             fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
@@ -157,7 +157,7 @@ impl StripOperators {
             rate,
             temperature,
             distortion,
-            mean,
+            mean: reduction.mean.clone(),
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
             held: properties.base == FarBoundary::Held,
@@ -169,7 +169,7 @@ impl StripOperators {
             robin_correction: None,
             seen: Default::default(),
             contact_mean: Vec::new(),
-            error,
+            error: reduction.error,
             numbers: waves.iter().map(|wave| wave.number).collect(),
             waves,
             shapes,

@@ -5,11 +5,11 @@
 use super::depth::{Depth, DepthModes};
 use super::error_sweep::ErrorSweep;
 use super::properties::{Resolution, StripProperties};
-use super::waves::{Shapes, Wave, harmonics};
+use super::waves::{Wave, harmonics};
 use crate::reduced::ReducedBody;
 use crate::slab::Slab;
-use elasticity::Cells;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Ratios of the shifts of the reduction, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
@@ -27,15 +27,37 @@ const MOST_STATES: usize = 16_000;
 /// [`FEWEST_HARMONICS`] are left, with a few hundred states.
 const MOST_DOUBLINGS: usize = 60;
 
+/// Reductions of strips under a contact of this width (m) at this resolution: none depends on the cells of the contact, so contact lines
+/// that are built together share them.
+#[derive(Debug, Default)]
+pub struct Reductions(Vec<((StripProperties, f64, Resolution), Arc<Reduction>)>);
+
+impl Reductions {
+    /// The reduction of these arguments, by `make` where it is not known.
+    pub(crate) fn of(
+        &mut self,
+        (properties, width, resolution): (&StripProperties, f64, &Resolution),
+        make: impl FnOnce() -> Reduction,
+    ) -> Arc<Reduction> {
+        let key = (*properties, width, *resolution);
+        if let Some((_, known)) = self.0.iter().find(|(other, _)| *other == key) {
+            return known.clone();
+        }
+        self.0.push((key, Arc::new(make())));
+        self.0[self.0.len() - 1].1.clone()
+    }
+}
+
 /// Modes with states.
 #[derive(Debug)]
 pub(crate) struct Reduction {
+    /// Mean mode (q = 0), per area of strip.
+    pub mean: ReducedBody,
     /// Number of the last harmonic that has states.
     pub last: usize,
     /// Decay rate beyond which modes have no states, 1/s.
     pub fastest: f64,
     pub waves: Vec<Wave>,
-    pub shapes: Shapes,
     pub modes: Vec<DepthModes>,
     /// Number of states of each mode: at least as many as any shorter one has.
     pub counts: Vec<usize>,
@@ -47,10 +69,9 @@ pub(crate) struct Reduction {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layer<'a> {
     pub properties: &'a StripProperties,
-    pub cells: &'a Cells,
+    /// Width of the contact, m.
+    pub width: f64,
     pub slab: &'a Slab,
-    /// Mean mode.
-    pub mean: &'a ReducedBody,
     /// Length of the period, and largest distance between heated and observed point along the material, m.
     pub period: f64,
     pub reach: f64,
@@ -64,19 +85,20 @@ impl Layer<'_> {
     /// that time is doubled: modes that decay faster become direct feedthrough.
     pub(crate) fn reduce(&self, resolution: &Resolution) -> Reduction {
         let mut resolution = *resolution;
-        let mut reduction = self.reduce_at(&resolution);
+        let mean = self.slab.reduce(resolution.duration, self.tolerance);
+        let mut reduction = self.reduce_at(&resolution, mean);
         for _ in 0..MOST_DOUBLINGS {
             if 2 * reduction.counts.iter().sum::<usize>() <= MOST_STATES {
                 break;
             }
             resolution.shortest *= 2.0;
-            reduction = self.reduce_at(&resolution);
+            reduction = self.reduce_at(&resolution, reduction.mean);
         }
         reduction
     }
 
-    fn reduce_at(&self, resolution: &Resolution) -> Reduction {
-        let Layer { properties, cells, slab, mean, period, reach, fresh, tolerance } = *self;
+    fn reduce_at(&self, resolution: &Resolution, mean: ReducedBody) -> Reduction {
+        let Layer { properties, width, slab, period, reach, fresh, tolerance } = *self;
         let spacing = 2.0 * PI / period;
         let fastest = resolution.fastest();
         let shortest_wave = (fastest / slab.diffusivity()).sqrt();
@@ -86,12 +108,11 @@ impl Layer<'_> {
             // Neighbouring periodic images have opposite signs: no mean, and the midpoint rule of the endless path.
             waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
         }
-        let shapes = Shapes::new(cells, &waves);
         let expansion = properties.expansion.as_ref();
         let layers: Vec<Depth> =
             waves.iter().map(|wave| Depth::new(slab, expansion, wave.number).spreading(properties.lateral)).collect();
-        let mean = (!fresh).then_some(mean);
-        let error_sweep = ErrorSweep::new(cells, slab, mean, period, (&waves, &layers), &shapes, resolution);
+        let seen = (!fresh).then_some(&mean);
+        let error_sweep = ErrorSweep::new(width, slab, seen, period, (&waves, &layers), resolution);
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
@@ -116,6 +137,6 @@ impl Layer<'_> {
         for wave in (1..counts.len()).rev() {
             counts[wave - 1] = counts[wave - 1].max(counts[wave]);
         }
-        Reduction { last, fastest, waves, shapes, modes, counts, error }
+        Reduction { mean, last, fastest, waves, modes, counts, error }
     }
 }

@@ -9,16 +9,18 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.10.
 
-use super::depth::{Depth, DepthModes, Expansion};
+use super::depth::{Depth, Expansion};
 use super::distance::{DistanceSum, Nodes};
 use super::moving_kernel::MeanKernel;
 use super::properties::ImageDamping;
+use super::reduction::Reduction;
 use super::waves::{CONTINUOUS, Wave, continuous};
 use crate::lateral::Lateral;
 use crate::slab::{Slab, principal_root};
 use elasticity::Cells;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Data of the sums of the static correction.
 #[derive(Debug)]
@@ -31,10 +33,8 @@ pub(crate) struct StaticCorrection {
     /// Conduction out of the plane.
     pub lateral: Option<Lateral>,
     pub period: f64,
-    /// Number of the last harmonic that has states.
-    pub last: usize,
-    pub waves: Vec<Wave>,
-    pub modes: Vec<DepthModes>,
+    /// Modes with states.
+    pub reduction: Arc<Reduction>,
     /// Magnitude of the distortion (m) per temperature (K) of a mode.
     pub unit: f64,
     /// On fresh material: frequency below which nothing is treated as steady, 1/s, and the damping of periodic images.
@@ -129,7 +129,7 @@ impl StaticCorrection {
         // Contact width over period beyond which the nearest periodic images of the contact are summed in real space.
         let images = !fresh && width > 0.3 * self.period;
         let reach = if images { width + self.period } else { width };
-        let last = (self.last as f64 + 0.5) * self.spacing();
+        let last = (self.reduction.last as f64 + 0.5) * self.spacing();
         let mut end = HALF_PLANE / self.slab.height;
         if self.expansion.is_some() {
             // Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
@@ -156,9 +156,12 @@ impl StaticCorrection {
             if end > last {
                 beyond = sum(&self.bare, continuous(last, end, reach).split_off(CONTINUOUS));
             }
-            ends = sum(&self.bare, [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic)).to_vec());
+            ends = sum(
+                &self.bare,
+                [0, 1].map(|next| self.reduction.last + next).map(|harmonic| self.harmonic(harmonic)).to_vec(),
+            );
         }
-        let mut modes = sum(&self.slab, self.waves.clone());
+        let mut modes = sum(&self.slab, self.reduction.waves.clone());
         let waves = arrange([&mut modes, &mut removed, &mut removed_at_rest, &mut beyond, &mut ends]);
         let sum = DistanceSum::new(&self.cells, &waves, self.unit);
         Integrals { modes, removed, removed_at_rest, beyond, ends, images, sum }
@@ -211,7 +214,7 @@ impl StaticCorrection {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         let turning = |q: f64| Complex::new(0.0, -q * moving);
         let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
-        for ((wave, layer, place), modes) in integrals.modes.iter().zip(&self.modes) {
+        for ((wave, layer, place), modes) in integrals.modes.iter().zip(&self.reduction.modes) {
             let s = Complex::new(0.0, -wave.number * velocity);
             let (exact, reduced) = (self.respond(layer, s), modes.respond(s));
             let distortion = if self.expansion.is_some() { exact[1] - reduced[1] } else { NO_DISTORTION };
@@ -269,7 +272,7 @@ impl StaticCorrection {
             let [temperature, distortion] = self.respond(layer, Complex::new(lasting, -q * moving));
             gains.add(place, wave.count / PI, [temperature - half_plane, distortion]);
         }
-        for ((wave, _, place), modes) in integrals.modes.iter().zip(&self.modes) {
+        for ((wave, _, place), modes) in integrals.modes.iter().zip(&self.reduction.modes) {
             let [temperature, distortion] = modes.respond(Complex::new(lost, -wave.number * velocity));
             let distortion = if self.expansion.is_some() { distortion } else { NO_DISTORTION };
             gains.add(place, -2.0 * wave.count / self.period, [temperature, distortion]);

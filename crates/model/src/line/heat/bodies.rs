@@ -10,7 +10,7 @@ use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
 use conduction::line::property_body::PropertyBody;
 use conduction::line::punch;
-use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+use conduction::line::strip::{Expansion, Reductions, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::properties::Properties;
 use elasticity::block::Block;
 use elasticity::discretization::relative_radii;
@@ -46,11 +46,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Builds both bodies under the given cells; `block`: the finite elements of the heated punch.
+    /// Builds both bodies under the given cells; `block`: the finite elements of the heated punch; `known`: reductions of strips, which
+    /// that of this strip joins.
     ///
     /// # Errors
     /// The reason for which a body cannot be built, as a text with the numbers.
-    pub fn new(scene: &Scene, cells: &Cells, block: Option<&Block>) -> Result<Bodies, String> {
+    pub fn new(scene: &Scene, cells: &Cells, block: Option<&Block>, known: &mut Reductions) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
         let reduction = ToleranceBudget::of(scene).reduction;
         let of_the_mean = reduction.punch_mean(error_weights[0].tolerance);
@@ -63,7 +64,7 @@ impl Bodies {
             let bodies = [punch, mate(scene, cells, tolerance)?];
             return Ok(Bodies::made(scene, bodies, error_weights, punch::mate::cooled_length(scene), 0));
         }
-        let strip = strip(scene, cells, tolerance)?;
+        let strip = strip(scene, cells, tolerance, known)?;
         let free = strip.as_ref().map_or(0.0, |strip| strip.length() - 2.0 * cells.half_width());
         let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
         let strip = strip.map(|body| Box::new(body) as Box<dyn ThermalBody>);
@@ -131,7 +132,7 @@ pub(crate) fn shortest(scene: &Scene) -> f64 {
     cycle.min(1e-3 * scene.nominal_duration)
 }
 
-fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHeat>, String> {
+fn strip(scene: &Scene, cells: &Cells, tolerance: f64, known: &mut Reductions) -> Result<Option<StripHeat>, String> {
     let body = &scene.strip;
     if body.conductivity == 0.0 {
         return Ok(None);
@@ -158,10 +159,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
     let duration = scene.nominal_duration;
     let travel = scene.nominal_velocity * duration;
     let resolution = Resolution { duration, shortest: shortest(scene), travel, tolerance };
-    let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
-    // Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
-    strip.expect(1.5 * scene.nominal_velocity);
-    Ok(Some(strip))
+    StripHeat::among(known, &properties, cells, &resolution).map(Some).map_err(|error| error.to_string())
 }
 
 /// Cooled area of the strip over its area beside the contact on a closed path; 1 where the area is not given, or the path open.
