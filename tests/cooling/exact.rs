@@ -1,7 +1,7 @@
 //! Cooling of hot bodies in one communication step against a closed form and an independent finite-volume solution.
 
 use super::{LEVELS, temperatures};
-use test_support::{CONVECTING, Drive, INSULATED};
+use test_support::{CONVECTING, Drive, INSULATED, LINE};
 
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
@@ -164,6 +164,83 @@ fn a_heat_path_cools_a_stack_as_its_closed_form_says() {
             assert!(error < 2e-3, "{level}, {number}: {punch} K for {exact} K");
             let gone = drive.get("heat_lost_punch_external");
             assert!((gone / (CAPACITY * (800.0 - punch)) - 1.0).abs() < 1e-3, "{level}, {number}: {gone} J");
+        }
+    }
+}
+
+/// The levels, and the line with the mean heat of the lumped level.
+fn levels_and_mean_heat() -> impl Iterator<Item = (&'static str, &'static [(&'static str, f64)])> {
+    let mean = ("mean heat", &[("solver.fidelity", LINE), ("solver.cells", 9.0), ("solver.heat", 2.0)][..]);
+    LEVELS.into_iter().chain([mean])
+}
+
+#[test]
+fn wear_of_a_cooling_block_is_that_of_its_closed_form() {
+    // Half of the rise of the block, which falls as exp(-t/tau), stands in the contact. Wear rises from 1 to 5 times over it:
+    // k p v (t + 4 tau (1 - exp(-t/tau))).
+    let (time, start, around) = (1000.0, 800.0, 300.0);
+    let names = ["temperature", "factor"].map(|what| (1..=8).map(move |k| format!("punch.wear_fade.{what}[{k}]")));
+    let rows = names.map(Iterator::collect::<Vec<_>>);
+    let part = |k: usize| k as f64 / 7.0;
+    let temperatures = rows[0].iter().enumerate().map(|(k, row)| (&row[..], around + 0.5 * (start - around) * part(k)));
+    let factors = rows[1].iter().enumerate().map(|(k, row)| (&row[..], 1.0 + 4.0 * part(k)));
+    let table: Vec<(&str, f64)> = temperatures.chain(factors).collect();
+    for (level, changes) in levels_and_mean_heat() {
+        for number in [0.5, 5.0, 50.0] {
+            let scene = [
+                ("punch.external_conductance", number * CAPACITY / time),
+                ("punch.external_temperature", around),
+                ("contact.faces", 1.0),
+                ("contact.friction_coefficient", 1e-9),
+                ("contact.conductance", 0.0),
+                ("punch.initial_temperature", start),
+                ("punch.wear_coefficient", 1e-15),
+                ("strip.wear_coefficient", 0.0),
+                ("solver.tolerance", 1e-3),
+            ];
+            let mut drive = Drive::stock(&[&BLOCK[..], &scene, &table, changes].concat());
+            drive.set("normal_load", 600.0).set("sliding_velocity", 1.0).step(time);
+            let tau = CAPACITY * (time / (number * CAPACITY) + 0.1 / (3.0 * 1e4 * 0.06 * 0.01));
+            let exact = 1e-15 * 600.0 / (0.06 * 0.01) * (time + 4.0 * tau * (1.0 - (-time / tau).exp()));
+            let error = drive.get("wear_depth") / exact - 1.0;
+            println!("{level}, {number}: {error:.1e}");
+            assert!(error.abs() < 5e-3, "{level}, {number}: {} m for {exact} m", drive.get("wear_depth"));
+        }
+    }
+}
+
+#[test]
+fn a_caliper_on_an_expanding_block_heats_as_its_closed_form_says() {
+    // The load F + k a T of a caliper of stiffness k on columns that expand by a = alpha (1 + nu) h heats it:
+    // C T = mu v F (exp(r t) - 1)/r, r = mu v k a/C.
+    let (time, load, alpha, friction, speed) = (1000.0, 500.0, 1e-5, 0.3, 0.1);
+    for (level, changes) in levels_and_mean_heat() {
+        for growth in [0.3, 1.0, 2.0] {
+            let expansion = alpha * 1.3 * 0.1;
+            let stiffness = growth / time * CAPACITY / (friction * speed * expansion);
+            let scene = [
+                ("punch.initial_at_ambient", 1.0),
+                ("punch.body", 2.0),
+                ("punch.foundation_stiffness", 1e15),
+                ("strip.body", 1.0),
+                ("punch.poissons_ratio", 0.3),
+                ("strip.conductivity", 0.0),
+                ("contact.faces", 1.0),
+                ("contact.friction_coefficient", friction),
+                ("contact.stick_stiffness", 0.0),
+                ("holder.stiffness", stiffness),
+                ("punch.wear_coefficient", 0.0),
+                ("strip.wear_coefficient", 0.0),
+                ("solver.tolerance", 1e-3),
+            ];
+            let expands = [("punch.thermal_expansion", alpha), ("strip.thermal_expansion", 0.0)];
+            let mut drive = Drive::stock(&[&BLOCK[..], &scene, changes, &expands].concat());
+            drive.set("normal_load", load).set("sliding_velocity", speed).step(time);
+            let rate = growth / time;
+            let exact = friction * speed * load * (growth.exp() - 1.0) / rate;
+            let error = drive.get("dissipated_energy") / exact - 1.0;
+            println!("{level}, {growth}: {error:.1e}");
+            assert!(error.abs() < 5e-3, "{level}, {growth}: {} J for {exact} J", drive.get("dissipated_energy"));
         }
     }
 }

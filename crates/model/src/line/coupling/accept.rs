@@ -21,7 +21,7 @@ pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
-pub(super) const LEAST_RISE: f64 = 0.1;
+pub(in crate::line) const LEAST_RISE: f64 = 0.1;
 
 /// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
 /// deviates by (1/2 - gamma) of its change. A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the
