@@ -244,3 +244,95 @@ fn a_caliper_on_an_expanding_block_heats_as_its_closed_form_says() {
         }
     }
 }
+
+/// Temperature of the heated face, mean temperature (K) and heat given to the neighbour (J/m2) of a slab of `height` from `start` on,
+/// under a flux `heat` into one face and with the transfer coefficient `through` to `neighbour` at the other: finite volumes, implicit.
+fn slab_with_path(
+    [start, neighbour]: [f64; 2],
+    [k, capacity, height]: [f64; 3],
+    [heat, through]: [f64; 2],
+    time: f64,
+) -> [f64; 3] {
+    const CELLS: usize = 200;
+    const STEPS: usize = 20_000;
+    let (dx, dt) = (height / CELLS as f64, time / STEPS as f64);
+    let (link, enters) = (k * dt / (capacity * dx * dx), dt / (capacity * dx));
+    let out = 1.0 / (1.0 / through + 0.5 * dx / k);
+    let (mut t, mut given) = ([start; CELLS], 0.0);
+    for _ in 0..STEPS {
+        let mut diagonal = [1.0 + 2.0 * link; CELLS];
+        diagonal[0] -= link;
+        diagonal[CELLS - 1] += out * enters - link;
+        t[0] += heat * enters;
+        t[CELLS - 1] += out * enters * neighbour;
+        for i in 1..CELLS {
+            let factor = -link / diagonal[i - 1];
+            diagonal[i] += factor * link;
+            t[i] -= factor * t[i - 1];
+        }
+        t[CELLS - 1] /= diagonal[CELLS - 1];
+        for i in (0..CELLS - 1).rev() {
+            t[i] = (t[i] + link * t[i + 1]) / diagonal[i];
+        }
+        given += out * (t[CELLS - 1] - neighbour) * dt;
+    }
+    [t[0] + heat * 0.5 * dx / k, t.iter().sum::<f64>() / CELLS as f64, given]
+}
+
+#[test]
+fn a_heat_path_of_the_strip_acts_as_finite_volumes_say() {
+    // A ring that slides on its whole path heats the strip evenly; its base has a path to a neighbour that is hotter.
+    let (start, neighbour, height, depth, load) = (300.0, 400.0, 0.02, 0.05, 2e3);
+    let (k, capacity, area) = (20.0, 7200.0 * 500.0, 2.0 * std::f64::consts::PI * 0.1175 * depth);
+    let heat = 0.3 * load / area;
+    for (level, changes) in LEVELS {
+        for biot in [0.1, 1.0, 10.0, 1e3] {
+            for time in [0.1, 1.0, 10.0, 100.0, 1000.0] {
+                let scene = [
+                    ("contact.geometry", 3.0),
+                    ("contact.faces", 1.0),
+                    ("contact.friction_coefficient", 0.3),
+                    ("contact.stick_stiffness", 0.0),
+                    ("contact.conductance", 1e7),
+                    ("punch.width", area / depth),
+                    ("depth", depth),
+                    ("punch.conductivity", 0.0),
+                    ("punch.wear_coefficient", 0.0),
+                    ("strip.wear_coefficient", 0.0),
+                    ("strip.height", height),
+                    ("strip.conductivity", k),
+                    ("strip.density", 7200.0),
+                    ("strip.specific_heat", 500.0),
+                    ("strip.convection", 0.0),
+                    ("strip.convection_forced", 0.0),
+                    ("strip.base_thermal", INSULATED),
+                    ("strip.external_conductance", biot * k / height * area),
+                    ("strip.external_temperature", neighbour),
+                    ("ambient_temperature", start),
+                    ("nominal.duration", 1e3),
+                    ("solver.tolerance", 1e-3),
+                ];
+                let flat = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+                let mut drive = Drive::stock(&[&scene[..], changes, &flat].concat());
+                drive.set("normal_load", load).set("sliding_velocity", 1.0);
+                drive.step(time);
+                let through = [heat, biot * k / height];
+                let exact = slab_with_path([start, neighbour], [k, capacity, height], through, time);
+                let found = ["contact_temperature", "strip.mean_temperature", "heat_lost_strip_external"];
+                let found = found.map(|name| drive.get(name));
+                let heat_scale = capacity * height * (neighbour - start);
+                let errors = [
+                    (found[0] - exact[0]) / (neighbour - start),
+                    (found[1] - exact[1]) / (neighbour - start),
+                    (found[2] / area - exact[2]) / heat_scale,
+                ];
+                println!("{level}, {biot}, {time} s: {errors:?}");
+                // The layer at the base that the states do not resolve fills later.
+                let bounds = if time > 1.0 { [1e-3; 3] } else { [1e-3, 8e-3, 8e-3] };
+                for (error, bound) in errors.iter().zip(bounds) {
+                    assert!(error.abs() < bound, "{level}, {biot}, {time} s: {found:?} {exact:?}");
+                }
+            }
+        }
+    }
+}
