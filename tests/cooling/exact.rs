@@ -245,6 +245,35 @@ fn a_caliper_on_an_expanding_block_heats_as_its_closed_form_says() {
     }
 }
 
+#[test]
+fn a_caliper_on_a_wearing_block_lets_go_as_its_closed_form_says() {
+    // The load F - c w falls as exp(-t/tau) with the wear, tau = A/(c k v): w = F (1 - exp(-t/tau))/c.
+    let (time, load, stiffness) = (1000.0, 500.0, 1e6);
+    for (level, changes) in levels_and_mean_heat() {
+        for number in [0.3, 1.0, 3.0, 10.0] {
+            let scene = [
+                ("punch.initial_at_ambient", 1.0),
+                ("punch.body", 2.0),
+                ("punch.foundation_stiffness", 1e15),
+                ("strip.body", 1.0),
+                ("contact.faces", 1.0),
+                ("contact.friction_coefficient", 1e-9),
+                ("contact.stick_stiffness", 0.0),
+                ("holder.stiffness", stiffness),
+                ("punch.wear_coefficient", number / time * (0.06 * 0.01) / stiffness),
+                ("strip.wear_coefficient", 0.0),
+                ("solver.tolerance", 1e-3),
+            ];
+            let mut drive = Drive::stock(&[&BLOCK[..], &scene, changes].concat());
+            drive.set("normal_load", load).set("sliding_velocity", 1.0).step(time);
+            let exact = load / stiffness * (1.0 - (-number).exp());
+            let error = drive.get("wear_depth") / exact - 1.0;
+            println!("{level}, {number}: {error:.1e}");
+            assert!(error.abs() < 1e-3, "{level}, {number}: {} m for {exact} m", drive.get("wear_depth"));
+        }
+    }
+}
+
 /// Temperature of the heated face, mean temperature (K) and heat given to the neighbour (J/m2) of a slab of `height` from `start` on,
 /// under a flux `heat` into one face and with the transfer coefficient `through` to `neighbour` at the other: finite volumes, implicit.
 fn slab_with_path(
