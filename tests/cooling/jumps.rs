@@ -1,7 +1,7 @@
 //! Neighbours and air whose temperature jumps, with and without load.
 
 use super::{LEVELS, temperatures};
-use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, scene};
+use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED, reference, scene};
 
 #[test]
 fn a_neighbour_that_jumps_draws_bodies_towards_it() {
@@ -97,6 +97,51 @@ fn a_stiff_path_is_a_prescribed_temperature() {
                     for (own, held) in seen.iter().zip(&held).skip(7) {
                         assert!((own - held).abs() < 3.0, "{name}, {level}, {conductance} W/K: {seen:?} for {held:?}");
                     }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_path_that_opens_is_the_path_from_the_start() {
+    // The space of the states is the same, whatever the conductance at initialisation.
+    for (name, body, far) in [
+        ("pin_on_disk", "punch", "punch.top_thermal"),
+        ("disc_brake", "punch", "punch.top_thermal"),
+        ("pin_on_disk", "strip", "strip.base_thermal"),
+        ("disc_brake", "strip", "strip.base_thermal"),
+    ] {
+        let [conductance, outside, mean] =
+            ["external_conductance", "external_temperature", "mean_temperature"].map(|what| format!("{body}.{what}"));
+        for (level, changes) in LEVELS {
+            for opened in [1.0, 1e3, 1e9] {
+                let run = |start: f64| {
+                    let own = [
+                        (far, INSULATED),
+                        (&conductance[..], start),
+                        (&outside[..], 293.15),
+                        ("punch.initial_at_ambient", 0.0),
+                        ("strip.initial_at_ambient", 0.0),
+                        ("punch.initial_temperature", 800.0),
+                        ("strip.initial_temperature", 800.0),
+                        ("punch.thermal_expansion", 0.0),
+                        ("strip.thermal_expansion", 0.0),
+                    ];
+                    let mut drive = Drive::from_starts(&scene(name), &[changes, &own].concat());
+                    drive.set("normal_load", 100.0).step(0.1);
+                    let change = (reference(&conductance), opened);
+                    drive.0.check_tuning([change].into_iter()).unwrap();
+                    drive.0.set_parameter(change.0, change.1);
+                    let seen = [1e-6, 1e-4, 1e-2, 1.0, 10.0].map(|step| {
+                        drive.step(step);
+                        [drive.get("contact_temperature"), drive.get(&mean)]
+                    });
+                    seen.concat()
+                };
+                for (opens, open) in run(0.0).into_iter().zip(run(1e-9)) {
+                    let text = format!("{name}, {body}, {level}, {opened} W/K: {opens} K for {open} K");
+                    assert!((opens - open).abs() < 1e-3, "{text}");
                 }
             }
         }

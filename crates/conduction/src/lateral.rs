@@ -168,7 +168,6 @@ mod tests {
             volume_transfer: 0.0,
             base: FarBoundary::Held,
             cooling: CoolingPort::Surface,
-            heat_path: false,
         };
         MovingSource::new(slab, 1.0, path).spreading(Some(Lateral::new(2.0 * b, 1.0)))
     }

@@ -256,7 +256,6 @@ mod tests {
             volume_transfer: 0.0,
             base,
             cooling: CoolingPort::Surface,
-            heat_path: false,
         }
     }
 

@@ -55,8 +55,6 @@ pub struct Slab {
     pub volume_transfer: f64,
     /// Boundary condition at z = h.
     pub base: FarBoundary,
-    /// Whether a heat path acts on a base without prescribed temperature: a flux that follows its temperature at once.
-    pub heat_path: bool,
     /// Location of the variable cooling.
     pub cooling: CoolingPort,
 }
@@ -78,10 +76,9 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
 const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
 const LARGEST_FALL: f64 = 4.0;
 
-/// Shifts of the responses to the air at the base, and to a prescribed temperature or a heat path there, over the slab's own rate
-/// `kd/h^2`.
-const BASE_SHIFTS: [f64; 2] = [1.0, 30.0];
-const STEEP_BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
+/// Shifts of the responses to a prescribed temperature or a flux at the base, over the slab's own rate `kd/h^2`. Both may jump: a heat
+/// path may open at any time.
+const BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
@@ -131,16 +128,11 @@ impl Slab {
         (shift / self.diffusivity() + self.volume_transfer / self.conductivity).sqrt()
     }
 
-    /// Whether the temperature of the base may jump.
-    fn has_steep_base(&self) -> bool {
-        self.base == FarBoundary::Held || self.heat_path
-    }
-
     /// Part of a state of decay rate `rate` (1/s) that follows the base at once, see [`lagging`].
     fn lag(&self, rate: f64) -> f64 {
-        let [.., second, first] = STEEP_BASE_SHIFTS;
+        let [.., second, first] = BASE_SHIFTS;
         let steepest = [first, second].map(|shift| shift * self.diffusivity() / self.height.powi(2));
-        if self.has_steep_base() { lagging(rate, steepest) } else { 1.0 }
+        lagging(rate, steepest)
     }
 
     /// Heat capacity per area, J/(m2 K).
@@ -159,7 +151,7 @@ impl Slab {
         let fastest =
             (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
         // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
-        let fastest = if self.has_steep_base() { fastest.max(4.0 * STEEP_BASE_SHIFTS[3] * own) } else { fastest };
+        let fastest = fastest.max(4.0 * BASE_SHIFTS[3] * own);
         let scan = SlabSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
@@ -207,8 +199,7 @@ impl Slab {
         for &shift in &shifts {
             basis.add_contact_response(shift);
         }
-        let base_shifts = if self.has_steep_base() { &STEEP_BASE_SHIFTS[..] } else { &BASE_SHIFTS };
-        for factor in base_shifts {
+        for factor in BASE_SHIFTS {
             basis.add_base_response(factor * own);
         }
         if basis.count() > MAX_SLAB_STATES + 1 {
@@ -269,7 +260,6 @@ mod tests {
             volume_transfer: 0.0,
             base,
             cooling: CoolingPort::Surface,
-            heat_path: false,
         }
     }
 
@@ -372,7 +362,7 @@ mod tests {
     #[test]
     fn a_heat_path_at_the_base_cools_the_contact_by_diffusion() {
         // Slab at 1 K, insulated at the contact, with a conductance G to 0 K: Carslaw and Jaeger, section 3.11.
-        let slab = Slab { heat_path: true, ..iron(FarBoundary::Insulated) };
+        let slab = iron(FarBoundary::Insulated);
         let time = slab.height.powi(2) / slab.diffusivity();
         for tolerance in [1e-1, 1e-2, 1e-3] {
             let body = slab.reduce(1000.0, tolerance);

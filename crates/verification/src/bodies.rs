@@ -18,7 +18,6 @@ fn iron(height: f64, base: FarBoundary) -> Slab {
         surface_transfer: 0.0,
         volume_transfer: 0.0,
         base,
-        heat_path: false,
         cooling: CoolingPort::Surface,
     }
 }

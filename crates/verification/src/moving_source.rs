@@ -26,7 +26,6 @@ fn unit_source(height: f64, base: FarBoundary) -> MovingSource {
         surface_transfer: 0.0,
         volume_transfer: 0.0,
         base,
-        heat_path: false,
         cooling: CoolingPort::Surface,
     };
     MovingSource::new(slab, 1.0, Path::Endless)
@@ -139,7 +138,6 @@ fn disc(height: f64, base: FarBoundary) -> Slab {
         surface_transfer: 0.0,
         volume_transfer: 0.0,
         base,
-        heat_path: false,
         cooling: CoolingPort::Surface,
     }
 }

@@ -366,7 +366,6 @@ mod tests {
                 FarBoundary::Insulated
             },
             cooling: CoolingPort::Surface,
-            heat_path: false,
         };
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
         let flash = Flash::new(&source.spreading(Lateral::of(&scene)), scene.nominal_duration, scene.tolerance);

@@ -364,7 +364,6 @@ mod tests {
             capacity: DENSITY * specific_heat,
             convection: 0.0,
             base,
-            heat_path: false,
             path: SlidingPath::Closed(0.3),
             expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
             lateral: None,

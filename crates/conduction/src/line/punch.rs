@@ -160,6 +160,7 @@ fn project(
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
     }
+    assembly.store_remainder(&mut operators);
     assembly.give_first_order_dynamics(&mut operators);
     let body = ReducedHeat::new(operators);
     Ok(body)

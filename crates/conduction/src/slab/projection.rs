@@ -27,7 +27,7 @@ const GAUSS_10: [(f64, f64); 5] = [
 impl Grid {
     pub(super) fn new(slab: &Slab, fastest: f64) -> Grid {
         let mut edges = towards_face((slab.diffusivity() / fastest).sqrt(), slab.height, 3.0);
-        // Only slower shifts reach the base: at most 30 times the slab's own rate.
+        // Fields that begin at the base decay over a fortieth of the height at least.
         edges.extend([0.5, 0.7, 0.85, 0.95, 1.0].map(|part| part * slab.height));
         let mut grid = Grid { position: Vec::new(), weight: Vec::new() };
         for pair in edges.windows(2) {

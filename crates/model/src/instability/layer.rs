@@ -61,7 +61,6 @@ impl Layer {
                 FarFace::Held(_) => body.far_boundary(),
             },
             cooling: CoolingPort::Surface,
-            heat_path: false,
         };
         let lifts = expands.then_some((coefficient * by_pressure.0, coefficient * by_pressure.1));
         let conduction = (body.conductivity > 0.0).then(|| Depth::with_dilatation(&slab, lifts, wave));

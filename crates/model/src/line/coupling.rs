@@ -14,7 +14,7 @@
 //!
 //! Theory: docs/theory.md, sections 6.1, 6.2.
 
-mod accept;
+pub(super) mod accept;
 mod evaluation;
 mod faces;
 mod growth_guard;

@@ -32,6 +32,7 @@ use contact::friction::FrictionLaw;
 use contact::wear::line::WearingContact;
 use contact::{ContactState, WorkCounter};
 use coupling::ThermalCoupling;
+use coupling::accept::LEAST_RISE;
 use heat::state::HeatState;
 use numerics::maximum::maximum;
 use operators::LineOperators;
@@ -67,8 +68,8 @@ pub struct Line {
     stages: ContactStages,
     /// Resolved heat, where its distribution feeds back.
     heat: Option<Box<ThermalCoupling>>,
-    /// Lumped state before its prediction of a piece.
-    unpredicted: lumped::state::LumpedState,
+    /// State before a piece that may be cut.
+    uncut: (lumped::state::LumpedState, LineState),
     /// Internal steps that may still be tried, where they are limited.
     attempts_left: Option<u32>,
     /// Equilibrium last evaluated for outputs, and its inputs.
@@ -102,7 +103,7 @@ impl Line {
             bodies_kept: true,
             stages: ContactStages::new(&operators),
             heat: operators.heat.as_ref().map(|bodies| Box::new(ThermalCoupling::new(&operators, bodies))),
-            unpredicted: lumped::state::LumpedState::empty(),
+            uncut: (mean.state().clone(), state.clone()),
             attempts_left: None,
             shown: (Inputs::constant(f64::NAN), ContactState::new(operators.count())),
             mean,
@@ -279,9 +280,11 @@ impl Line {
                 self.state.direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
                 let start = inputs.after(slopes, piece[0]);
                 let onset = self.onset_of_slip(&start, slopes, length);
-                self.piece(&start, slopes, onset.unwrap_or(length))?;
+                let first = onset.unwrap_or(length);
+                self.piece(&start, slopes, first, first / step)?;
                 if let Some(onset) = onset {
-                    self.piece(&start.after(slopes, onset), slopes, length - onset)?;
+                    let rest = length - onset;
+                    self.piece(&start.after(slopes, onset), slopes, rest, rest / step)?;
                 }
             }
         }
@@ -300,37 +303,69 @@ impl Line {
         (onset > AT_END * length && onset < (1.0 - AT_END) * length).then_some(onset)
     }
 
-    /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
-    fn piece(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64) -> Result<(), StepFailure> {
-        let operators = self.operators.clone();
+    /// Advances over a piece without events, of `share` of the communication step. It is halved until the lumped temperature is the
+    /// straight line that the contact follows, within the tolerance as a mean over the communication step.
+    fn piece(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, length: f64, share: f64) -> Result<(), StepFailure> {
         self.follow_elastic_slip(inputs);
-        let decides_load = operators.decides_load();
         if self.heat.is_some() {
             return self.piece_with_resolved_heat(inputs, slopes, length);
         }
-        let follows_heat = operators.follows_heat();
-        if !decides_load {
-            let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
-            return self.step_line(&self.trajectory(inputs, slopes, length, heat), length);
+        self.uncut.0.clone_from(self.mean.state());
+        self.state.status.copy_from(self.stages.contact.status());
+        self.uncut.1.copy_contact_from(&self.state);
+        if self.attempt_piece(inputs, slopes, length, share)? {
+            return Ok(());
         }
-        // Load carried by the contact at the start; with an expanding caliper or temperature-dependent friction a first pass of
-        // the lumped level at this load predicts temperature and slip.
-        let first = self.carried(inputs);
-        let mut loaded = *inputs;
-        loaded.normal_load = first;
+        self.mean.set_state(&self.uncut.0);
+        self.state.copy_contact_from(&self.uncut.1);
+        self.stages.contact.set_status(&self.state.status);
+        self.invalidate_equilibrium();
+        let half = 0.5 * length;
+        self.piece(inputs, slopes, half, 0.5 * share)?;
+        self.piece(&inputs.after(slopes, half), slopes, half, 0.5 * share)
+    }
+
+    /// Advances lumped level and contact line in the order of their dependence; `false` where the piece is to be cut.
+    fn attempt_piece(
+        &mut self,
+        inputs: &Inputs,
+        slopes: Option<&Inputs>,
+        length: f64,
+        share: f64,
+    ) -> Result<bool, StepFailure> {
+        let operators = self.operators.clone();
+        let bends = |mean: &Lumped, off: f64| {
+            let allowed = operators.budget.steps.line_heat * maximum(mean.state().peak_rise, LEAST_RISE);
+            operators.follows_temperature() && share * off.abs() > allowed
+        };
+        // Load carried by the contact at the start. Where load, tables or a bristle follow the lumped level, a first pass of it at
+        // this load predicts temperature and slip.
+        let loaded = self.loaded(inputs);
         let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
-        if follows_heat {
-            self.unpredicted.clone_from(self.mean.state());
-            let rates = self.rates_of_carried(inputs, slopes, first);
-            heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
-            self.mean.set_state(&self.unpredicted);
+        if operators.follows_heat() {
+            let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
+            self.mean.step(&loaded, rates.as_ref(), 0.5 * length)?;
+            let (temperature, expansion) = (self.mean.end_temperature(), self.expansion());
+            self.mean.set_state(&self.uncut.0);
+            heat = self.step_mean(&loaded, rates.as_ref(), length)?;
+            (heat.temperature[1], heat.expansion[1]) = (temperature, expansion);
+            let [start, middle, end] = heat.temperature;
+            if bends(&self.mean, middle - 0.5 * (start + end)) {
+                return Ok(false);
+            }
+            self.mean.set_state(&self.uncut.0);
         }
         self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
+        if !operators.decides_load() {
+            self.mean.step(inputs, slopes, length)?;
+            return Ok(true);
+        }
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
-        rates.normal_load = (last - first) / length;
-        let sloped = slopes.is_some() || first != last;
-        self.mean.step(&loaded, sloped.then_some(&rates), length)
+        rates.normal_load = (last - loaded.normal_load) / length;
+        let sloped = slopes.is_some() || loaded.normal_load != last;
+        self.mean.step(&loaded, sloped.then_some(&rates), length)?;
+        Ok(!bends(&self.mean, self.mean.end_temperature() - heat.temperature[2]))
     }
 
     /// Advances over a piece with resolved heat: the lumped level only integrates distance and a bristle.
@@ -344,7 +379,7 @@ impl Line {
             // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
             let loaded = self.loaded(inputs);
             let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
-            let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
+            let heat = self.step_mean(&loaded, rates.as_ref(), length)?;
             self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
             self.pass_friction_to_lumped();
             return Ok(());
@@ -388,18 +423,13 @@ impl Line {
         InputTrajectory::new(&self.operators, &self.friction, self.state.fastest, inputs, slopes, length, heat)
     }
 
-    /// Advances the lumped level over the piece; returns the courses of temperature and expansion where `observed`.
+    /// Advances the lumped level over the piece; returns the courses of temperature and expansion.
     fn step_mean(
         &mut self,
         inputs: &Inputs,
         slopes: Option<&Inputs>,
         length: f64,
-        observed: bool,
     ) -> Result<LumpedTemperature, StepFailure> {
-        if !observed {
-            self.mean.step(inputs, slopes, length)?;
-            return Ok(LumpedTemperature::constant(self.mean.state().reference, 0.0));
-        }
         let (temperature, expansion) = (self.temperature(inputs), self.expansion());
         let (distance, dissipated) = (self.mean.state().distance, self.mean.state().dissipated);
         self.mean.step(inputs, slopes, length)?;
@@ -425,9 +455,10 @@ impl Line {
             let speed = if works { heat_per_pressure / coefficient } else { distance / length };
             Slipped { speed, throughout, ratio, heat_per_pressure, released }
         });
+        let course = |start: f64, end: f64| [start, 0.5 * (start + end), end];
         Ok(LumpedTemperature {
-            temperature: [temperature, state.end_temperature + state.reference],
-            expansion: [expansion, self.expansion()],
+            temperature: course(temperature, self.mean.end_temperature()),
+            expansion: course(expansion, self.expansion()),
             slipped,
         })
     }

@@ -330,5 +330,6 @@ impl Line {
         (state.approach, state.tilt) = (end.approach, end.tilt);
         state.current = true;
         state.carried = self.operators.carried(&state.pressure);
+        self.invalidate_equilibrium();
     }
 }

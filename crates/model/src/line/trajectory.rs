@@ -8,13 +8,13 @@ use crate::events::UNLOADED;
 use conduction::line::GAMMA;
 use contact::friction::FrictionLaw;
 
-/// Lumped temperature and expansion over a piece, linear between its ends.
+/// Lumped temperature and expansion over a piece: parabolas through start, middle and end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LumpedTemperature {
-    /// Contact temperature at the ends, K.
-    pub temperature: [f64; 2],
+    /// Contact temperature, K.
+    pub temperature: [f64; 3],
     /// Thermal displacement of both surfaces, m into the bodies.
-    pub expansion: [f64; 2],
+    pub expansion: [f64; 3],
     /// Slip of a bristle in the piece.
     pub slipped: Option<Slipped>,
 }
@@ -37,7 +37,7 @@ pub(crate) struct Slipped {
 impl LumpedTemperature {
     /// Constant temperature and expansion, without a bristle.
     pub(crate) fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
-        LumpedTemperature { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
+        LumpedTemperature { temperature: [temperature; 3], expansion: [expansion; 3], slipped: None }
     }
 }
 
@@ -204,7 +204,10 @@ impl InputTrajectory {
     /// Conditions at `time` (s from the start of the piece).
     pub(crate) fn at(&self, time: f64) -> StageConditions {
         let part = time / self.length;
-        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * part;
+        let between = |[start, middle, end]: [f64; 3]| {
+            let bend = middle - 0.5 * (start + end);
+            start + (end - start + 4.0 * bend * (1.0 - part)) * part
+        };
         let velocity = self.velocity(time);
         let temperature = between(self.heat.temperature);
         let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);

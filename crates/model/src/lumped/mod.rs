@@ -156,7 +156,12 @@ impl Lumped {
 
     /// Kinetic friction coefficient at the temperature at the end of the last step.
     pub(crate) fn kinetic_coefficient(&self) -> f64 {
-        self.friction.kinetic_coefficient(self.state.end_temperature + self.state.reference)
+        self.friction.kinetic_coefficient(self.end_temperature())
+    }
+
+    /// Contact temperature at the end of the last step, K.
+    pub(crate) fn end_temperature(&self) -> f64 {
+        self.state.end_temperature + self.state.reference
     }
 
     /// Time (s) for which the bristle sticks from the start of a piece of `length` (s) on, at the friction coefficient at its start;

@@ -439,7 +439,6 @@ pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
         surface_transfer: 0.0,
         volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
         base: body.far_boundary(),
-        heat_path: body.external_conductance > 0.0,
         cooling: CoolingPort::Sides,
     }
 }
@@ -482,7 +481,6 @@ pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -
         surface_transfer: body.convection * cooled / reference,
         volume_transfer: 0.0,
         base: body.far_boundary(),
-        heat_path: body.external_conductance > 0.0,
         cooling: CoolingPort::Surface,
     };
     (slab, coverage)

@@ -377,11 +377,11 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         self.add_fluxes(free, &own.mean, 2)
     }
 
-    /// Approach by the thermal expansion of the body at a stage, m.
-    pub(crate) fn expansion(&self, state: &BodyState, stage: usize) -> f64 {
+    /// Approach by the thermal expansion of the body at a point, m.
+    pub(crate) fn expansion(&self, state: &BodyState, point: usize) -> f64 {
         let Some((own, count)) = self.own else { return 0.0 };
-        let free = own.mean.of_states(2 * stage, &state.heat, count) + self.prescribed(&own.mean, 2 * stage);
-        self.body.expansion * self.add_fluxes(free, &own.mean, 2 * stage)
+        let free = own.mean.of_states(point, &state.heat, count) + self.prescribed(&own.mean, point);
+        self.body.expansion * self.add_fluxes(free, &own.mean, point)
     }
 
     /// Whether all fluxes are finite.

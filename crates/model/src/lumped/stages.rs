@@ -7,7 +7,7 @@ use super::conditions::Conditions;
 use super::estimate::layer_allowance;
 use super::interface::agree;
 use super::operators::BodyOperators;
-use super::stage::{BASIS, Matrix, Pair, QUADRATURE, apply, inverse};
+use super::stage::{BASIS, Pair, QUADRATURE, apply, inverse};
 use super::stage_body::StageBody;
 use super::stage_partition::{Response, StageHeatPartition};
 use super::state::LumpedState;
@@ -114,25 +114,31 @@ impl<const COMMON: bool> Stages<COMMON> {
         punch: &StageBody<COMMON>,
         strip: &StageBody<COMMON>,
     ) {
+        self.pressure =
+            [0, 2].map(|point| self.behind_caliper(stepper, state, [punch, strip], point, self.given_load[point / 2]));
+    }
+
+    /// Pressure (Pa) behind a caliper at a point (1/3, 2/3, 1) where the actuator gives the load `given`, N.
+    fn behind_caliper(
+        &self,
+        stepper: &Stepper,
+        state: &LumpedState,
+        [punch, strip]: [&StageBody<COMMON>; 2],
+        point: usize,
+        given: f64,
+    ) -> f64 {
         let (operators, step) = (stepper.operators, stepper.propagators.step);
-        // Radau IIA coefficients: integrals of the stage rates up to the stage points.
-        const STAGE: Matrix = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
-        let coverage = operators.scene.coverage();
-        for stage in 0..2 {
-            let worn = |body: usize| {
-                step * (STAGE[stage][0] * self.rates[body][0] + STAGE[stage][1] * self.rates[body][1])
-                    + self.released_wear[body]
-            };
-            let closed = state.punch.depth + worn(0) + state.strip.depth + coverage * worn(1)
-                - punch.expansion(&state.punch, stage)
-                - strip.expansion(&state.strip, stage);
-            let load = if self.given_load[stage] > 0.0 {
-                (self.given_load[stage] - operators.series_stiffness * closed).max(0.0)
-            } else {
-                0.0
-            };
-            self.pressure[stage] = load / operators.area;
-        }
+        // Radau IIA coefficients: integrals of the stage rates up to the points.
+        const STAGE: [Pair; 3] = [[5.0 / 12.0, -1.0 / 12.0], [2.0 / 3.0, 0.0], [0.75, 0.25]];
+        let worn = |body: usize| {
+            step * (STAGE[point][0] * self.rates[body][0] + STAGE[point][1] * self.rates[body][1])
+                + self.released_wear[body]
+        };
+        let closed = state.punch.depth + worn(0) + state.strip.depth + operators.scene.coverage() * worn(1)
+            - punch.expansion(&state.punch, point)
+            - strip.expansion(&state.strip, point);
+        let load = if given > 0.0 { (given - operators.series_stiffness * closed).max(0.0) } else { 0.0 };
+        load / operators.area
     }
 
     /// One iteration of heat, its partition and friction at both stages for the current cooling and pressure; returns the largest
@@ -420,7 +426,11 @@ impl<const COMMON: bool> Stages<COMMON> {
         let steps = &operators.budget.steps;
         let middle = conditions[2];
         let between = |values: Pair| BASIS[1][0] * values[0] + BASIS[1][1] * values[1];
-        let pressure = if Self::has_caliper(stepper) { between(self.pressure) } else { middle.load / operators.area };
+        let pressure = if Self::has_caliper(stepper) {
+            self.behind_caliper(stepper, state, [punch, strip], 1, if self.closed { middle.load } else { 0.0 })
+        } else {
+            middle.load / operators.area
+        };
         let heats = between(self.heat);
         let into = [between(punch.flux[0]), between(strip.flux[0])];
         let surfaces = self.partition.beside_insulator([in_punch.0, in_strip.0], into);
@@ -473,7 +483,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             let (own, peak) = (*self, state.peak_wear);
             let of = |body: &BodyOperators, rates: &Pair| {
                 let is_exact = !body.wear.active() || linear && body.wear.is_archard(own.kinetic_coefficient);
-                if is_exact { 0.0 } else { own.wear_error(stepper, conditions, body, rates, peak) }
+                if is_exact { 0.0 } else { own.wear_error(stepper, conditions, pressure, body, rates, peak) }
             };
             error = maximum(error, of(&operators.punch, &own.rates[0]));
             error = maximum(error, of(&operators.strip, &own.rates[1]));
@@ -509,6 +519,7 @@ impl<const COMMON: bool> Stages<COMMON> {
         &self,
         stepper: &Stepper,
         conditions: [&Conditions; 4],
+        pressure_in_middle: f64,
         body: &BodyOperators,
         rates: &Pair,
         peak: f64,
@@ -527,7 +538,7 @@ impl<const COMMON: bool> Stages<COMMON> {
         let [start, middle] = [(0, [1.5, -0.5]), (2, BASIS[1])].map(|(index, stages): (usize, Pair)| {
             let between = |values: Pair| stages[0] * values[0] + stages[1] * values[1];
             let pressure = if Self::has_caliper(stepper) {
-                between(self.pressure).max(0.0)
+                if index == 2 { pressure_in_middle } else { between(self.pressure).max(0.0) }
             } else if self.closed {
                 conditions[index].load / operators.area
             } else {

@@ -49,7 +49,6 @@ pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cell
         capacity: path.conductivity / path.diffusivity,
         convection: 0.0,
         base: FarBoundary::Held,
-        heat_path: false,
         path: SlidingPath::Closed(path.length),
         expansion: None,
         lateral: None,

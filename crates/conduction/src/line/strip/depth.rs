@@ -352,7 +352,6 @@ mod tests {
                 volume_transfer: 0.0,
                 base,
                 cooling: CoolingPort::Surface,
-                heat_path: false,
             };
             let expansion = Expansion { material, coefficient: 1.1e-5, base: elasticity::Base::Bonded };
             for number in [10.0, 100.0, 3000.0] {

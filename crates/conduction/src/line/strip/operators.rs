@@ -93,7 +93,6 @@ impl StripOperators {
             surface_transfer: 0.0,
             volume_transfer: 0.0,
             base: properties.base,
-            heat_path: properties.heat_path,
             cooling: CoolingPort::Surface,
         };
         let convection = if full { 0.0 } else { properties.convection };

@@ -37,8 +37,6 @@ pub struct StripProperties {
     pub convection: f64,
     /// Condition at the base.
     pub base: FarBoundary,
-    /// Whether a heat path acts on the base, see [`crate::slab::Slab`].
-    pub heat_path: bool,
     /// Path of the contact.
     pub path: SlidingPath,
     /// Thermal expansion; `None`: no thermal distortion.

@@ -186,7 +186,6 @@ mod tests {
             capacity: 3.6e6,
             height: 0.02,
             base: FarBoundary::Held,
-            heat_path: false,
             convection: 30.0,
             path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),

@@ -15,7 +15,6 @@ fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
         capacity: 1.0,
         convection: 0.0,
         base,
-        heat_path: false,
         path,
         expansion: None,
         lateral: None,

@@ -21,7 +21,7 @@ pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
-pub(super) const LEAST_RISE: f64 = 0.1;
+pub(in crate::line) const LEAST_RISE: f64 = 0.1;
 
 /// Deviation of a flux from the straight line through both stages of a step, from its values `before` the step, at its first stage and
 /// at its end.

@@ -151,7 +151,6 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64, known: &mut Reductions) -
         capacity: body.capacity(),
         convection: body.convection * cooled_part(scene),
         base: body.far_boundary(),
-        heat_path: body.external_conductance > 0.0,
         path: path_of(scene),
         expansion,
         lateral: Lateral::of(scene),

@@ -161,7 +161,6 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
         volume_transfer: 0.0,
         base: FarBoundary::Held,
         cooling: crate::slab::CoolingPort::Surface,
-        heat_path: false,
     };
     for velocity in [0.0, 1e-3, 0.5] {
         body.prepare(1e9, [velocity; 2]);
