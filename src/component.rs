@@ -26,7 +26,7 @@ use outputs::group;
 use reports::{BOTH_VELOCITIES, WITHOUT_RADIUS};
 use scene::message::Number;
 use scene::variables::{COUNT, ValueReference, reference};
-use scene::{Fidelity, Scene, value};
+use scene::{Scene, value};
 use std::sync::Arc;
 
 /// Subject of a log message, from which the FMI categories are derived.
@@ -379,14 +379,10 @@ impl Component {
     }
 }
 
-/// Prepares a scene: on a thread of its own where operators of cells may be built, see [`on_own_thread`].
+/// Prepares a scene on a thread of its own, see [`on_own_thread`].
 fn prepare(scene: &Scene) -> Result<Arc<BuiltModel>, String> {
-    let prepare = || BuiltModel::new(scene, steady::run_in).map(Arc::new);
-    if scene.fidelity == Fidelity::Lumped {
-        return prepare();
-    }
     let flag = interruption::current();
-    on_own_thread(move || interruption::within(flag, prepare))
+    on_own_thread(move || interruption::within(flag, || BuiltModel::new(scene, steady::run_in).map(Arc::new)))
 }
 
 /// Whether a derivative differs from 0; by the bits, as [`inputs::needs_check`].
