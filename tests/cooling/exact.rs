@@ -65,6 +65,19 @@ fn a_body_of_one_temperature_radiates_as_the_closed_form_says() {
     }
 }
 
+/// Solves the equations with this `diagonal` and `-link` beside it; `t` is the right side, then the solution.
+fn eliminate<const CELLS: usize>(mut diagonal: [f64; CELLS], link: f64, t: &mut [f64; CELLS]) {
+    for i in 1..CELLS {
+        let factor = -link / diagonal[i - 1];
+        diagonal[i] += factor * link;
+        t[i] -= factor * t[i - 1];
+    }
+    t[CELLS - 1] /= diagonal[CELLS - 1];
+    for i in (0..CELLS - 1).rev() {
+        t[i] = (t[i] + link * t[i + 1]) / diagonal[i];
+    }
+}
+
 /// Mean temperature (K) of a slab of `height` that radiates from both faces and gives heat to air whose speed rises from 0 to
 /// `fastest`, after `time`, by finite volumes and implicit steps: both faces with these emissivities and forced coefficients.
 fn slab(
@@ -91,16 +104,7 @@ fn slab(
             diagonal[cell] += through - link;
             t[cell] += through * ambient;
         }
-        // Elimination of a tridiagonal matrix.
-        for i in 1..CELLS {
-            let factor = -link / diagonal[i - 1];
-            diagonal[i] += factor * link;
-            t[i] -= factor * t[i - 1];
-        }
-        t[CELLS - 1] /= diagonal[CELLS - 1];
-        for i in (0..CELLS - 1).rev() {
-            t[i] = (t[i] + link * t[i + 1]) / diagonal[i];
-        }
+        eliminate(diagonal, link, &mut t);
     }
     t.iter().sum::<f64>() / CELLS as f64
 }
@@ -294,15 +298,7 @@ fn slab_with_path(
         diagonal[CELLS - 1] += out * enters - link;
         t[0] += heat * enters;
         t[CELLS - 1] += out * enters * neighbour;
-        for i in 1..CELLS {
-            let factor = -link / diagonal[i - 1];
-            diagonal[i] += factor * link;
-            t[i] -= factor * t[i - 1];
-        }
-        t[CELLS - 1] /= diagonal[CELLS - 1];
-        for i in (0..CELLS - 1).rev() {
-            t[i] = (t[i] + link * t[i + 1]) / diagonal[i];
-        }
+        eliminate(diagonal, link, &mut t);
         given += out * (t[CELLS - 1] - neighbour) * dt;
     }
     [t[0] + heat * 0.5 * dx / k, t.iter().sum::<f64>() / CELLS as f64, given]
