@@ -141,13 +141,11 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
     }
 }
 
-/// Second order in unidirectional sliding from rest with a step in the acceleration: the damping of periodic images has a kink in
-/// velocity at the speed at which one period takes the whole time, which steps of any length must resolve.
+/// Second order in unidirectional sliding from rest with a step in the acceleration.
 #[test]
 fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
     let moving = [("punch.convection_forced", 1e5), ("strip.convection_forced", 1e5)];
-    // Faster and slower than that speed, 1 mm/s in the scene's 754 s and .36 m/s in the 2 s of the run-up.
     for (power, changes) in [(1, &[][..]), (2, &still), (2, &moving), (3, &[]), (3, &[("nominal.duration", 2.0)])] {
         let changes = [changes, &[("nominal.stroke", 0.0)]].concat();
         let runs = [40, 80, 160, 320].map(|parts| run_up_like(power, 0.01, parts, &changes));

@@ -91,7 +91,7 @@ fn the_pad_parts_above_that_speed_and_not_below() {
 }
 
 /// A rigid pad of 24 mm that insulates slides over fresh steel at 11.6 m/s and stops: heat flows along columns of the strip alone, each
-/// heated since it met the pad.
+/// heated since it met the pad; conduction along the path is 4e-5 of the peak.
 ///
 /// After heating by `q` for a time `a` the surface of a half-space is `2q/K sqrt(k_d/pi) (sqrt(a + r) - sqrt r)` warmer at `r` after its
 /// end (Carslaw and Jaeger, 2.9).
@@ -123,7 +123,7 @@ fn the_first_moments_of_an_endless_path_and_its_stop_are_those_of_columns() {
     let step = 2.10616e-4;
     let end = 200.0 * step;
     let peak = scale * mean(end, 0.0);
-    for (tolerance, bound) in [(1e-2, 6e-3), (1e-3, 3e-3), (1e-4, 5e-3)] {
+    for (tolerance, bound) in [(1e-2, 1e-4), (1e-3, 6e-5), (1e-4, 6e-5)] {
         changes.push(("solver.tolerance", tolerance));
         let mut drive = Drive::from_starts(&starts, &changes);
         drive.set("normal_load", load).set("sliding_velocity", speed);

@@ -44,8 +44,7 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     }
 }
 
-/// On fresh material the damping of periodic images has direct feedthrough and depends on the velocity: operators of another
-/// velocity, or of the opposite direction, are no approximation.
+/// Operators of another velocity, or of the opposite direction, are no approximation.
 #[test]
 fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
     let unidirectional =

@@ -14,9 +14,8 @@
 //! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
 //! On an open path, or one too long for its harmonics, the contact meets fresh material: the wave numbers are the odd
-//! multiples of pi/L, the states have an additional decay rate that damps the periodic images, and the direct
-//! feedthrough makes the steady response that of the endless path, from the moving source in real space. Between steady
-//! states the error of this damping is in inverse proportion to the period, 2 per cent of the rise with 12 widths of the contact.
+//! multiples of pi/L, heat left behind is dropped before it returns with a periodic image ([`fresh`]), and the direct
+//! feedthrough makes the steady response that of the endless path, from the moving source in real space.
 //!
 //! Heat transfer on the top acts on the whole surface in the modes; the Robin correction under the contact cancels it
 //! there by fluxes ([`robin_correction`]).
@@ -28,6 +27,7 @@ mod amplitudes;
 mod depth;
 mod distance;
 mod error_sweep;
+mod fresh;
 mod interval;
 mod moving_kernel;
 mod nodes;
@@ -309,6 +309,7 @@ impl ThermalBody for StripHeat {
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);
         self.advance_by(work.strip(), [re, im], after, surroundings, flux);
+        self.leave_behind(before, after);
     }
 
     fn expect(&self, velocity: f64) {
@@ -326,7 +327,7 @@ impl Observed for StripHeat {
     }
 
     fn states(&self) -> usize {
-        self.operators.mean_states() + 2 * self.operators.rate.len() + self.rates_given_back() + TAIL
+        self.operators.mean_states() + self.operators.stretches() + self.rates_given_back() + TAIL
     }
 
     fn decay_rates(&self, _velocity: f64) -> Vec<f64> {
@@ -337,10 +338,6 @@ impl Observed for StripHeat {
 
     fn velocity_validity(&self) -> f64 {
         let operators = &*self.operators;
-        if operators.fresh {
-            // The direct feedthrough contains the damped part of the modes: wave lengths up to the period.
-            return operators.table.scale();
-        }
         // Feedthrough of the modes without states: q v against diffusivity q^2.
         let shortest = operators.numbers.last().copied().unwrap_or(f64::INFINITY);
         // Peclet number v/(kd q) of the largest wave number with states up to which the direct feedthrough is nearly independent of the

@@ -159,7 +159,7 @@ impl StripHeat {
     pub(super) fn beside(&self, everywhere: f64, temperature: &[f64]) -> f64 {
         let operators = &*self.operators;
         let StripOperators { length, free_length, .. } = *operators;
-        if operators.fresh || free_length <= 1e-9 * length {
+        if operators.fresh.is_some() || free_length <= 1e-9 * length {
             return everywhere;
         }
         (length * everywhere - dense::dot(&operators.widths, temperature)) / free_length

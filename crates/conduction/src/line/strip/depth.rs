@@ -266,9 +266,16 @@ impl DepthModes {
 
     /// Reduced Z and D together.
     pub(crate) fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+        self.respond_for(s, f64::INFINITY)
+    }
+
+    /// Reduced Z and D of a flux that began only this `time` (s) ago.
+    pub(crate) fn respond_for(&self, s: Complex<f64>, time: f64) -> [Complex<f64>; 2] {
         let mut sums = [Complex::from(0.0); 2];
         for (rate, (b, d)) in self.rate.iter().zip(self.temperature.iter().zip(&self.distortion)) {
-            let part = (s + rate).inv() * b;
+            let decay = s + rate;
+            let begun = if time.is_finite() { 1.0 - (-decay * time).exp() } else { Complex::from(1.0) };
+            let part = begun / decay * b;
             sums[0] += part * b;
             sums[1] += part * d;
         }

@@ -11,6 +11,7 @@ use crate::line::strip::stage_response::{Parts, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
 use crate::line::{GAMMA, SurfaceInfluence};
 use nalgebra::{Complex, DMatrix};
+use numerics::dense;
 
 /// Index of the stage's own flux among its weights.
 pub(crate) const OWN: usize = 1;
@@ -19,7 +20,10 @@ pub(crate) const OWN: usize = 1;
 #[derive(Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub at_end: bool,
+    /// Its length, s, and the last fraction of it whose heat the contact still feels.
     pub length: f64,
+    pub felt: f64,
+    /// Decay factors over that fraction.
     pub decay: &'a [f64],
     pub mean_weight: &'a [[f64; 2]],
 }
@@ -88,12 +92,6 @@ impl Interval<'_> {
         }
     }
 
-    /// Mean damping rate of periodic images (1/s), and its factor over the interval.
-    fn damping_of_images(&self, operators: &StripOperators, velocity: [f64; 2]) -> (f64, f64) {
-        let fade = operators.image_damping.mean(velocity);
-        (fade, (-fade * self.length).exp())
-    }
-
     /// Response of the mean mode per heat into the contact: of temperature or distortion.
     fn level(&self, operators: &StripOperators, moving: usize) -> f64 {
         let mean = &operators.mean;
@@ -136,22 +134,25 @@ impl Interval<'_> {
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
-        let (rate, factor) = self.damping_of_images(operators, velocity);
+        let [from, to] = velocity;
+        let (step, velocity) = (self.felt * self.length, [to - self.felt * (to - from), to]);
         let IntervalWorkspace { phases: [cosine, sine], fluxes, .. } = workspace;
-        state_layout::phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
-        let turning = PhaseRotation {
-            velocity,
-            step: self.length,
-            numbers: &operators.numbers,
-            phases: [cosine, sine],
-            damping: [rate, factor],
-        };
+        state_layout::phases(0.5 * step * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        let turning = PhaseRotation { velocity, step, numbers: &operators.numbers, phases: [cosine, sine] };
         let Parts { weights: mut kept, mut carried, mut own, .. } = response.parts();
         carried.iter_mut().chain(own.iter_mut()).for_each(|part| part.fill(0.0));
         for level in &operators.state_layout {
             let mut weights = fluxes.each_mut().map(|part| &mut part[..level.len()]);
             let [a, b, c, d] = &mut weights;
             turning.weights(&operators.rate[level.clone()], &self.decay[level.clone()], [a, b, c, d]);
+            if self.felt < 1.0 {
+                // At its start a flux that falls over the whole interval is `felt`, a rising one the rest.
+                for (falling, rising) in [(a, c), (b, d)] {
+                    dense::multiply_add(falling, &[1.0 - self.felt], rising);
+                    falling.iter_mut().for_each(|weight| *weight *= self.felt);
+                }
+            }
+            let [a, b, c, d] = &mut weights;
             let seen = [&operators.temperature[level.clone()], &operators.distortion[level.clone()]];
             let share = self.at_end.then_some(1.0 / (1.0 - GAMMA));
             let [carried, own] = [&mut carried, &mut own].map(|parts| parts.each_mut().map(|part| &mut part[..]));

@@ -4,7 +4,8 @@
 
 use super::depth::Expansion;
 use super::distance::DistanceSum;
-use super::properties::{ImageDamping, Resolution, SlidingPath, StripProperties};
+use super::fresh::{ENDS, Fresh};
+use super::properties::{Resolution, SlidingPath, StripProperties};
 use super::reduction::{Layer, Reductions};
 use super::robin_correction::RobinCorrection;
 use super::stage_response::{Layout, RANK};
@@ -51,11 +52,10 @@ pub(crate) struct StripOperators {
     pub expands: bool,
     /// The temperature of the base is prescribed.
     pub held: bool,
-    /// The harmonics are those of fresh material under the contact: no heat that it left behind returns by them.
-    pub fresh: bool,
+    /// The contact meets fresh material: no heat that it left behind returns by the modes.
+    pub fresh: Option<Fresh>,
     /// The heat that the contact left behind returns as the mean over `length`.
     pub remembers: bool,
-    pub image_damping: ImageDamping,
     /// Largest `q dv h/8` of the shortest mode at which the influence matrices are those of the mean velocity. The
     /// contribution of such modes to the temperature is below one in a hundred. 0: no interpolation between velocities.
     pub steady: f64,
@@ -99,23 +99,19 @@ impl StripOperators {
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
-        let fresh = properties.fresh(width, resolution);
-        let remembering = properties.remembering(width, period, fresh);
+        let fresh = properties.fresh(width, resolution).then_some(Fresh { way: 0.25 * period });
+        let remembering = properties.remembering(width, period, fresh.is_some());
         let length = remembering.unwrap_or(period);
-        let image_damping = ImageDamping {
-            // Decay exponent of the damping of periodic images while the contact passes one period.
-            per_length: if fresh { 4.0 / period } else { 0.0 },
-            slow: period / resolution.duration,
-        };
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
-        let layer = Layer { properties, width, slab: &slab, period, reach, fresh, tolerance };
+        let layer = Layer { properties, width, slab: &slab, period, reach, fresh: fresh.is_some(), tolerance };
         let reduction = known.of((properties, width, resolution), || layer.reduce(resolution));
         let (last, fastest, waves) = (reduction.last, reduction.fastest, reduction.waves.clone());
         let shapes = Shapes::new(cells, &waves);
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
         // Lowest velocity at which modes as long as the contact differ from those at rest.
-        let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
+        let slow =
+            if fresh.is_some() { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         // Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(1e7 * diffusivity / width);
         let state_layout = state_layout(&reduction.counts);
@@ -141,7 +137,7 @@ impl StripOperators {
             period,
             reduction: reduction.clone(),
             unit,
-            fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
+            fresh: fresh.map(|fresh| (2.0 / resolution.duration, fresh)),
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
         let mut operators = StripOperators {
@@ -162,7 +158,6 @@ impl StripOperators {
             held: properties.base == FarBoundary::Held,
             fresh,
             remembers: remembering.is_some(),
-            image_damping,
             steady: 10.0 * tolerance.min(1e-3),
             table,
             robin_correction: None,
@@ -233,6 +228,17 @@ impl StripOperators {
     /// Fraction of the mean flux whose heat returns to the contact.
     pub(crate) fn remembered(&self) -> f64 {
         if self.remembers { 1.0 } else { 0.0 }
+    }
+
+    /// Number of states of the modes, and on fresh material of what they keep of the older stretch.
+    pub(crate) fn stretches(&self) -> usize {
+        let modes = 2 * self.rate.len();
+        if self.fresh.is_some() { 2 * modes + ENDS } else { modes }
+    }
+
+    /// See [`Fresh::felt`]; all of the interval where the path is not of fresh material.
+    pub(crate) fn felt(&self, length: f64, velocity: [f64; 2]) -> f64 {
+        self.fresh.map_or(1.0, |fresh| fresh.felt(length, velocity))
     }
 
     /// Real and imaginary parts of the states of the modes.

@@ -87,8 +87,10 @@ impl Layer<'_> {
         let mut resolution = *resolution;
         let mean = self.slab.reduce(resolution.duration, self.tolerance);
         let mut reduction = self.reduce_at(&resolution, mean);
+        // Real and imaginary parts; on fresh material of two stretches.
+        let sets = if self.fresh { 4 } else { 2 };
         for _ in 0..MOST_DOUBLINGS {
-            if 2 * reduction.counts.iter().sum::<usize>() <= MOST_STATES {
+            if sets * reduction.counts.iter().sum::<usize>() <= MOST_STATES {
                 break;
             }
             resolution.shortest *= 2.0;

@@ -226,30 +226,28 @@ pub(crate) fn stage_weights(
     Arch::new().dispatch(StageWeights(share, seen, weights, known, own));
 }
 
-/// Propagation factors of the states: the decay of each, times the phase factor of its mode and the common damping
-/// factor `damping`.
-pub(crate) fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
-    struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
+/// Propagation factors of the states: the decay of each, times the phase factor of its mode.
+pub(crate) fn phase(state_layout: &[Level], decay: &[f64], phases: Parts<'_>, factors: [&mut [f64]; 2]) {
+    struct Turn<'a>(&'a [Level], &'a [f64], Parts<'a>, [&'a mut [f64]; 2]);
     impl WithSimd for Turn<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(state_layout, decay, damping, phases, [all_re, all_im]) = self;
+            let Self(state_layout, decay, phases, [all_re, all_im]) = self;
             for level in state_layout {
                 let count = level.len();
                 let decay = &decay[level.clone()];
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
                 let (cosine, sine) = (&phases[0][..count], &phases[1][..count]);
                 for w in 0..count {
-                    let factor = damping * decay[w];
-                    re[w] = cosine[w] * factor;
-                    im[w] = sine[w] * factor;
+                    re[w] = cosine[w] * decay[w];
+                    im[w] = sine[w] * decay[w];
                 }
             }
         }
     }
-    Arch::new().dispatch(Turn(state_layout, decay, damping, phases, factors));
+    Arch::new().dispatch(Turn(state_layout, decay, phases, factors));
 }
 
 /// pi/2 in three parts, the first two of 33 bits: their products with the number of quarter turns are exact (Cody and Waite).

@@ -11,8 +11,8 @@
 
 use super::depth::{Depth, Expansion};
 use super::distance::{DistanceSum, Nodes};
+use super::fresh::Fresh;
 use super::moving_kernel::MeanKernel;
-use super::properties::ImageDamping;
 use super::reduction::Reduction;
 use super::waves::{CONTINUOUS, Wave, continuous};
 use crate::lateral::Lateral;
@@ -37,8 +37,8 @@ pub(crate) struct StaticCorrection {
     pub reduction: Arc<Reduction>,
     /// Magnitude of the distortion (m) per temperature (K) of a mode.
     pub unit: f64,
-    /// On fresh material: frequency below which nothing is treated as steady, 1/s, and the damping of periodic images.
-    pub fresh: Option<(f64, ImageDamping)>,
+    /// On fresh material: frequency below which nothing is treated as steady, 1/s.
+    pub fresh: Option<(f64, Fresh)>,
 }
 
 /// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
@@ -252,18 +252,14 @@ impl StaticCorrection {
     fn add_fresh(
         &self,
         [velocity, moving]: [f64; 2],
-        (slowest, image_damping): (f64, ImageDamping),
+        (slowest, fresh): (f64, Fresh),
         integrals: &Integrals,
         gains: &mut Gains,
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
-        // With damping of periodic images the states are steady by themselves; contacts too slow for it within the
-        // duration are not, and their states are exact.
-        let damping = image_damping.rate(velocity);
-        let lasting = slowest * slowest / (slowest + damping);
-        // Decay rate with which the response of the states is subtracted: a smaller one would make the direct
-        // feedthrough negative.
-        let lost = damping.hypot(lasting);
+        // A contact too slow to leave its heat behind within the duration is not steady.
+        let passing = velocity / fresh.way;
+        let lasting = slowest * slowest / (slowest + passing);
         let resolved = 10.0 * LOWEST_WAVE_NUMBER / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
         for (wave, layer, place) in integrals.removed.iter() {
@@ -273,7 +269,8 @@ impl StaticCorrection {
             gains.add(place, wave.count / PI, [temperature - half_plane, distortion]);
         }
         for ((wave, _, place), modes) in integrals.modes.iter().zip(&self.reduction.modes) {
-            let [temperature, distortion] = modes.respond(Complex::new(lost, -wave.number * velocity));
+            let [temperature, distortion] =
+                modes.respond_for(Complex::new(lasting, -wave.number * velocity), passing.recip());
             let distortion = if self.expansion.is_some() { distortion } else { NO_DISTORTION };
             gains.add(place, -2.0 * wave.count / self.period, [temperature, distortion]);
         }

@@ -267,7 +267,7 @@ mod tests {
         {
             for tolerance in [5e-2, 1e-2, 1e-3, 1e-4] {
                 for shortest in [1e-1, 1e-3] {
-                    // In unidirectional sliding the damping of periodic images sets in within the thousand steps.
+                    // In unidirectional sliding the contact leaves its heat behind within the thousand steps.
                     let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
                     let resolution = Resolution { duration, shortest, travel: f64::INFINITY, tolerance };
                     let [between, passive] = errors(&cells, path, &resolution);

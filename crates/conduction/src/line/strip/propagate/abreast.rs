@@ -29,8 +29,6 @@ pub(crate) struct PhaseRotation<'a> {
     /// Wave numbers q, 1/m, in ascending order, and the phase factor of each mode, real and imaginary parts.
     pub numbers: &'a [f64],
     pub phases: [&'a [f64]; 2],
-    /// Rate (1/s) that is added to every decay, and its factor over the interval.
-    pub damping: [f64; 2],
 }
 
 /// One value per lane.
@@ -72,8 +70,7 @@ impl PhaseRotation<'_> {
         for w in (0..begin).chain(end..count) {
             let motion = PhaseRate { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
             let phase = Complex::new(self.phases[0][w], self.phases[1][w]);
-            let [rate, damping] = self.damping;
-            let (_, falling, rising) = motion.weights_of_decay(rates[w] + rate, damping * decays[w], phase);
+            let (_, falling, rising) = motion.weights_of_decay(rates[w], decays[w], phase);
             (a[w], b[w], c[w], d[w]) = (falling.re, falling.im, rising.re, rising.im);
         }
     }
@@ -96,7 +93,6 @@ impl WithSimd for Abreast<'_> {
         let (step, [from, to]) = (turning.step, turning.velocity);
         let (middle, change, drift) =
             (0.5 * step * (from + to), 0.5 * step * (to - from), 0.125 * step * (to - from).abs());
-        let [rate, damping] = turning.damping;
         for first in (begin..end).step_by(LANES) {
             // The last vector overlaps the one before.
             let first = first.min(end - LANES);
@@ -104,8 +100,8 @@ impl WithSimd for Abreast<'_> {
             let read = |values: &[f64]| -> Lanes { std::array::from_fn(|l| values[at.clone()][l]) };
             let (q, rates, decays) = (read(turning.numbers), read(rates), read(decays));
             let (cosine, sine) = (read(turning.phases[0]), read(turning.phases[1]));
-            let factor = [each(|l| cosine[l] * (damping * decays[l])), each(|l| sine[l] * (damping * decays[l]))];
-            let z = [each(|l| -(rates[l] + rate) * step), each(|l| q[l] * middle)];
+            let factor = [each(|l| cosine[l] * decays[l]), each(|l| sine[l] * decays[l])];
+            let z = [each(|l| -rates[l] * step), each(|l| q[l] * middle)];
             let inverse = {
                 let scale = each(|l| 1.0 / (z[0][l] * z[0][l] + z[1][l] * z[1][l]));
                 [each(|l| z[0][l] * scale[l]), each(|l| -z[1][l] * scale[l])]
@@ -157,28 +153,24 @@ mod tests {
         for velocity in
             [[10.0, 9.985], [10.0, 10.0], [-2.0, -2.3], [0.4, 0.39], [0.1, -0.1], [0.0, 3.0], [40.0, 10.0], [0.0, 0.0]]
         {
-            for damping in [0.0, 12.0] {
-                let damping = [damping, f64::exp(-damping * step)];
-                let rates: Vec<f64> = numbers.iter().map(|q| 1.6e-5 * q * q + 0.1 * q).collect();
-                let decays: Vec<f64> = rates.iter().map(|rate| (-rate * step).exp()).collect();
-                let motion = |q: f64| PhaseRate { turning: velocity.map(|v| q * v), step };
-                let phases: Vec<Complex<f64>> = numbers.iter().map(|q| motion(*q).phase()).collect();
-                let parts = [phases.iter().map(|z| z.re).collect::<Vec<_>>(), phases.iter().map(|z| z.im).collect()];
-                let turning =
-                    PhaseRotation { velocity, step, numbers: &numbers, phases: [&parts[0], &parts[1]], damping };
-                // Fewer states than modes.
-                let count = 59;
-                let mut found = [0; 4].map(|_| vec![0.0; count]);
-                turning.weights(&rates[..count], &decays[..count], found.each_mut().map(|part| &mut part[..]));
-                for w in 0..count {
-                    let (_, falling, rising) = motion(numbers[w]).weights(rates[w] + damping[0], phases[w]);
-                    let scale = falling.norm() + rising.norm();
-                    let apart = (falling - Complex::new(found[0][w], found[1][w])).norm()
-                        + (rising - Complex::new(found[2][w], found[3][w])).norm();
-                    // At small drifts the scalar form omits terms that are kept beside modes of larger drifts.
-                    let allowed = if motion(numbers[w]).drift() < LEAST_DRIFT { LEAST_DRIFT } else { 1e-7 };
-                    assert!(apart < allowed * scale.max(1e-3 * step), "{velocity:?} {w}: {apart:e} of {scale:e}");
-                }
+            let rates: Vec<f64> = numbers.iter().map(|q| 1.6e-5 * q * q + 0.1 * q).collect();
+            let decays: Vec<f64> = rates.iter().map(|rate| (-rate * step).exp()).collect();
+            let motion = |q: f64| PhaseRate { turning: velocity.map(|v| q * v), step };
+            let phases: Vec<Complex<f64>> = numbers.iter().map(|q| motion(*q).phase()).collect();
+            let parts = [phases.iter().map(|z| z.re).collect::<Vec<_>>(), phases.iter().map(|z| z.im).collect()];
+            let turning = PhaseRotation { velocity, step, numbers: &numbers, phases: [&parts[0], &parts[1]] };
+            // Fewer states than modes.
+            let count = 59;
+            let mut found = [0; 4].map(|_| vec![0.0; count]);
+            turning.weights(&rates[..count], &decays[..count], found.each_mut().map(|part| &mut part[..]));
+            for w in 0..count {
+                let (_, falling, rising) = motion(numbers[w]).weights(rates[w], phases[w]);
+                let scale = falling.norm() + rising.norm();
+                let apart = (falling - Complex::new(found[0][w], found[1][w])).norm()
+                    + (rising - Complex::new(found[2][w], found[3][w])).norm();
+                // At small drifts the scalar form omits terms that are kept beside modes of larger drifts.
+                let allowed = if motion(numbers[w]).drift() < LEAST_DRIFT { LEAST_DRIFT } else { 1e-7 };
+                assert!(apart < allowed * scale.max(1e-3 * step), "{velocity:?} {w}: {apart:e} of {scale:e}");
             }
         }
     }

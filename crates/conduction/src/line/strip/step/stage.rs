@@ -29,9 +29,11 @@ pub(crate) struct StageWeights {
     /// velocity.
     pub responses: Vec<StageResponse>,
     pub current: usize,
-    /// Decay factor of each state over the interval, and its length, s.
-    decay: Vec<f64>,
+    /// Length of the interval, s.
     length: f64,
+    /// Decay factor of each state over the part of the interval whose heat the contact still feels, and its length, s.
+    decay: Vec<f64>,
+    felt: f64,
     nodes: InterpolationNodes,
     /// Phase factor of each mode, real and imaginary part.
     phases: [Vec<f64>; 2],
@@ -61,6 +63,7 @@ impl StageWeights {
             current: 0,
             decay: vec![0.0; states],
             length: f64::NAN,
+            felt: f64::NAN,
             nodes: InterpolationNodes::new(layout),
             phases: [vec![0.0; waves], vec![0.0; waves]],
         }
@@ -74,14 +77,16 @@ impl StageWeights {
         feedthrough: FeedthroughTerms<'_>,
         workspace: &mut IntervalWorkspace,
     ) {
-        self.take_length(operators, length);
+        self.take(operators, length, velocity);
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
         let motion = PhaseRate { turning: velocity.map(|v| shortest * v), step: length };
         let drift = motion.drift();
         let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
-        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        let felt = self.felt / length;
+        let interval =
+            Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
         let response = &mut self.responses[self.current];
-        let interpolated = drift < operators.steady && phase < SHORT_ROTATION;
+        let interpolated = drift < operators.steady && phase < SHORT_ROTATION && felt == 1.0;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
             self.nodes.interpolate(operators, &interval, length, middle, feedthrough, workspace, response);
@@ -103,20 +108,22 @@ impl StageWeights {
         velocity: [f64; 2],
         workspace: &mut IntervalWorkspace,
     ) {
-        self.take_length(operators, length);
-        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        self.take(operators, length, velocity);
+        let felt = self.felt / length;
+        let interval =
+            Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
         interval.respond_open(operators, velocity, workspace, &mut self.responses[self.current]);
         self.carry(operators, velocity);
     }
 
     /// Prepares the stage with its response in the cache.
     pub(crate) fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
-        self.take_length(operators, length);
+        self.take(operators, length, velocity);
         self.carry(operators, velocity);
     }
 
-    /// Computes the factors that depend on the length of the interval alone.
-    fn take_length(&mut self, operators: &StripOperators, length: f64) {
+    /// Computes the factors that depend on the length of the interval alone, and of the part of it whose heat is felt.
+    fn take(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let mean = &operators.mean;
         if self.length != length {
             self.length = length;
@@ -126,22 +133,26 @@ impl StageWeights {
                 self.mean_factor[k] = factor.re;
                 self.mean_weight[k] = stage_fluxes(self.at_end, falling.re, rising.re);
             }
+        }
+        let felt = length * operators.felt(length, velocity);
+        if self.felt != felt {
+            self.felt = felt;
             for (decay, rate) in self.decay.iter_mut().zip(&operators.rate) {
-                *decay = (-rate * length).exp();
+                *decay = (-rate * felt).exp();
             }
         }
     }
 
-    /// Computes the propagation factors of the modes' states over the interval.
+    /// Computes the propagation factors of the modes' states over the interval: 0 where the contact left their heat behind.
     fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
-        let fade = operators.image_damping.mean(velocity);
-        let damping = (-fade * self.length).exp();
+        if self.felt < self.length {
+            return self.factor.iter_mut().for_each(|part| part.fill(0.0));
+        }
         let [cosine, sine] = &mut self.phases;
         phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
         state_layout::phase(
             &operators.state_layout,
             &self.decay,
-            damping,
             [cosine, sine],
             self.factor.each_mut().map(|part| &mut part[..]),
         );

@@ -2,10 +2,12 @@
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Observed, Stage, Surroundings, ThermalBody};
+use crate::line::{GAMMA, Observed, Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
+use libm::erf;
 use scene::FarBoundary;
+use std::f64::consts::PI;
 
 #[test]
 fn closed_path_steady_means_are_the_plain_fourier_sum() {
@@ -234,6 +236,97 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
             let expected = mean(&cells, &march(&mut exact, &mut reference, step, steps, |_| 2.0 * peclet));
             println!("Pe {peclet} step {step}: {computed} {expected} {:.1e}", (computed - expected) / steady);
             assert!((computed - expected).abs() < 0.02 * steady, "{peclet} {step}: {computed} {expected}");
+        }
+    }
+}
+
+/// Mean temperature of a band of the width 2 on a half-space that its flux heats from time 0 on, at the `time`: heat spreads along the
+/// surface in Gaussians, and decays into the depth.
+fn band_on_fresh_material(position: impl Fn(f64) -> f64, flux: impl Fn(f64) -> f64, time: f64) -> f64 {
+    // Primitive of the normal distribution.
+    let primitive = |z: f64, deviation: f64| {
+        let u = z / deviation;
+        z * 0.5 * (1.0 + erf(u / 2f64.sqrt())) + deviation * (-0.5 * u * u).exp() / (2.0 * PI).sqrt()
+    };
+    let (parts, end) = (8000, time.sqrt());
+    let here = position(time);
+    let part = |k: i32| {
+        let root = end * (f64::from(k) + 0.5) / f64::from(parts);
+        let age = root * root;
+        let (away, deviation) = (here - position(time - age), (2.0 * age).sqrt());
+        let [ahead, behind, own] = [away + 2.0, away - 2.0, away].map(|z| primitive(z, deviation));
+        flux(time - age) * 0.5 * (ahead + behind - 2.0 * own)
+    };
+    2.0 / PI.sqrt() * end / f64::from(parts) * (0..parts).map(part).sum::<f64>()
+}
+
+/// Means over the cells after 40 steps of 0.05 with this velocity and uniform flux, linear over each step.
+fn run(mut body: StripHeat, cells: &Cells, velocity: impl Fn(f64) -> f64, flux: impl Fn(f64) -> f64) -> Vec<f64> {
+    let (count, air, mut work) = (cells.count(), Surroundings::default(), body.workspace());
+    let (mut state, mut after) = (vec![0.0; body.states()], vec![0.0; body.states()]);
+    let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
+    let step = 0.05;
+    let mut means = Vec::new();
+    for k in 0..40 {
+        let start = step * f64::from(k);
+        body.prepare(step, [velocity(start), velocity(start + step)]);
+        let [before, first, own] = [0.0, GAMMA * step, step].map(|t| vec![flux(start + t); count]);
+        let deviation = vec![before[0] - first[0]; count];
+        let begun = body.first(&state, &air, &deviation, [&mut temperature, &mut distortion], &mut work);
+        let ended = body.end(begun, &state, &air, &first, [&mut temperature, &mut distortion], &mut work);
+        let influence = &body.influence(Stage::End).temperature;
+        (0..count).for_each(|i| temperature[i] += influence.row(i).sum() * own[0]);
+        body.advance(ended, (&state, &mut after), &air, [&first, &own], &mut work);
+        std::mem::swap(&mut state, &mut after);
+        means.push(mean(cells, &temperature));
+    }
+    means
+}
+
+/// Whatever the contact does within the width of its own trail: slides at any speed, stops, creeps on, starts again, turns.
+#[test]
+fn an_endless_path_is_a_band_on_fresh_material_at_every_time() {
+    let cells = Cells::graded(1.0, 17).unwrap();
+    let (end, fine) = (2.0, 20_000);
+    let ramp = |t: f64| (10.0 * t).clamp(0.0, 1.0);
+    for nominal in [0.2, 2.0, 20.0, 200.0, 2e4] {
+        // With the heat of friction, or with as much at rest.
+        let drives: [(&dyn Fn(f64) -> f64, f64); 6] = [
+            (&|_| 1.0, 1.0),
+            (&|t: f64| ramp(1.0 - t), 0.0),
+            (&|t: f64| 0.03 + 0.97 * ramp(1.0 - t), 0.0),
+            (&|t: f64| ramp(0.5 - t) + ramp(t - 1.0), 0.0),
+            (&|t: f64| ramp(0.5 - t) + ramp(t - 1.0), 1.0),
+            // To and fro over what the contact remembers.
+            (&|t: f64| (10.0 * (1.0 - t)).clamp(-1.0, 1.0), 1.0),
+        ];
+        for (number, (part, hot)) in drives.iter().enumerate() {
+            let nominal = if number == 5 { f64::min(nominal, 3.0) } else { nominal };
+            let (velocity, flux) = (|t: f64| nominal * part(t), |t: f64| hot + (1.0 - hot) * part(t));
+            let mut way = vec![0.0];
+            for k in 0..fine {
+                let t = end * (f64::from(k) + 0.5) / f64::from(fine);
+                way.push(way[way.len() - 1] + velocity(t) * end / f64::from(fine));
+            }
+            let position = |t: f64| {
+                let x = (t / end * f64::from(fine)).clamp(0.0, f64::from(fine) - 1e-9);
+                let (k, part) = (x as usize, x.fract());
+                way[k] + part * (way[k + 1] - way[k])
+            };
+            let exact: Vec<f64> =
+                (1..=40).map(|k| band_on_fresh_material(position, flux, 0.05 * f64::from(k))).collect();
+            let largest = exact.iter().copied().fold(0.0, f64::max);
+            for tolerance in [1e-1, 1e-2, 1e-3] {
+                let resolution = Resolution { duration: end, shortest: 2e-3, travel: nominal * end, tolerance };
+                let properties = unit(400.0, FarBoundary::Held, SlidingPath::Unidirectional);
+                let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+                let (length, states) = (body.length(), body.states());
+                let found = run(body, &cells, velocity, flux);
+                let errors = found.iter().zip(&exact).map(|(found, exact)| (found - exact).abs() / largest);
+                let error = errors.fold(0.0, f64::max);
+                println!("{nominal} {number} {tolerance:e}: {error:.1e}, period {length:.1}, {states} states");
+                assert!(error < 0.5 * tolerance, "{nominal} {number} {tolerance:e}: {error:e}");
+            }
         }
     }
 }
