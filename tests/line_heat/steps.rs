@@ -188,6 +188,22 @@ fn a_hundred_cycles_of_the_example_with_both_bodies_expanding() {
     assert!(highest > mean && drive.get("contact_temperature") > 293.2);
 }
 
+/// A cold pad laid lightly on a hot disc bows until few cells touch, and these are fed by short waves.
+#[test]
+fn a_loose_tolerance_does_not_decide_where_a_light_contact_touches() {
+    let scene = Application::read("cold_pad");
+    for cells in [17.0, 33.0, 65.0] {
+        let run = |tolerance: f64| {
+            let changes = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", tolerance)];
+            scene.run(&changes).unwrap()
+        };
+        let (loose, tight) = (run(1e-2), run(1e-4));
+        let error = loose.error(&tight);
+        println!("{cells}: {error:.1e}");
+        assert!(error < 1e-2, "{cells}: {error:e}");
+    }
+}
+
 #[test]
 fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
     // Bodies that meet at different temperatures, and hot spots that grow until most of the ring is open.

@@ -66,17 +66,18 @@ fn a_stop_passes_the_speed_at_which_short_waves_grow() {
     }
 }
 
-/// At twice that speed, with friction independent of temperature, the pad separates from the disc and slides on patches.
+/// At twice that speed, with friction independent of temperature, the pad parts from the disc and slides on patches, as fast at a loose
+/// tolerance as at a tight one.
 #[test]
 fn the_pad_parts_above_that_speed_and_not_below() {
     let names: Vec<String> = (1..=8).map(|entry| format!("contact.friction_fade.factor[{entry}]")).collect();
     let flat: Vec<(&str, f64)> = names.iter().map(|name| (name.as_str(), 1.0)).collect();
-    let no_wear = [("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 0.0), ("solver.tolerance", 1e-2)];
-    let [below, above] = [0.7, 2.0].map(|ratio| {
-        let mut drive = brake(&[&flat[..], &no_wear].concat());
+    let no_wear = [("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 0.0)];
+    let [below, above, tight] = [(0.7, 1e-2), (2.0, 1e-2), (2.0, 1e-4)].map(|(ratio, tolerance)| {
+        let mut drive = brake(&[&flat[..], &no_wear, &[("solver.tolerance", tolerance)]].concat());
         drive.set("normal_load", 500.0).set("sliding_velocity", ratio * bound());
         let (mut least, mut most): (f64, f64) = (1.0, 0.0);
-        for _ in 0..100 {
+        for _ in 0..300 {
             drive.step(0.01);
             least = least.min(drive.get("contact_fraction"));
             most = most.max(drive.get("pressure_max") / drive.get("pressure_mean"));
@@ -87,7 +88,8 @@ fn the_pad_parts_above_that_speed_and_not_below() {
         assert!(drive.0.work().0 + drive.0.work().1 < 4000, "{:?}", drive.0.work());
         (least, most)
     });
-    assert!(below.0 > 0.9 && above.0 < 0.6 && above.1 > 1.3 * below.1, "{below:?} {above:?}");
+    assert!(below.0 > 0.9 && above.0 < 0.8 && above.1 > 1.3 * below.1, "{below:?} {above:?}");
+    assert!((above.0 - tight.0).abs() < 0.06 && (above.1 / tight.1 - 1.0).abs() < 0.08, "{above:?} {tight:?}");
 }
 
 /// A rigid pad of 24 mm that insulates slides over fresh steel at 11.6 m/s and stops: heat flows along columns of the strip alone, each

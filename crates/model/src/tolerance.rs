@@ -25,14 +25,14 @@ pub struct Reductions {
 }
 
 impl Reductions {
-    /// Bodies of the lumped level, and the punch on the line.
+    /// Bodies of the lumped level.
     pub(crate) fn whole(&self) -> f64 {
         self.tolerance.max(FINEST_REDUCTION)
     }
 
-    /// Mean temperature of the punch on the line, where its error counts with `weight`: a quarter, at fluxes of every frequency. The
-    /// strip has an error measure of its own, for all Fourier modes together.
-    pub(crate) fn punch_mean(&self, weight: f64) -> f64 {
+    /// Punch on the line, where its error counts with `weight`: a quarter, at fluxes of every frequency. The strip has an error measure of
+    /// its own, for all Fourier modes together.
+    pub(crate) fn punch(&self, weight: f64) -> f64 {
         (0.25 * weight * self.tolerance).max(FINEST_REDUCTION)
     }
 
@@ -45,11 +45,9 @@ impl Reductions {
 /// See [`ToleranceBudget::steps`].
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Steps {
-    /// Wear on the line over its displacement scale; cooled faces and flash temperature of the lumped level over the rise.
+    /// Wear on the line over its displacement scale, temperature there over the rise; cooled faces and flash temperature of the lumped level
+    /// over the rise.
     pub whole: f64,
-    /// Temperature on the line over the rise. Where edges of the contact move, the error of the steps falls more slowly than it: with
-    /// all of the tolerance it is 0.3 of one of 1e-2 and 1 of one of 1e-3.
-    pub line_heat: f64,
     /// Residual of the flux at the lumped level over the flux scale. It and the next overestimate the error of the quadrature.
     pub lumped_flux: f64,
     /// Third difference of the wear rate at the lumped level over its scale.
@@ -77,12 +75,7 @@ impl ToleranceBudget {
     pub(crate) fn new(tolerance: f64) -> ToleranceBudget {
         ToleranceBudget {
             reduction: Reductions { tolerance },
-            steps: Steps {
-                whole: tolerance,
-                line_heat: 0.5 * tolerance,
-                lumped_flux: 2.0 * tolerance,
-                lumped_wear: 5.0 * tolerance,
-            },
+            steps: Steps { whole: tolerance, lumped_flux: 2.0 * tolerance, lumped_wear: 5.0 * tolerance },
             iteration: Iterations {
                 line_stage: (1e-3 * tolerance).clamp(1e-9, 1e-6),
                 lumped_stage: 1e-6 * tolerance,

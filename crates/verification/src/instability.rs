@@ -63,7 +63,7 @@ fn growth(all: &mut Vec<Problem>) {
                 exact: known(unit() * exact),
                 scale: Some(unit() * exact.abs().max(1.0)),
                 compute: Box::new(move || Ok(unit() * scene.build()?.growth(ratio, step, count, 8)?.re)),
-                bound: 1e-3,
+                bound: 1.2e-3,
                 reason: "32 cells on the wavelength, steps of second order, other waves that have not died out",
             });
         }

@@ -81,7 +81,7 @@ impl Flux {
         let scene = Scene::new(&starts()?, None).map_err(|broken| broken.to_string())?;
         let body = punch::reduce(&scene, &cells, TOLERANCE, DURATION).map_err(|error| error.to_string())?;
         let mut body = body.ok_or("the punch conducts")?;
-        if body.error() > 1.2 * TOLERANCE {
+        if body.error() > 3.0 * TOLERANCE {
             return Err(format!("the reduction states an error of {:e}", body.error()));
         }
         let air = Surroundings::default();

@@ -51,10 +51,10 @@ use galerkin::Points;
 use scene::{Geometry, Scene};
 use shift_selection::{Scale, Selection};
 
-/// Largest number of states. A steel punch over minutes needs fewer than 100 for an error of 1e-4; a heated layer that is
+/// Largest number of states. For an error of 1e-4 a steel punch over minutes needs fewer; a heated layer that is
 /// thin against the width, as in a brake pad during one stop, needs more, because more transverse modes have dynamics of
 /// their own.
-pub(crate) const MAXIMUM_STATES: usize = 256;
+pub(crate) const MAXIMUM_STATES: usize = 512;
 
 /// Most transverse modes whose steady fields distort the contact line by the law of the whole body, in all and per cell; those of
 /// shorter wavelength, below two thirds of a mean cell, do so as on a half-plane.
@@ -71,7 +71,7 @@ const FAR: usize = 2;
 
 /// Reduces the punch of `scene` to states that follow its exact response over `duration` (s) to `tolerance`, relative to the
 /// temperature rise by a uniform flux over that time. The error is that of the root mean square of the temperature over the
-/// contact, for fluxes whose mean square and that of width/pi times their slope sum to 1. Fluxes that vary faster or more
+/// contact, for fluxes whose mean square and that of width/(8 pi) times their slope sum to 1. Fluxes that vary faster or more
 /// sharply are followed less accurately in time, but exactly in their steady effect. At most [`MAXIMUM_STATES`] states;
 /// where they do not suffice, the remaining error exceeds the tolerance and is reported.
 ///

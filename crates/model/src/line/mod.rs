@@ -335,7 +335,7 @@ impl Line {
     ) -> Result<bool, StepFailure> {
         let operators = self.operators.clone();
         let bends = |mean: &Lumped, off: f64| {
-            let allowed = operators.budget.steps.line_heat * maximum(mean.state().peak_rise, LEAST_RISE);
+            let allowed = operators.budget.steps.whole * maximum(mean.state().peak_rise, LEAST_RISE);
             operators.follows_temperature() && share * off.abs() > allowed
         };
         // Load carried by the contact at the start. Where load, tables or a bristle follow the lumped level, a first pass of it at

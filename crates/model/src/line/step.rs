@@ -244,9 +244,8 @@ impl Line {
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
-        let [of_wear, of_heat] = [operators.budget.steps.whole, operators.budget.steps.line_heat]
-            .map(|part| part * operators.displacement_scale * mean);
-        let wear = if estimate == 0.0 { 0.0 } else { estimate / of_wear };
+        let bound = operators.budget.steps.whole * operators.displacement_scale * mean;
+        let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
             Some(mut solved) if solved.is_controlled(path.length()) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
@@ -254,7 +253,7 @@ impl Line {
                     return Outcome::RejectedByGrowthGuard;
                 }
                 let of_properties = solved.error_of_properties(&given);
-                Outcome::Tried(maximum(wear, solved.error(&given, of_heat, path.length())).max(of_properties))
+                Outcome::Tried(maximum(wear, solved.error(&given, bound, path.length())).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

@@ -2,13 +2,14 @@
 //!
 //! The impedance of the contact is diagonal in the transverse modes, `q = X_m q_m` gives `T = X_m z_m(s) q_m`, and so is the
 //! reduced one. The largest error of the temperature in the root mean square over the contact, for any flux whose mean
-//! square and that of `width/pi` times its slope sum to 1, is therefore
+//! square and that of `width/(8 pi)` times its slope sum to 1, is therefore
 //!
 //! ```text
-//! max over m and frequencies of |z_m - z_m,reduced| / sqrt(1 + (xi_m width/pi)^2)
+//! max over m and frequencies of |z_m - z_m,reduced| / sqrt(1 + [xi_m width/(8 pi)]^2)
 //! ```
 //!
-//! so that the norm of the operator from such fluxes to temperatures needs no matrix. It is relative to the impedance to a
+//! so that the norm of the operator from such fluxes to temperatures needs no matrix. Modes down to an eighth of the contact count
+//! alike: a light contact shrinks to patches. It is relative to the impedance to a
 //! uniform flux at 1/duration, the temperature rise over the whole duration. The mode with the largest error gets one more
 //! response at a real rate (rational Krylov shift) until the tolerance is met.
 //!
@@ -27,6 +28,9 @@ const FREQUENCIES: usize = 64;
 
 /// Number of modes that get their states before all others: the uniform one, tilt and curvature.
 const LONGEST: usize = 3;
+
+/// Half-waves across the contact up to which a flux may be as large as a uniform one.
+const PATCHES: f64 = 8.0;
 
 /// Lowest frequency of the error sweep over 1/duration: the spectrum of a constant flux lies below its own frequency.
 const SLOWEST: f64 = 0.03;
@@ -102,7 +106,7 @@ fn kappa(depth: &Depth, decay: f64, frequency: f64) -> Complex<f64> {
 impl Mode {
     fn new(wave: Wave, m: usize, width: f64, depth: &Depth, scale: &Scale) -> Mode {
         let tolerance = scale.of_mode(m);
-        let weight = 1.0f64.hypot(wave.wave_number * width / PI);
+        let weight = 1.0f64.hypot(wave.wave_number * width / (PATCHES * PI));
         let slowest = SLOWEST / scale.duration;
         // Above this frequency the mode's impedance is below the tolerance.
         let steepest = scale.steepest_of(depth, tolerance) / weight;

@@ -116,7 +116,7 @@ impl Solved<'_> {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let moved = (moved_square / width).sqrt();
-        let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.line_heat * rise));
+        let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.whole * rise));
         maximum(cells, faces)
     }
 
@@ -128,7 +128,7 @@ impl Solved<'_> {
         let [error, of_faces, moved] = heat.errors_of_faces(state, touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
         let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
-        maximum(moved / bound, error / (operators.budget.steps.line_heat * rise))
+        maximum(moved / bound, error / (operators.budget.steps.whole * rise))
     }
 }
 

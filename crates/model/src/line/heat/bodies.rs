@@ -54,10 +54,10 @@ impl Bodies {
     pub fn new(scene: &Scene, cells: &Cells, block: Option<&Block>, known: &mut Reductions) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
         let reduction = ToleranceBudget::of(scene).reduction;
-        let of_the_mean = reduction.punch_mean(error_weights[0].tolerance);
-        let (whole, tolerance) = (reduction.whole(), reduction.strip(error_weights[1].tolerance));
+        let of_punch = [1.0, error_weights[0].tolerance].map(|weight| reduction.punch(weight));
+        let tolerance = reduction.strip(error_weights[1].tolerance);
         let duration = scene.nominal_duration;
-        let punch = punch::reduce_with_mean(scene, cells, block, [whole, of_the_mean], duration)
+        let punch = punch::reduce_with_mean(scene, cells, block, of_punch, duration)
             .map_err(|error| format!("punch: {error}"))?
             .map(|body| Box::new(body) as Box<dyn ThermalBody>);
         if scene.geometry == Geometry::Annular {
