@@ -25,6 +25,7 @@
 
 mod across;
 mod assembly;
+mod bands;
 mod cylinder;
 mod depth;
 mod distortion;
@@ -157,10 +158,11 @@ fn project(
     let shift_selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
     let assembly = Assembly::new(across, depth, cooled, (cells, wanted.divides), (&points, &shift_selection));
     let mut operators = assembly.operators();
-    if let Some(distortion) = &distortion {
-        assembly.distort(distortion, &mut operators)?;
-    }
-    assembly.store_remainder(&mut operators);
+    let moved = match &distortion {
+        Some(distortion) => assembly.distort(distortion, &mut operators)?,
+        None => Vec::new(),
+    };
+    assembly.store_bands(moved, &mut operators);
     assembly.give_first_order_dynamics(&mut operators);
     let body = ReducedHeat::new(operators);
     Ok(body)

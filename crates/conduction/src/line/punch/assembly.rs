@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, section 4.6.
 
 use super::across::{Across, Sides, Wave};
+use super::bands::{Product, bands};
 use super::depth::Depth;
 use super::galerkin::{Points, Shape, lag};
 use super::shift_selection::Selection;
@@ -23,6 +24,8 @@ pub(super) struct Mode {
     pub wave: Wave,
     pub states: Vec<Shape>,
     pub feedthrough: Option<Shape>,
+    /// Its uniform temperature is not one of the states: see [`super::bands`].
+    pub banded: bool,
 }
 
 /// Assembly of the operators from the selected modes.
@@ -36,6 +39,8 @@ pub(super) struct Assembly<'a> {
     pub waves: Waves,
     /// Parts of the cells, and all modes on them, where cells may be in contact in part.
     pub divided: Option<(Cells, Waves)>,
+    /// Uniform temperature in modes that do not have it as a state.
+    pub bands: Vec<Vec<Product>>,
     errors: [f64; 2],
 }
 
@@ -65,7 +70,8 @@ impl<'a> Assembly<'a> {
             .map(|mode| {
                 let mut states = mode.basis.shapes(points);
                 let feedthrough = if mode.fastest_is_steady { states.pop() } else { None };
-                Mode { wave: mode.wave, states, feedthrough }
+                let banded = depth.top != FarBoundary::Held && (states.is_empty() || !mode.basis.has_uniform());
+                Mode { wave: mode.wave, states, feedthrough, banded }
             })
             .collect();
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
@@ -76,8 +82,44 @@ impl<'a> Assembly<'a> {
             let waves = waves.over(&parts, resolved);
             (parts, waves)
         });
-        let errors = [shift_selection.error, shift_selection.mean_error];
-        Assembly { across, depth, cooled, cells, modes, waves, divided, errors }
+        let mut assembly = Assembly {
+            across,
+            depth,
+            cooled,
+            cells,
+            modes,
+            waves,
+            divided,
+            bands: Vec::new(),
+            errors: [shift_selection.error, shift_selection.mean_error],
+        };
+        if !assembly.top_is_prescribed() {
+            assembly.bands = bands(assembly.products(), shift_selection.tolerance);
+        }
+        assembly
+    }
+
+    /// Shape number k through the height of the first mode, whose space has the uniform temperature, and its state at 1 K.
+    pub(crate) fn uniform_shape(&self, k: usize) -> (&Shape, f64) {
+        let first = &self.modes[0];
+        let shape = first.states.get(k).or(first.feedthrough.as_ref()).expect("one of the shapes");
+        (shape, self.capacity() * shape.integral)
+    }
+
+    /// Products of which the uniform temperature consists, but for those of modes that have it as a state.
+    fn products(&self) -> impl Iterator<Item = Product> {
+        let whole = 2.0 * self.across.half_width * self.capacity() * self.depth.height;
+        let shapes =
+            self.modes.first().map_or(0, |first| first.states.len() + usize::from(first.feedthrough.is_some()));
+        let banded = (0..self.waves.count()).filter(|&m| self.modes.get(m).is_none_or(|mode| mode.banded));
+        banded.flat_map(move |mode| {
+            let wave = self.waves.wave(mode);
+            (0..shapes).map(move |k| {
+                let (shape, state) = self.uniform_shape(k);
+                let rate = self.depth.diffusivity() * wave.decay * wave.decay + shape.rate_through_height;
+                Product { mode, shape: k, heat: (wave.integral * state).powi(2) / whole, rate }
+            })
+        })
     }
 
     /// Projection of the cooled surface on a transverse mode, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -113,10 +155,14 @@ impl<'a> Assembly<'a> {
         self.depth.top.transfer()
     }
 
-    /// Input weights of a shape by port.
-    pub(crate) fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
+    /// Input weights of a shape of a mode by port. The air enters a mode without a uniform state of its own through its band.
+    pub(crate) fn input(&self, mode: &Mode, shape: &Shape) -> [f64; PORTS] {
+        let wave = &mode.wave;
         let cooling = self.exposure(wave) * self.seen(shape);
-        let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
+        let ambient = match mode.banded {
+            true => 0.0,
+            false => self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top,
+        };
         let far = match self.top_is_prescribed() {
             true => self.through_held_top(wave, shape),
             false => self.top_exposure(wave) * self.top(shape),
@@ -125,7 +171,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Temperature of a top without prescribed temperature by a shape: its value there but for the lag, [`lag`].
-    fn top(&self, shape: &Shape) -> f64 {
+    pub(crate) fn top(&self, shape: &Shape) -> f64 {
         shape.top * lag(&self.depth, shape)
     }
 
@@ -151,13 +197,14 @@ impl<'a> Assembly<'a> {
 
     /// State of a shape when the body is at 1 K everywhere, J/(m K) over its norm: under a prescribed temperature in equilibrium with top
     /// and air of 1 K.
-    fn uniform(&self, wave: &Wave, shape: &Shape) -> f64 {
+    fn uniform(&self, mode: &Mode, shape: &Shape) -> f64 {
         match self.top_is_prescribed() {
             true => {
-                let [_, ambient, far] = self.input(wave, shape);
+                let [_, ambient, far] = self.input(mode, shape);
                 (ambient + far) / shape.rate
             }
-            false => self.heat_content(wave, shape),
+            false if mode.banded => 0.0,
+            false => self.heat_content(&mode.wave, shape),
         }
     }
 
@@ -257,8 +304,8 @@ impl<'a> Assembly<'a> {
             for shape in &mode.states {
                 operators.rate.push(shape.rate);
                 operators.contact.push(shape.contact);
-                operators.uniform.push(self.uniform(&mode.wave, shape));
-                for (port, input) in self.input(&mode.wave, shape).into_iter().enumerate() {
+                operators.uniform.push(self.uniform(mode, shape));
+                for (port, input) in self.input(mode, shape).into_iter().enumerate() {
                     operators.input[port].push(input);
                 }
             }
@@ -282,7 +329,7 @@ impl<'a> Assembly<'a> {
             None => (SteadyMode::default(), 1.0, feedthrough.map_or(&[][..], std::slice::from_ref)),
         };
         for shape in counted {
-            let input = self.input(wave, shape);
+            let input = mode.map_or([0.0; PORTS], |mode| self.input(mode, shape));
             for port in 0..PORTS {
                 left.contact[port] += sign * shape.contact * input[port] / shape.rate;
                 left.seen[port] += sign * self.seen(shape) * input[port] / shape.rate;

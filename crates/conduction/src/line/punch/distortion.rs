@@ -11,6 +11,7 @@
 
 use super::across::Across;
 use super::assembly::{Assembly, Mode};
+use super::bands::Product;
 use super::galerkin::Shape;
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, DISTORTING_MODES, DISTORTING_MODES_PER_CELL, FAR, SUMMED_MODES};
@@ -240,12 +241,13 @@ impl LayerDilatation {
 }
 
 impl Assembly<'_> {
-    /// Distortion by the states, and the static correction of fast fields and fields of short wavelength.
+    /// Distortion by the states, and the static correction of fast fields and fields of short wavelength. Returns that by 1 K in every
+    /// band of modes but the last.
     pub(super) fn distort(
         &self,
         distortion: &Distortion<'_>,
         operators: &mut ReducedOperators,
-    ) -> Result<(), BlockError> {
+    ) -> Result<Vec<Vec<f64>>, BlockError> {
         let positions = distortion.positions();
         let (depth, cells) = (&self.depth, self.cells);
         let mut fields = Vec::new();
@@ -305,12 +307,19 @@ impl Assembly<'_> {
                 let profile = positions.iter().map(|&z| from_top.at(z).0).collect();
                 fields.push(Field { mode: m, integral: from_top.integral(), profile });
             }
-            for (i, shape) in mode.map_or(&[][..], |mode| &mode.states[..]).iter().enumerate() {
-                for (port, input) in self.input(wave, shape).into_iter().enumerate() {
+            let Some(mode) = mode else { continue };
+            for (i, shape) in mode.states.iter().enumerate() {
+                for (port, input) in self.input(mode, shape).into_iter().enumerate() {
                     by_port.push((first[m] + i, port, -input / shape.rate));
                 }
             }
         }
+        let own = fields.len();
+        let in_bands = self.bands.split_last().map_or(&[][..], |(_, bands)| bands);
+        let in_bands = (0..).zip(in_bands).flat_map(|(b, band)| band.iter().map(move |product| (b, product)));
+        // The displacement by short waves is left to the last band.
+        let in_bands: Vec<(usize, &Product)> = in_bands.filter(|(_, product)| product.mode < longest).collect();
+        fields.extend(in_bands.iter().map(|(_, product)| Field::of(product.mode, self.uniform_shape(product.shape).0)));
         let (displacements, uniform) = distortion.of(&self.across, cells, &self.waves, &fields)?;
         operators.distortion = displacements.columns(0, states).iter().copied().collect();
         for &(field, weight) in &by_flux {
@@ -339,7 +348,12 @@ impl Assembly<'_> {
                 *sum += value;
             }
         }
-        Ok(())
+        let mut moved = vec![vec![0.0; cells.count()]; self.bands.len().saturating_sub(1)];
+        for (&(band, product), column) in in_bands.iter().zip(displacements.column_iter().skip(own)) {
+            let state = self.waves.wave(product.mode).integral * self.uniform_shape(product.shape).1;
+            moved[band].iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += state * value);
+        }
+        Ok(moved)
     }
 }
 

@@ -188,8 +188,7 @@ impl Basis {
             }
             return;
         }
-        self.has_uniform = true;
-        self.add(points, Function::new(h, points, |_| (1.0, 0.0)));
+        self.add_uniform(points);
         if !self.depth.has_steady_state(self.decay) {
             // Quasi-steady profile of a constant flux while the mean temperature rises linearly.
             self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
@@ -204,6 +203,17 @@ impl Basis {
                 self.add_from_top(points, self.decay.hypot(decay / h));
             }
         }
+    }
+
+    /// Adds the uniform temperature through the height, the first function.
+    pub(crate) fn add_uniform(&mut self, points: &Points) {
+        self.has_uniform = true;
+        self.add(points, Function::new(self.depth.height, points, |_| (1.0, 0.0)));
+    }
+
+    /// Whether the uniform temperature is a trial function.
+    pub(crate) fn has_uniform(&self) -> bool {
+        self.has_uniform
     }
 
     fn add_from_top(&mut self, points: &Points, kappa: f64) {

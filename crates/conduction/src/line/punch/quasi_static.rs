@@ -22,10 +22,10 @@
 //!
 //! Theory: docs/theory.md, section 4.10.
 
+use super::SUMMED_MODES;
 use super::across::Wave;
 use super::assembly::Assembly;
 use super::waves::Waves;
-use super::{AMBIENT, SUMMED_MODES};
 use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, ReducedOperators};
 use elasticity::Cells;
@@ -37,9 +37,6 @@ use std::ops::Range;
 /// Ratio of the time constants of distortion and temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
 /// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
-
-/// Least part of the heat of a uniform temperature that gets a state of its own.
-const LEAST_REMAINDER: f64 = 1e-6;
 
 /// Bases of the vectors on the cells by parity (1 even, -1 odd) where the cells are symmetric about the middle; else one of
 /// all vectors.
@@ -176,48 +173,6 @@ impl Assembly<'_> {
             for observed in [cooled, far_face, ambient_flow, far_flow] {
                 observed.states.push(0.0);
             }
-        }
-    }
-
-    /// Gives what a uniform temperature has in no state of a body that loses heat to the air a state of its own: the modes across the
-    /// width and the shapes through the height that are left out. Its heat and its loss at first are those that the body has beyond
-    /// the others, `C - stored u` and `H L - flow u` of the uniform states u. What follows the air at once then follows by this state.
-    /// Called when all but the first-order dynamics is complete; a prescribed temperature has its own remainder.
-    pub(super) fn store_remainder(&self, operators: &mut ReducedOperators) {
-        let (cells, width) = (self.cells.count(), 2.0 * self.across.half_width);
-        let uniform = operators.uniform.clone();
-        let beyond = |whole: f64, weights: &[f64]| {
-            whole - weights.iter().zip(&uniform).map(|(weight, state)| weight * state).sum::<f64>()
-        };
-        let heat = beyond(operators.heat_capacity, &operators.stored);
-        let to_air = beyond(self.cooled.transfer * operators.cooled_length, &operators.ambient_flow.states);
-        let through_top = beyond(self.top_transfer() * width, &operators.far_flow.states).max(0.0);
-        if self.top_is_prescribed() || heat < LEAST_REMAINDER * operators.heat_capacity || to_air <= 0.0 {
-            return;
-        }
-        let (norm, rate) = (heat.sqrt(), (to_air + through_top) / heat);
-        let state = operators.rate.len();
-        let take = |direct: &mut f64| std::mem::take(direct) / norm;
-        operators.rate.push(rate);
-        operators.contact.push(1.0);
-        operators.uniform.push(norm);
-        operators.stored.push(norm);
-        for (port, input) in operators.input.iter_mut().enumerate() {
-            input.push(if port == AMBIENT { rate * norm } else { 0.0 });
-        }
-        operators.modes.push(ModeStates {
-            states: state..state + 1,
-            integrals: vec![0.0; cells],
-            means: operators.temperature_by_port[AMBIENT].iter_mut().map(take).collect(),
-            by_part: vec![0.0; operators.part_areas.len()],
-        });
-        operators.distortion.extend(operators.distortion_by_port[AMBIENT].iter_mut().map(take));
-        for face in [&mut operators.cooled, &mut operators.far_face] {
-            face.states.push(take(&mut face.ports[AMBIENT]));
-        }
-        for (flow, loss) in [(&mut operators.ambient_flow, to_air), (&mut operators.far_flow, through_top)] {
-            flow.states.push(loss / norm);
-            flow.ports[AMBIENT] -= loss;
         }
     }
 

@@ -16,11 +16,13 @@
 //! Theory: docs/theory.md, sections 4.6, 4.12.
 
 use super::across::{Across, Sides, Wave};
+use super::bands::Spread;
 use super::depth::Depth;
 use super::galerkin::{Basis, Points};
 use crate::slab::principal_root;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
+use scene::FarBoundary;
 use std::f64::consts::PI;
 
 /// Number of frequencies of the error sweep, per mode.
@@ -40,6 +42,8 @@ const SLOWEST: f64 = 0.03;
 pub(super) struct Mode {
     pub wave: Wave,
     pub basis: Basis,
+    /// A uniform temperature has so much heat in this mode that it is a trial function: see [`super::bands`].
+    has_own_uniform: bool,
     /// The fastest shape is quasi-static and has no state.
     pub fastest_is_steady: bool,
     /// Error over the scale and the weight of the mode.
@@ -126,6 +130,7 @@ impl Mode {
         let mut mode = Mode {
             wave,
             basis,
+            has_own_uniform: false,
             fastest_is_steady: false,
             error: f64::INFINITY,
             tolerance,
@@ -140,15 +145,19 @@ impl Mode {
         mode
     }
 
-    /// Number of states.
+    /// Number of states, but for a uniform temperature that the heat of the body needs and not its contact.
     pub(crate) fn states(&self) -> usize {
-        self.basis.count() - usize::from(self.fastest_is_steady)
+        let own = self.has_own_uniform && self.basis.has_uniform();
+        self.basis.count() - usize::from(self.fastest_is_steady) - usize::from(own)
     }
 
     /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate of
     /// the largest error.
     fn improve(&mut self, points: &Points) {
         let last = self.frequency.len() - 1;
+        if self.has_own_uniform && self.basis.count() == 0 {
+            self.basis.add_uniform(points);
+        }
         if self.steady && !self.used[last] {
             self.used[last] = true;
             self.basis.add_response(points, 0.0);
@@ -174,7 +183,7 @@ impl Mode {
         let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, maximum);
         self.fastest_is_steady = false;
         self.error = largest(self.errors(false));
-        let uniform_alone = !self.steady && self.basis.count() == 1;
+        let uniform_alone = self.basis.count() == 1 && (self.has_own_uniform || !self.steady);
         if self.basis.count() > 0 && !uniform_alone {
             let error = largest(self.errors(true));
             if error <= self.tolerance {
@@ -210,6 +219,7 @@ impl Mode {
 
 /// Modes that together meet the tolerance with at most `most_states` states, or as nearly as these allow.
 pub(super) struct Selection {
+    pub tolerance: f64,
     /// Modes in ascending order; some of the last may have no state.
     pub modes: Vec<Mode>,
     /// Largest remaining error.
@@ -223,14 +233,22 @@ pub(super) struct Selection {
 impl Selection {
     pub(crate) fn new(across: &Across, depth: &Depth, points: &Points, scale: &Scale, most_states: usize) -> Selection {
         let width = 2.0 * across.half_width;
-        let mut modes = vec![Mode::new(across.wave(0), 0, width, depth, scale)];
+        let mode = |m: usize| {
+            // Alone it would be a band: without the next mode of its parity.
+            let both = [m, m + 2].map(|m| across.wave(m)).iter().fold(Spread::default(), |both, wave| {
+                both.and(wave.integral * wave.integral / width, wave.decay * wave.decay)
+            });
+            let own = m > 0 && depth.top == FarBoundary::Insulated && !both.is_one(scale.tolerance);
+            Mode { has_own_uniform: own, ..Mode::new(across.wave(m), m, width, depth, scale) }
+        };
+        let mut modes = vec![mode(0)];
         modes[0].basis.add_means(points);
         modes[0].judge();
         let mut states = modes[0].states();
         loop {
             // Errors of modes without states fall with their number, so one of them suffices for the comparison.
             if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
-                modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
+                modes.push(mode(modes.len()));
             }
             let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
             // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
@@ -246,6 +264,6 @@ impl Selection {
         let error = modes.iter().map(|mode| mode.error).fold(0.0, maximum);
         let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
         let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, maximum);
-        Selection { modes, error, mean_error }
+        Selection { tolerance: scale.tolerance, modes, error, mean_error }
     }
 }

@@ -6,7 +6,9 @@ use super::super::{
     Account, Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
 };
 use super::*;
+use across::Wave;
 use exact::unreduced_punch::Unreduced;
+use nalgebra::Complex;
 use parts::in_part;
 use scene::FarBoundary;
 use scene::variables::{STARTS, reference};
@@ -542,6 +544,94 @@ fn what_no_mode_carries_follows_in_its_own_time() {
         println!("{steps}: {parts:?} {followed}");
         for part in parts {
             assert!((part - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
+        }
+    }
+}
+
+/// Part of a uniform temperature left in a plate that loses heat by its sides.
+fn left(across: &Across, capacity: f64, time: f64) -> f64 {
+    let part = |wave: Wave| wave.integral.powi(2) * (-across.conductivity / capacity * wave.decay.powi(2) * time).exp();
+    (0..8000).step_by(2).map(|m| part(across.wave(m))).sum::<f64>() / (2.0 * across.half_width)
+}
+
+/// Means over the block and over the contact of the response to a flux of 1 W/m2 under an insulated top: all modes across the width
+/// and through the height, in closed form.
+fn heated(across: &Across, depth: &Depth, time: f64) -> [f64; 2] {
+    let mut means = [0.0; 2];
+    for m in (0..8000).step_by(2) {
+        let wave = across.wave(m);
+        let square = (wave.decay * wave.decay).max(1e-6);
+        let part = wave.integral * wave.integral / (2.0 * across.half_width);
+        if part == 0.0 {
+            break;
+        }
+        let (mut contact, mut n) = (depth.steady_impedance(square.sqrt()), 0.0);
+        loop {
+            let square = square + (n * std::f64::consts::PI / depth.height).powi(2);
+            let (fallen, gain) =
+                (-depth.diffusivity() * square * time, 1.0 / (depth.conductivity * square * depth.height));
+            if n == 0.0 {
+                means[0] -= part * fallen.exp_m1() * gain;
+            }
+            contact -= if n == 0.0 { 1.0 } else { 2.0 } * fallen.exp() * gain;
+            if fallen < -28.0 {
+                break;
+            }
+            n += 1.0;
+        }
+        means[1] += part * contact;
+    }
+    means
+}
+
+/// Heat that the sides take from a uniformly warm block and from one heated by the contact: within a fifth of the tolerance. A top that
+/// loses heat has few trial functions for the layer below it.
+#[test]
+fn sides_in_fast_air_cool_a_block_as_its_series_says() {
+    let (cells, none, capacity) = (cells(17), [0.0; 17], 7800.0 * 460.0);
+    for transfer in [0.0, 10.0, 100.0, 1e3, 1e4] {
+        for (conductivity, height) in [(1.5, 0.012), (55.0, 0.1)] {
+            let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer, conductivity };
+            let (top, face) = (FarBoundary::Insulated, 0.0);
+            let depth = Depth { height, conductivity, capacity, top, face, driven_top: false };
+            let slow = Complex::new(across.wave(0).decay.powi(2), 1e-2 / depth.diffusivity()).sqrt();
+            let scale = depth.impedance(slow).norm();
+            for tolerance in [1e-2, 1e-3] {
+                let run = |top: f64| {
+                    let changes = [
+                        ("punch.conductivity", conductivity),
+                        ("punch.height", height),
+                        ("punch.convection", transfer),
+                        ("punch.top_thermal", top),
+                    ];
+                    let mut run = Run::new(&scene(&changes), &cells, tolerance, 100.0);
+                    run.heat.uniform(1.0, &mut run.state);
+                    run
+                };
+                let (mut cooling, mut with_top, mut heating) = (run(3.0), run(2.0), run(3.0));
+                heating.heat.uniform(0.0, &mut heating.state);
+                let mut now = 0.0;
+                for step in [1e-3, 0.01, 0.1, 1.0, 3.0, 7.0, 20.0, 70.0, 200.0] {
+                    now += step;
+                    cooling.step(step, &none, &none);
+                    with_top.step(step, &none, &none);
+                    // A layer with one face that loses heat is half of a plate.
+                    let between_sides = left(&across, capacity, now);
+                    let under_top = left(&Across { half_width: height, ..across }, capacity, now);
+                    heating.step(step, &[1.0; 17], &[1.0; 17]);
+                    let [mean, contact] = heated(&across, &depth, now);
+                    let found = heating.temperature.iter().zip(cells.widths()).map(|(t, c)| t * c).sum::<f64>() / 0.06;
+                    let errors = [
+                        cooling.heat.mean_temperature(&cooling.state) - between_sides,
+                        with_top.heat.mean_temperature(&with_top.state) - between_sides * under_top,
+                        (heating.heat.mean_temperature(&heating.state) - mean) / scale,
+                        (found - contact) / scale,
+                    ];
+                    let bounds = [0.2, 0.4, 0.2, 1.0].map(|part| part * tolerance);
+                    let within = errors.iter().zip(bounds).all(|(error, bound)| error.abs() < bound);
+                    assert!(within, "{transfer} {conductivity} {tolerance} {now} s: {errors:?}");
+                }
+            }
         }
     }
 }
