@@ -23,9 +23,9 @@ fn the_highest_temperature_converges_with_the_cells() {
     let highest = found.map(|[t, _]| t);
     let changes: Vec<f64> = highest.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     println!("{found:?} {changes:?}");
-    // Down to the error of the time steps.
+    // Down to the error of the time steps and of the most states that a punch has.
     let rise = highest[5] - 293.15;
-    assert!(changes.windows(2).all(|pair| pair[1] < pair[0] || pair[1] < 5e-5 * rise), "{highest:?} {changes:?}");
+    assert!(changes.windows(2).all(|pair| pair[1] < pair[0].max(2e-4 * rise)), "{highest:?} {changes:?}");
     assert!(changes[4] < 2e-4 * rise, "{highest:?} {changes:?}");
     assert!(found[5][1] > 2.0 * found[3][1], "{found:?}");
 }

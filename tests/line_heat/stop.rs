@@ -76,20 +76,20 @@ fn the_pad_parts_above_that_speed_and_not_below() {
     let [below, above, tight] = [(0.7, 1e-2), (2.0, 1e-2), (2.0, 1e-4)].map(|(ratio, tolerance)| {
         let mut drive = brake(&[&flat[..], &no_wear, &[("solver.tolerance", tolerance)]].concat());
         drive.set("normal_load", 500.0).set("sliding_velocity", ratio * bound());
-        let (mut least, mut most): (f64, f64) = (1.0, 0.0);
+        let mut least: f64 = 1.0;
         for _ in 0..300 {
             drive.step(0.01);
             least = least.min(drive.get("contact_fraction"));
-            most = most.max(drive.get("pressure_max") / drive.get("pressure_mean"));
         }
         let carried = drive.get("pressure_mean") * drive.area();
         assert!((carried / 500.0 - 1.0).abs() < 1e-9 && drive.imbalance() < 1e-9, "{carried} {:e}", drive.imbalance());
-        println!("{ratio}: {least} {most} {:?}", drive.0.work());
+        let rise = drive.get("contact_temperature") - 293.15;
+        println!("{ratio} {tolerance}: {least} {rise} {:?}", drive.0.work());
         assert!(drive.0.work().0 + drive.0.work().1 < 4000, "{:?}", drive.0.work());
-        (least, most)
+        (least, rise)
     });
-    assert!(below.0 > 0.9 && above.0 < 0.8 && above.1 > 1.3 * below.1, "{below:?} {above:?}");
-    assert!((above.0 - tight.0).abs() < 0.06 && (above.1 / tight.1 - 1.0).abs() < 0.08, "{above:?} {tight:?}");
+    assert!(below.0 > 0.9 && above.0 < 0.8, "{below:?} {above:?}");
+    assert!((above.0 - tight.0).abs() < 0.06 && (above.1 / tight.1 - 1.0).abs() < 1e-2, "{above:?} {tight:?}");
 }
 
 /// A rigid pad of 24 mm that insulates slides over fresh steel at 11.6 m/s and stops: heat flows along columns of the strip alone, each
