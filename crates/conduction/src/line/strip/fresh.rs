@@ -63,6 +63,7 @@ impl StripHeat {
         let gap = older_low.max(-older_high);
         let reach = [low, older_low].into_iter().chain(own).fold(0.0, |reach: f64, end| reach.max(-end));
         let reach = [high, older_high].into_iter().chain(own).fold(reach, f64::max);
+        // A contact that comes back may stretch further: then its oldest heat goes before an image of it arrives.
         let leaves = gap >= fresh.way || reach > 3.0 * fresh.way;
         let stretches =
             if leaves { [own, [low, high]] } else { [[low.min(own[0]), high.max(own[1])], [older_low, older_high]] };
