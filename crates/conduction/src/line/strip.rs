@@ -354,7 +354,8 @@ impl Observed for StripHeat {
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         let Scratch { amplitude, response, .. } = &mut *scratch;
         operators.observe_one(amplitude, &mut response[0], level, temperature);
-        operators.table.add_response(0, velocity, flux, &mut scratch.frozen, temperature);
+        operators.table.respond(0, velocity, &mut scratch.frozen);
+        dense::multiply_add(scratch.frozen.as_slice(), flux, temperature);
     }
 
     fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
@@ -370,7 +371,8 @@ impl Observed for StripHeat {
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         let Scratch { moved, response, .. } = &mut *scratch;
         operators.observe_one(moved, &mut response[0], operators.mean_distortion * level, distortion);
-        operators.table.add_response(1, velocity, flux, &mut scratch.frozen, distortion);
+        operators.table.respond(1, velocity, &mut scratch.frozen);
+        dense::multiply_add(scratch.frozen.as_slice(), flux, distortion);
     }
 
     fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {

@@ -1,6 +1,13 @@
 //! What tests of several bodies share: the stages of a step with fluxes into cells and cooled faces.
 
+use super::punch::mate::reduce_mate;
+use super::punch::reduce;
+use super::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Surroundings, ThermalBody};
+use elasticity::Cells;
+use nalgebra::DVector;
+use scene::variables::{STARTS, reference};
+use scene::{FarBoundary, Scene};
 
 /// Temperatures and distortion of the cells and temperatures of the cooled faces at a stage of the prepared step; `known` as in
 /// [`SingleStep::free_response`], `own` the fluxes of the stage into the cells.
@@ -56,5 +63,94 @@ fn linear_surroundings_have_their_mean() {
         (linear.fall(Stage::First).far, GAMMA * 6.0),
     ] {
         assert!((got - expected).abs() < 1e-14, "{got} {expected}");
+    }
+}
+
+/// Two bodies in perfect contact, whose surfaces differ in temperature in the first step only: the largest flux after the first step and
+/// after `count` steps, W/m2.
+fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count: usize) -> [f64; 2] {
+    let cells = bodies[0].cells();
+    let (zeros, around) = (vec![0.0; cells], Surroundings::default());
+    bodies[0].prepare(step, [0.0; 2]);
+    bodies[1].prepare(step, [velocity; 2]);
+    let mut states = bodies.each_ref().map(|body| vec![0.0; body.states()]);
+    let mut sizes = [0.0; 2];
+    for number in 0..count {
+        let mut fluxes = [[zeros.clone(), zeros.clone()], [zeros.clone(), zeros.clone()]];
+        for stage in [Stage::First, Stage::End] {
+            let [mut here, mut there, mut moved] = [0; 3].map(|_| zeros.clone());
+            let known = &fluxes[0];
+            bodies[0].free_response(&states[0], &around, stage, &known[0], &mut here, &mut moved);
+            bodies[1].free_response(&states[1], &around, stage, &known[1], &mut there, &mut moved);
+            let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
+            let difference = DVector::from_fn(cells, |i, _| there[i] - here[i] + jump(i));
+            let both = &bodies[0].influence(stage).temperature + &bodies[1].influence(stage).temperature;
+            let flux: Vec<f64> = both.lu().solve(&difference).unwrap().iter().copied().collect();
+            fluxes[stage as usize] = [flux.clone(), flux.iter().map(|q| -q).collect()];
+        }
+        for (b, (body, state)) in bodies.iter().zip(&mut states).enumerate() {
+            body.step(state, &around, &fluxes[0][b], &fluxes[1][b]);
+        }
+        let size = fluxes[1][0].iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+        sizes = if number == 0 { [size; 2] } else { [sizes[0], size] };
+    }
+    sizes
+}
+
+#[test]
+fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
+    let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
+        let properties = StripProperties {
+            height: 0.05,
+            conductivity,
+            capacity,
+            convection: 0.0,
+            base: FarBoundary::Held,
+            path,
+            expansion: None,
+            lateral: None,
+        };
+        let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
+        Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
+    };
+    let of_scene = |changes: &[(&str, f64)]| {
+        let mut values = STARTS;
+        changes.iter().for_each(|(name, value)| values[reference(name) as usize] = *value);
+        Scene::new(&values, None).unwrap()
+    };
+    let punch = |scene: &Scene, cells: &Cells| {
+        Box::new(reduce(scene, cells, 1e-3, 2.0).unwrap().unwrap()) as Box<dyn ThermalBody>
+    };
+    let length = 0.0754;
+    let cells = Cells::uniform(0.5 * length, 8).unwrap();
+    let (steel, ceramic) = ((55.0, 3.588e6), (1.46, 1.991e6));
+    let still = strip(steel, SlidingPath::Closed(length), &cells);
+    let paths = [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional];
+    let mut pairs: Vec<_> =
+        paths.map(|path| (format!("{path:?}"), [still.clone(), strip(ceramic, path, &cells)])).into();
+    let (block, cells) =
+        (of_scene(&[("punch.width", 0.04), ("punch.convection", 300.0)]), Cells::graded(0.02, 9).unwrap());
+    pairs.push(("block".into(), [punch(&block, &cells), strip(steel, SlidingPath::Unidirectional, &cells)]));
+    let ring = of_scene(&[
+        ("contact.geometry", 2.0),
+        ("contact.mean_radius", 0.0945),
+        ("depth", 0.59376),
+        ("punch.width", 0.039),
+        ("punch.height", 0.0035),
+        ("punch.conductivity", 0.8),
+        ("strip.path", 2.0),
+        ("strip.length", 0.0),
+        ("strip.height", 0.012),
+    ]);
+    let cells = Cells::graded(0.0195, 9).unwrap();
+    let mate = reduce_mate(&ring, &cells, 1e-3, 2.0).unwrap().unwrap();
+    pairs.push(("ring".into(), [punch(&ring, &cells), Box::new(mate)]));
+    for (name, bodies) in &mut pairs {
+        for velocity in [0.01, 0.05, 0.5] {
+            for step in [1e-12, 1e-10, 1e-8, 1e-6, 1e-3, 3e-3, 1e-2, 0.1] {
+                let [first, last] = decay(bodies, velocity, step, 60);
+                assert!(last < 0.1 * first, "{name} {velocity} m/s, {step} s: {first:e} W/m2 became {last:e}");
+            }
+        }
     }
 }

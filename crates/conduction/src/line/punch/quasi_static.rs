@@ -81,15 +81,19 @@ impl Assembly<'_> {
     /// Replaces the direct feedthrough by first-order states; called when all other operators are complete.
     pub(super) fn give_first_order_dynamics(&self, operators: &mut ReducedOperators) {
         let count = self.cells.count();
-        let beyond = self.quasi_static_modes();
-        let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
-        let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
-        let mut moment = self.waves.sum(beyond, |_, wave| self.time_constant(wave.decay) * impedance(wave));
+        // Integrals of the temperature; all of it, so that no feedthrough remains, which the sum of a series would leave with either sign.
+        let mut steady = operators.temperature_by_flux.clone();
+        for (mut row, width) in steady.row_iter_mut().zip(&operators.widths) {
+            row *= *width;
+        }
+        let steady = 0.5 * (&steady + steady.transpose());
+        let mut moment = self.waves.sum(self.quasi_static_modes(), |_, wave| {
+            self.time_constant(wave.decay) * self.depth.steady_impedance(wave.decay)
+        });
         for (m, mode) in self.modes.iter().enumerate() {
             if let Some(shape) = &mode.feedthrough {
                 let gain = shape.contact * shape.contact / shape.rate;
                 let integrals = DVectorView::from_slice(self.waves.integrals(m), count);
-                steady.ger(gain, &integrals, &integrals, 1.0);
                 moment.ger(gain * DISTORTION_OVER_TEMPERATURE / shape.rate, &integrals, &integrals, 1.0);
             }
         }

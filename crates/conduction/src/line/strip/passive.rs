@@ -69,20 +69,34 @@ impl Passive {
         }
     }
 
+    /// Symmetric part of an influence per heat, of one parity, into `part`.
+    fn take_part(&mut self, influence: &DMatrix<f64>, parity: f64) {
+        let (count, size) = (self.widths.len(), self.uniform.len());
+        for b in 0..size {
+            for a in 0..size {
+                let per_heat = |i: usize, j: usize| influence[(i, j)] / self.widths[j];
+                let direct = per_heat(a, b) + per_heat(b, a);
+                let mirrored = per_heat(a, count - 1 - b) + per_heat(count - 1 - b, a);
+                self.part[b * size + a] = 0.25 * (direct + parity * mirrored);
+            }
+        }
+    }
+
+    /// Whether the symmetric part of an influence per flux, N x N, has no negative eigenvalue.
+    pub(crate) fn is_passive(&mut self, influence: &DMatrix<f64>) -> bool {
+        [1.0, -1.0].into_iter().all(|parity| {
+            self.take_part(influence, parity);
+            self.has_factor()
+        })
+    }
+
     /// Removes the negative eigenvalues of the symmetric part of an influence per flux, N x N.
     pub(crate) fn make_passive(&mut self, influence: &mut DMatrix<f64>) {
         let (count, size) = (self.widths.len(), self.uniform.len());
         for parity in [1.0, -1.0] {
-            for b in 0..size {
-                for a in 0..size {
-                    let per_heat = |i: usize, j: usize| influence[(i, j)] / self.widths[j];
-                    let direct = per_heat(a, b) + per_heat(b, a);
-                    let mirrored = per_heat(a, count - 1 - b) + per_heat(count - 1 - b, a);
-                    self.part[b * size + a] = 0.25 * (direct + parity * mirrored);
-                }
-            }
-            let mut part = std::mem::take(&mut self.part);
-            if !self.is_passive(&part, size) {
+            self.take_part(influence, parity);
+            if !self.has_factor() {
+                let mut part = std::mem::take(&mut self.part);
                 self.before.copy_from_slice(&part);
                 self.project(&mut part, size, parity > 0.0);
                 for b in 0..size {
@@ -102,8 +116,8 @@ impl Passive {
                         }
                     }
                 }
+                self.part = part;
             }
-            self.part = part;
         }
     }
 
@@ -115,9 +129,11 @@ impl Passive {
         }
     }
 
-    /// Whether the symmetric part has no eigenvalue below 0, but for rounding: its Cholesky factor exists.
-    fn is_passive(&mut self, values: &[f64], size: usize) -> bool {
-        self.set(values, size);
+    /// Whether `part` has no eigenvalue below 0, but for rounding: its Cholesky factor exists.
+    fn has_factor(&mut self) -> bool {
+        let (part, size) = (std::mem::take(&mut self.part), self.uniform.len());
+        self.set(&part, size);
+        self.part = part;
         let matrix = &mut self.matrix;
         let shift = 1e-12 * (0..size).map(|i| matrix[(i, i)].abs()).fold(0.0, maximum);
         for k in 0..size {

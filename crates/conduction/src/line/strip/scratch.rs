@@ -4,6 +4,7 @@
 
 use super::operators::StripOperators;
 use super::stage_response::RANK;
+use nalgebra::DMatrix;
 
 /// Preallocated vectors of the evaluations.
 #[derive(Clone, Debug)]
@@ -15,7 +16,7 @@ pub(crate) struct Scratch {
     pub fold: [Vec<f64>; 2],
     pub response: [[Vec<f64>; 2]; 2],
     /// Workspace of the direct feedthrough at frozen state.
-    pub frozen: [Vec<f64>; 2],
+    pub frozen: DMatrix<f64>,
     /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
@@ -39,7 +40,7 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             response: [halves(), halves()],
-            frozen: [vec![0.0; count], vec![0.0; count]],
+            frozen: DMatrix::zeros(count, count),
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),

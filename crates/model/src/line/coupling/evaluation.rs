@@ -13,7 +13,7 @@ impl ThermalCoupling {
     /// Free response of both bodies at the first stage: temperature and distortion for zero flux into its cells.
     pub(super) fn begin_first(&mut self, state: &HeatState) -> [Option<First>; 2] {
         self.deviate_faces(state);
-        let back = -GAMMA * self.step;
+        let back = -GAMMA * state.ahead(self.step);
         let firsts = [0, 1].map(|side| {
             let response = [&mut self.iterate.free_response[side][..], &mut self.iterate.free_distortion[side]];
             let around = &self.surroundings[side];

@@ -207,7 +207,7 @@ impl ThermalCoupling {
         for face in &self.faces.faces {
             let deviation = &mut self.surroundings[face.side].deviation;
             let deviation = if face.face == BESIDE { &mut deviation.cooling } else { &mut deviation.far };
-            *deviation = -GAMMA * self.step * state.cooling_slope[face.side][face.face];
+            *deviation = -GAMMA * state.ahead(self.step) * state.cooling_slope[face.side][face.face];
         }
     }
 

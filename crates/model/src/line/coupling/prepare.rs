@@ -100,12 +100,9 @@ impl ThermalCoupling {
         let state = state_of(given);
         let were_whole = self.contact_parts.iter().all(ContactParts::is_whole);
         for (contact_parts, ahead) in self.contact_parts.iter_mut().zip([GAMMA * step, step]) {
-            // Longest extrapolation of the edges, in lengths of the last step: step control doubles a step at most. Where the importer
-            // increases the step by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end
-            // of the next.
             match self.open {
                 true => contact_parts.make_whole(),
-                false => edges.find(&state.edges, ahead.min(2.0 * state.last_step), contact_parts),
+                false => edges.find(&state.edges, state.ahead(ahead), contact_parts),
             }
         }
         if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {

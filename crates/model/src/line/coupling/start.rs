@@ -43,9 +43,10 @@ impl ThermalCoupling {
         if self.needs_no_start() {
             return self.start_from_zero(0);
         }
+        let ahead = state.ahead(self.step);
         for i in 0..pressure.len() {
-            self.flux[0][0][i] = extrapolate_linearly(state.flux[0][i], state.slope[0][i], self.step);
-            self.iterate.pressure[i] = extrapolate_linearly(pressure[i], state.pressure_slope[i], self.step).max(0.0);
+            self.flux[0][0][i] = extrapolate_linearly(state.flux[0][i], state.slope[0][i], ahead);
+            self.iterate.pressure[i] = extrapolate_linearly(pressure[i], state.pressure_slope[i], ahead).max(0.0);
         }
     }
 
@@ -54,7 +55,7 @@ impl ThermalCoupling {
         if self.needs_no_start() {
             return self.start_from_zero(1);
         }
-        let (step, last) = (self.step, state.last_step);
+        let (step, last) = (state.ahead(self.step), state.last_step);
         let [first, end] = &mut self.flux;
         for i in 0..pressure[0].len() {
             end[0][i] = extrapolate_quadratically(state.flux[0][i], first[0][i], state.slope[0][i], step, last);

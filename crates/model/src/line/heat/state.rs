@@ -171,6 +171,12 @@ impl HeatState {
         self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
+    /// Longest time within `length` (s) over which rates of the last step extrapolate. Step control doubles a step at most; where a step
+    /// is longer, perhaps after microseconds up to an event, a rate over the last step says nothing about it.
+    pub(crate) fn ahead(&self, length: f64) -> f64 {
+        length.min(2.0 * self.last_step)
+    }
+
     /// Heat balance of a body since initialisation, J per m of depth.
     pub(crate) fn account(&self, body: usize, heat: &dyn ThermalBody) -> Account {
         let now = entries(heat.account(&self.bodies[body]));

@@ -207,51 +207,6 @@ fn everything_at_one_temperature_stays_there() {
 }
 
 #[test]
-fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
-    // Steel at rest on a rotating glass ceramic: for any initial jump the flux between them decays.
-    let count = 8;
-    let length = 0.0754;
-    let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
-    let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
-        let properties = StripProperties { conductivity, capacity, ..steel(0.05, FarBoundary::Held, path, 0.0) };
-        StripHeat::new(&properties, &cells, &resolution).unwrap()
-    };
-    for path in [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional] {
-        let (mut still, mut moving) = (body(55.0, 3.588e6, SlidingPath::Closed(length)), body(1.46, 1.991e6, path));
-        for velocity in [0.01, 0.05, 0.5] {
-            for step in [1e-3, 3e-3, 1e-2, 0.1] {
-                still.prepare(step, [0.0; 2]);
-                moving.prepare(step, [velocity; 2]);
-                let (mut own, mut other) = (vec![0.0; still.states()], vec![0.0; moving.states()]);
-                let air = Surroundings::default();
-                let mut sizes = Vec::new();
-                for number in 0..60 {
-                    let mut fluxes = [vec![0.0; count], vec![0.0; count]];
-                    for (s, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
-                        let [mut here, mut there, mut moved] = [0; 3].map(|_| vec![0.0; count]);
-                        let back: Vec<f64> = fluxes[0].iter().map(|q| -q).collect();
-                        still.free_response(&own, &air, stage, &fluxes[0], &mut here, &mut moved);
-                        moving.free_response(&other, &air, stage, &back, &mut there, &mut moved);
-                        // A temperature jump between the surfaces in the first step only.
-                        let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
-                        let difference = nalgebra::DVector::from_fn(count, |i, _| there[i] - here[i] + jump(i));
-                        let both = &still.influence(stage).temperature + &moving.influence(stage).temperature;
-                        fluxes[s] = both.lu().solve(&difference).unwrap().iter().copied().collect();
-                    }
-                    let back = fluxes.each_ref().map(|flux| flux.iter().map(|q| -q).collect::<Vec<f64>>());
-                    still.step(&mut own, &air, &fluxes[0], &fluxes[1]);
-                    moving.step(&mut other, &air, &back[0], &back[1]);
-                    sizes.push(fluxes[1].iter().fold(0.0, |most: f64, q| most.max(q.abs())));
-                }
-                let (first, last) = (sizes[0], sizes[59]);
-                assert!(last < 0.1 * first, "{path:?} {velocity} m/s, {step} s: {first:e} W/m2 became {last:e}");
-            }
-        }
-    }
-}
-
-#[test]
 fn an_open_contact_is_one_without_fluxes_whatever_was_prepared_before() {
     for (path, convection, base) in [
         (SlidingPath::Closed(0.1), 2000.0, FarBoundary::Convecting(500.0)),
