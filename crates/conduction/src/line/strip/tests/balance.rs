@@ -1,7 +1,7 @@
 //! Consistency of stages, states and heat balance, and the paths of heat loss.
 
 use super::{expanding, march, mean, steel, uneven};
-use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::tests::{at_stage, in_two_parts};
 use crate::line::{
     Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
