@@ -199,3 +199,35 @@ fn a_load_of_rounding_leaves_the_contact_open() {
         }
     }
 }
+
+/// Under a wind that falls the parts of wind and temperature in the error of a step cancel at one point of it; and a capacity that follows the
+/// temperature errs where all fluxes are exact.
+#[test]
+fn a_hot_strip_cools_the_same_in_one_step_and_in_fifty() {
+    for (name, forced, wind) in [("published/sliding_punch", 50.0, [20.0, 0.7]), ("clutch", 0.0, [0.0, 0.0])] {
+        for tenths in 0..=35 {
+            let duration = 10f64.powf(0.1 * f64::from(tenths));
+            let cooled = |steps: usize| {
+                let own = [
+                    ("solver.fidelity", LUMPED),
+                    ("solver.tolerance", TOLERANCE),
+                    ("strip.initial_at_ambient", 0.0),
+                    ("strip.initial_temperature", 700.0),
+                    ("strip.convection", 60.0),
+                    ("strip.convection_forced", forced),
+                ];
+                let mut drive = Drive::from_starts(&scene(name), &own);
+                let range = 700.0 - drive.get("ambient_temperature");
+                let still = ("normal_load", [0.0; 2]);
+                let ramps =
+                    [still, still, still, ("cooling_velocity", wind), ("ambient_temperature_offset", [0.0, 10.0])];
+                run(&mut drive, &ramps, duration, steps).unwrap();
+                temperatures(&mut drive).map(|t| t / range)
+            };
+            for (one, fine) in cooled(1).into_iter().zip(cooled(50)) {
+                let apart = (one - fine).abs();
+                assert!(apart < 1.5 * TOLERANCE, "{name}, {duration} s: {apart:e}");
+            }
+        }
+    }
+}
