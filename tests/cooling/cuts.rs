@@ -231,3 +231,26 @@ fn a_hot_strip_cools_the_same_in_one_step_and_in_fifty() {
         }
     }
 }
+
+/// Hot on cold in perfect contact: the flux begins as the inverse root of time, which no step resolves and time forgets.
+#[test]
+fn bodies_of_two_temperatures_may_touch_at_any_tolerance() {
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let touching = |steps: u32| {
+            let own = [
+                ("solver.fidelity", LUMPED),
+                ("solver.tolerance", tolerance),
+                ("punch.initial_at_ambient", 0.0),
+                ("punch.initial_temperature", 900.0),
+                ("strip.initial_at_ambient", 0.0),
+                ("strip.initial_temperature", 300.0),
+            ];
+            let mut drive = Drive::from_starts(&scene("published/hot_bands"), &own);
+            temperatures(drive.set("normal_load", 1e5).steps(steps, 20.0 / f64::from(steps))).map(|t| t / 600.0)
+        };
+        for (one, fine) in touching(1).into_iter().zip(touching(100)) {
+            let apart = (one - fine).abs();
+            assert!(apart < 1.5 * tolerance, "{tolerance}: {apart:e}");
+        }
+    }
+}

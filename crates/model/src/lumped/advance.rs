@@ -89,6 +89,7 @@ impl Lumped {
             let stepper = Stepper {
                 flash: &mut self.flash,
                 cut: 1.0,
+                left: 1.0,
                 ends: None,
                 operators: &self.operators,
                 friction: &self.friction,
@@ -266,6 +267,7 @@ impl Lumped {
                     let mut stepper = Stepper {
                         flash: &mut self.flash,
                         cut: parts as f64,
+                        left: (parts - done) as f64,
                         ends: whole.as_ref(),
                         operators: &self.operators,
                         friction: &self.friction,

@@ -400,6 +400,11 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         self.add_fluxes(free, &own.mean, 2)
     }
 
+    /// Mean temperature of the body at the end per flux from the contact that is constant over the step, K m2/W.
+    pub(crate) fn kept(&self) -> f64 {
+        self.own.map_or(0.0, |(own, _)| own.mean.gain[Port::Contact as usize][2].iter().sum())
+    }
+
     /// Approach by the thermal expansion of the body at a point, m.
     pub(crate) fn expansion(&self, state: &BodyState, point: usize) -> f64 {
         let Some((own, count)) = self.own else { return 0.0 };
