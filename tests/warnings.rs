@@ -269,6 +269,8 @@ fn a_scene_made_to_slide_above_its_critical_speed_starts_in_silence_and_the_run_
         };
         assert_eq!(after(0.99, 1.0), SILENT);
         assert_eq!(after(9.0, 0.0), SILENT);
+        // A load that is 0 but for rounding.
+        assert_eq!(after(9.0, 1e-13), SILENT);
         let told = after(9.0, 1.0);
         assert_one(&told, &["thermoelastically unstable: pressure perturbations may have grown by exp("]);
         assert_eq!(told[0].contains("this level has one temperature along the contact"), coarse);

@@ -3,13 +3,21 @@
 //! Theory: docs/theory.md, section 5.1.
 
 use super::Inputs;
+use numerics::scalar::Scalar;
 
 /// Part of the step within which an event is assigned to the end of the step next to it. The inputs there differ from 0 by this
 /// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
 pub(crate) const AT_END: f64 = 1e-9;
 
 /// Load, relative to the nominal one, up to which the contact is open: rounding of an input that is intended to be 0.
-pub(crate) const UNLOADED: f64 = 1e-12;
+const UNLOADED: f64 = 1e-12;
+
+/// Load (N) on the contact at this one of an input, at this nominal load, N. Any load at all would close the contact, whose surfaces then
+/// exchange heat.
+#[inline]
+pub(crate) fn load_on_contact<S: Scalar>(load: S, nominal: f64) -> S {
+    if load.value() <= UNLOADED * nominal { S::from(0.0) } else { load }
+}
 
 /// Whether the load falls below 0 in a step from `inputs` to `end` by more than the rounding of an input that is intended to be 0, at
 /// this nominal load, N.

@@ -7,6 +7,7 @@ use super::Line;
 use super::operators::LineOperators;
 use super::trajectory::StageConditions;
 use crate::Inputs;
+use crate::events::load_on_contact;
 use crate::lumped::outputs::write_limits;
 use contact::Normal;
 use contact::wear::line::Disturbance;
@@ -44,7 +45,7 @@ impl Line {
 
     /// Conditions of the contact for these inputs at frozen states.
     fn moment(&mut self, inputs: &Inputs) -> StageConditions {
-        let load = maximum(inputs.normal_load, 0.0);
+        let load = load_on_contact(inputs.normal_load, self.operators.scene.nominal_load);
         let point = self.mean.point(inputs);
         let contact_temperature_of_cells = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
         let velocity = inputs.velocity(self.operators.scene.mean_radius);
@@ -216,8 +217,8 @@ impl Line {
         let duals = inputs.zip(seed, |value, derivative| Dual { value, derivative });
         let point = self.mean.dual_point(&duals);
         let full = operators.mean.scene.faces * operators.mean.power_factor;
-        let load = maximum(inputs.normal_load, 0.0);
-        let load_rate = if inputs.normal_load > 0.0 { seed.normal_load } else { 0.0 };
+        let load = load_on_contact(inputs.normal_load, scene.nominal_load);
+        let load_rate = if load > 0.0 { seed.normal_load } else { 0.0 };
         let signed_rate = if load > 0.0 {
             (point.force.derivative - moment.signed_friction * full * load_rate) / (full * load)
         } else {

@@ -4,7 +4,7 @@
 
 use super::operators::LineOperators;
 use crate::Inputs;
-use crate::events::UNLOADED;
+use crate::events::load_on_contact;
 use conduction::line::GAMMA;
 use contact::friction::FrictionLaw;
 
@@ -106,8 +106,7 @@ pub(crate) struct InputTrajectory {
     heat: LumpedTemperature,
     friction: FrictionLaw,
     mean_radius: f64,
-    /// Largest load of an open contact, N.
-    unloaded: f64,
+    nominal_load: f64,
     /// Sliding direction throughout the piece; 0 at rest.
     direction: f64,
 }
@@ -132,8 +131,7 @@ impl InputTrajectory {
             heat,
             friction,
             mean_radius,
-            // Any load at all would bring the surfaces together, which then exchange heat, and let them part again.
-            unloaded: UNLOADED * operators.scene.nominal_load,
+            nominal_load: operators.scene.nominal_load,
             direction: 0.0,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
@@ -145,8 +143,7 @@ impl InputTrajectory {
 
     /// Load of the actuator at `time` (s from the start of the piece), N, >= 0.
     fn load(&self, time: f64) -> f64 {
-        let load = self.inputs(time).normal_load;
-        if load > self.unloaded { load } else { 0.0 }
+        load_on_contact(self.inputs(time).normal_load, self.nominal_load)
     }
 
     /// Slip speed of a bristle at `time` (s from the start of the piece) over that in the middle: the ratio of the velocities, which

@@ -10,7 +10,7 @@ use super::state::LumpedState;
 use super::stepper::{Attempt, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
-use crate::events::{edges, load_is_negative};
+use crate::events::{edges, load_is_negative, load_on_contact};
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
@@ -89,6 +89,7 @@ impl Lumped {
             let stepper = Stepper {
                 flash: &mut self.flash,
                 cut: 1.0,
+                left: 1.0,
                 ends: None,
                 operators: &self.operators,
                 friction: &self.friction,
@@ -266,6 +267,7 @@ impl Lumped {
                     let mut stepper = Stepper {
                         flash: &mut self.flash,
                         cut: parts as f64,
+                        left: (parts - done) as f64,
                         ends: whole.as_ref(),
                         operators: &self.operators,
                         friction: &self.friction,
@@ -369,7 +371,7 @@ impl Lumped {
     #[inline]
     fn grow(&mut self, velocities: [f64; 2], load: f64, step: f64) {
         let operators = &self.operators;
-        if load <= 0.0 || self.state.limits & limit::UNSTABLE != 0 {
+        if load_on_contact(load, operators.scene.nominal_load) == 0.0 || self.state.limits & limit::UNSTABLE != 0 {
             return;
         }
         let speed = velocities[0].abs().max(velocities[1].abs());

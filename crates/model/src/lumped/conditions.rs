@@ -5,6 +5,7 @@
 use super::air::FAR;
 use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;
+use crate::events::load_on_contact;
 use numerics::scalar::Scalar;
 use scene::{Scene, ThermalBoundary};
 
@@ -150,7 +151,7 @@ impl<S: Scalar> Conditions<S> {
         };
         Conditions {
             velocity,
-            load: inputs.normal_load.positive(),
+            load: load_on_contact(inputs.normal_load, scene.nominal_load),
             slip: sign * velocity,
             sign,
             stribeck: operators.friction.stribeck(velocity),

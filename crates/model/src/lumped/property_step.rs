@@ -39,6 +39,8 @@ pub(crate) struct PropertyStep {
     start: [f64; 2],
     /// Mean temperatures at its end by the equations of the step, K.
     ends: [f64; 2],
+    /// Its length, s.
+    step: f64,
     tolerance: f64,
 }
 
@@ -51,6 +53,7 @@ impl PropertyStep {
             part: [0.0; 2],
             within: [[f64::INFINITY, 0.0]; 2],
             ends: [0.0; 2],
+            step: 0.0,
             scales: [Scales::ONE; 2],
             repeats: false,
             start: [0.0; 2],
@@ -60,6 +63,7 @@ impl PropertyStep {
 
     /// Predicts the temperatures in the middle of a step of `step` (s) from `state`; returns those of its properties.
     pub(crate) fn predict(&mut self, operators: &LumpedOperators, state: &LumpedState, step: f64) -> [f64; 2] {
+        self.step = step;
         for (side, (body, own)) in operators.bodies().into_iter().zip([&state.punch, &state.strip]).enumerate() {
             if let (Some(_), Some(heat)) = (&body.properties, &body.heat) {
                 let start = state.reference + body.mean_rise(heat, &own.heat, state.far[side]);
@@ -96,13 +100,13 @@ impl PropertyStep {
 
     /// Error of the step by properties that are constant during it, in units of the tolerance: their difference from those at the temperatures
     /// which the step leads to, and a twelfth of the square of their change, each times the deviation of the contact temperature from
-    /// the mean. `ends`: mean temperatures (K) at the end of the step; `contact`: the contact temperature there; `peak_rise` as in the
+    /// the mean; and, where heat leaves, a twelfth of their change times that of the mean, which settles at the slowest rate. `ends`: mean temperatures (K) at the end of the step; `contact`: the contact temperature there; `peak_rise` as in the
     /// state.
     pub(crate) fn error(&mut self, operators: &LumpedOperators, ends: [f64; 2], contact: f64, peak_rise: f64) -> f64 {
         let (mut missed, mut curved) = (0.0, 0.0);
         self.ends = ends;
         for (side, body) in operators.bodies().into_iter().enumerate() {
-            let Some(properties) = &body.properties else { continue };
+            let (Some(properties), Some(heat)) = (&body.properties, &body.heat) else { continue };
             let found = 0.5 * (self.start[side] + ends[side]);
             self.found[side] = found;
             let deviation = (contact - found).abs();
@@ -119,7 +123,8 @@ impl PropertyStep {
                 missed += miss * deviation / allowed;
             }
             let change = properties.change([self.start[side], ends[side]], enough.sqrt());
-            curved += change * change / 12.0 * deviation / allowed;
+            let settled = heat.rate[0] * self.scales[side].pace * self.step * (ends[side] - self.start[side]).abs();
+            curved += change * (change * deviation + settled) / 12.0 / allowed;
         }
         self.repeats = missed > 1.0 && curved <= 1.0;
         maximum(missed, curved)

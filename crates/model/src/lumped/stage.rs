@@ -251,6 +251,8 @@ pub(crate) struct Propagator {
     /// Temperatures of the face itself, of the contact and of the body's mean at the end, per flux into a face that is constant over the
     /// step, K m2/W.
     pub by_face: [[f64; 3]; FACES],
+    /// Direct feedthrough of every port to the temperatures of the cooled faces.
+    pub direct: [[f64; PORTS]; FACES],
     linear: LinearFaces,
     /// Heat (J/m2) that leaves by the constant heat transfer over the step, per initial state and per stage value of every port.
     lost: ([f64; MAX_STATES], [Pair; PORTS]),
@@ -335,6 +337,8 @@ impl Propagator {
         let by_face = [BESIDE, FAR].map(|face| {
             [&cooled[face], &contact, &mean].map(|one| one.gain[PORTS_OF_FACES[face]][2].iter().sum::<f64>())
         });
+        let direct = [&body.cooled_temperature, &body.base_temperature]
+            .map(|observation| std::array::from_fn(|port| observation.direct[port] * weight[port]));
         let linear = LinearFaces::new(&cooled, &air);
         let [beside, far] = &mut cooled;
         for observed in [&mut contact, &mut mean, beside, far] {
@@ -366,7 +370,7 @@ impl Propagator {
         });
         let update = [Port::Ambient, Port::Base]
             .map(|port| [0, 1].map(|stage| std::array::from_fn(|k| update(port as usize, stage, k))));
-        Some(Propagator { contact, cooled, mean, by_face, linear, lost, air, groups, update })
+        Some(Propagator { contact, cooled, mean, by_face, direct, linear, lost, air, groups, update })
     }
 
     /// Whether a face is linear.

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 6.8, 4.11.
 
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
-use super::estimate::cooling_error;
+use super::estimate::{cooling_error, varying_cooling_error};
 use super::operators::BodyOperators;
 use super::point::{air_flux, cooling_flux, cooling_slope};
 use super::property_step::PropertyStep;
@@ -324,13 +324,21 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         }
     }
 
-    /// Error of the step by the cooling, in K, from the residuals of its laws at the point 2/3 with the conditions `middle`, and the
-    /// largest temperature of a face that is solved for, K. Where fluxes relax, a linear face has a bound in place of its residual: a flux
-    /// that relaxes deviates from the line through both stages by at most half their difference.
+    /// Error of the step by the cooling, in K, from the residuals of its laws at the point 2/3 with the conditions `middle`, and at the
+    /// start with those `start` where they change; and the largest temperature of a face that is solved for, K. Where fluxes relax, a linear
+    /// face has a bound in place of its residual: a flux that relaxes deviates from the line through both stages by at most half their
+    /// difference.
     #[inline(always)]
-    pub(crate) fn cooling_error(&self, state: &BodyState, reference: f64, middle: &Around, relaxes: bool) -> [f64; 2] {
-        let beside = self.error_of_face(BESIDE, state, reference, middle, relaxes);
-        let far = self.error_of_face(FAR, state, reference, middle, relaxes);
+    pub(crate) fn cooling_error(
+        &self,
+        state: &BodyState,
+        reference: f64,
+        start: Option<&Around>,
+        middle: &Around,
+        relaxes: bool,
+    ) -> [f64; 2] {
+        let beside = self.error_of_face(BESIDE, state, reference, start, middle, relaxes);
+        let far = self.error_of_face(FAR, state, reference, start, middle, relaxes);
         [beside[0] + far[0], maximum(beside[1], far[1])]
     }
 
@@ -341,6 +349,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         face: usize,
         state: &BodyState,
         reference: f64,
+        start: Option<&Around>,
         middle: &Around,
         relaxes: bool,
     ) -> [f64; 2] {
@@ -354,7 +363,9 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
             let [first, last] = self.flux[port];
             return [cooling_error(0.5 * (last - first), air.rest, own.by_face[face]), 0.0];
         }
-        let Around { ambient: [ambient, _], forced: [forced, _], neighbour: [neighbour, _] } = *middle;
+        let flux = |t: f64, around: &Around| {
+            cooling_flux(air, reference, t, around.ambient[0], around.forced[0], around.neighbour[0])
+        };
         let observed = if is_contact { &own.contact } else { &own.cooled[face] };
         let free = if is_contact {
             own.contact_at([1], &state.heat, count)[0]
@@ -363,8 +374,20 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         };
         let t = self.add_fluxes(free, observed, 1);
         let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
-        let residual = cooling_flux(air, reference, t, ambient, forced, neighbour) - between;
-        let error = cooling_error(residual, cooling_slope(air, reference, t, forced), own.by_face[face]);
+        let residual = flux(t, middle) - between;
+        let (fall, gains) = (cooling_slope(air, reference, t, middle.forced[0]), own.by_face[face]);
+        let error = match (start, &self.body.heat) {
+            (Some(start), Some(heat)) => {
+                let observation = if face == BESIDE { &heat.cooled_temperature } else { &heat.base_temperature };
+                let extrapolated = self.flux.map(|[first, last]| 1.5 * first - 0.5 * last);
+                let mut t = observation.of_states(&state.heat, count);
+                for (direct, flux) in own.direct[face].iter().zip(&extrapolated) {
+                    t += direct * flux;
+                }
+                varying_cooling_error(flux(t, start) - extrapolated[port], residual, fall, gains)
+            }
+            _ => cooling_error(residual, fall, gains),
+        };
         let [first, last] = if cools { self.face(face) } else { [0.0; 2] };
         [error, maximum(first.abs(), last.abs())]
     }
@@ -375,6 +398,11 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         let (Some((own, count)), Some(_)) = (self.own, &self.body.properties) else { return 0.0 };
         let free = own.mean.of_states(2, &state.heat, count) + self.prescribed(&own.mean, 2);
         self.add_fluxes(free, &own.mean, 2)
+    }
+
+    /// Mean temperature of the body at the end per flux from the contact that is constant over the step, K m2/W.
+    pub(crate) fn kept(&self) -> f64 {
+        self.own.map_or(0.0, |(own, _)| own.mean.gain[Port::Contact as usize][2].iter().sum())
     }
 
     /// Approach by the thermal expansion of the body at a point, m.

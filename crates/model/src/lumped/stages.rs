@@ -445,7 +445,10 @@ impl<const COMMON: bool> Stages<COMMON> {
             // Transitions between sticking and slipping cause thermal layers in the middle of a step.
             let is_layer = constant || !self.has_bristle() && !stepper.touches_down();
             let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
-            exchange = jump.abs() / (resistance * allowance);
+            // What a layer errs by fades like the root of time until the piece ends, but for what the means of the bodies keep.
+            let kept = ((punch.kept() + strip.kept()) / resistance).min(1.0);
+            let fade = if is_layer { kept.max(stepper.left.sqrt().recip()) } else { 1.0 };
+            exchange = fade * jump.abs() / (resistance * allowance);
         }
         let kinetic_coefficient = self.kinetic_coefficient_at(stepper, temperature + self.reference);
         if self.has_bristle() {

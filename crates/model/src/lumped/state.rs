@@ -113,9 +113,10 @@ impl LumpedState {
         let track = operators
             .tracked
             .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
-        // Bodies that start at temperatures of their own have that rise already.
-        let initial = [&operators.punch, &operators.strip].map(|body| body.initial_temperature);
-        let risen = initial.into_iter().filter(|initial| *initial > 0.0).map(|initial| (initial - reference).abs());
+        // Bodies that start at temperatures of their own have that rise already; an insulator has none.
+        let conduct = [&operators.punch, &operators.strip].into_iter().filter(|body| body.heat.is_some());
+        let initial = conduct.map(|body| body.initial_temperature).filter(|initial| *initial > 0.0);
+        let risen = initial.map(|initial| (initial - reference).abs());
         let peak_rise = risen.fold(0.0, f64::max);
         let stiffness = operators.stick_stiffness(operators.tangential_stiffness);
         LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::empty() }

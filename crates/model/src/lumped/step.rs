@@ -150,17 +150,19 @@ impl<'a> Stepper<'a> {
         }
         if cools || punch.has_linear_faces() || strip.has_linear_faces() {
             let [first, last] = stages.temperature;
-            let around = |side: usize| Around {
-                ambient: prescribed([middle.ambient; 2]),
-                forced: [middle.forced; 2],
-                neighbour: prescribed([middle.neighbours[side]; 2]),
+            let around = |now: &Conditions, side: usize| Around {
+                ambient: prescribed([now.ambient; 2]),
+                forced: [now.forced; 2],
+                neighbour: prescribed([now.neighbours[side]; 2]),
             };
-            let around = [around(0), around(1)];
+            let at_start = (!constant).then(|| [around(start, 0), around(start, 1)]);
+            let at_start = |side: usize| at_start.as_ref().map(|around| &around[side]);
+            let around = [around(middle, 0), around(middle, 1)];
             let rise = state.peak_rise.max(LEAST_RISE).max(first.abs()).max(last.abs());
             let mut of_cooling = 0.0;
             for relaxes in [constant, false] {
-                let of_punch = punch.cooling_error(&state.punch, reference, &around[0], relaxes);
-                let of_strip = strip.cooling_error(&state.strip, reference, &around[1], relaxes);
+                let of_punch = punch.cooling_error(&state.punch, reference, at_start(0), &around[0], relaxes);
+                let of_strip = strip.cooling_error(&state.strip, reference, at_start(1), &around[1], relaxes);
                 let rise = maximum(rise, maximum(of_punch[1], of_strip[1]));
                 of_cooling = (of_punch[0] + of_strip[0]) / (operators.budget.steps.whole * rise);
                 if !relaxes || of_cooling <= 1.0 {

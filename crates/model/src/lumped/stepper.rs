@@ -110,6 +110,8 @@ pub(crate) struct Stepper<'a> {
     /// Number of parts of the piece without events, and the conditions at its ends where they change: scale of the wear error of
     /// a part.
     pub cut: f64,
+    /// Number of parts that are left of it, with this one.
+    pub left: f64,
     /// Conditions at the ends of the piece; see `cut`.
     pub ends: Option<&'a [Conditions; 2]>,
     /// Moving source, prepared for this step and its speeds.

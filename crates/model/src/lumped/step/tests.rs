@@ -26,6 +26,7 @@ fn attempts(run: &Lumped, ends: [[f64; 2]; 2], step: f64) -> [(Option<Attempt>, 
         let mut stepper = Stepper {
             flash: &mut run.flash,
             cut: 1.0,
+            left: 1.0,
             ends: None,
             operators: &run.operators,
             friction: &run.friction,
