@@ -5,7 +5,7 @@ use crate::project;
 use anyhow::{Context, Result, bail};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
-use std::process::{Command, Stdio, exit};
+use std::process::{Command, Stdio};
 
 /// Environment variable that names the program to start instead of having cargo build and find it.
 pub(crate) const PROGRAM: &str = "SLIDING_CONTACT_LAB";
@@ -53,12 +53,7 @@ pub struct Forwarded {
 pub fn forward(arguments: &[OsString]) -> Result<()> {
     project::leave_ctrl_c()?;
     let status = program()?.args(arguments).status().context("starting fmu-lab")?;
-    match status.code() {
-        Some(0) => Ok(()),
-        // It has told why.
-        Some(code) => exit(code),
-        None => bail!("fmu-lab was ended ({status})"),
-    }
+    if status.success() { Ok(()) } else { project::leave(status, "fmu-lab") }
 }
 
 /// Standard output of a command.

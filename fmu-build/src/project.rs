@@ -1,6 +1,7 @@
 //! Locations of the project's files.
 
 use std::fs;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, exit};
 use std::sync::Arc;
@@ -63,9 +64,11 @@ pub(crate) fn leave_ctrl_c() -> Result<()> {
 /// # Errors
 /// Where a signal has ended it, so that it has not.
 pub(crate) fn leave(status: ExitStatus, program: &str) -> Result<()> {
-    match status.code() {
-        Some(code) => exit(code),
-        None => bail!("{program} was ended ({status})"),
+    match (status.code(), status.signal()) {
+        (Some(code), _) => exit(code),
+        // Ctrl-C reached it too; the status is that of shells.
+        (None, Some(SIGINT)) => exit(128 + SIGINT),
+        (None, _) => bail!("{program} was ended ({status})"),
     }
 }
 

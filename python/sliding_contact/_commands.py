@@ -94,13 +94,15 @@ def _print(arguments: Arguments, result: Any) -> None:
     print(json.dumps(result.record, indent=2) if arguments.json else result)
 
 
-def _print_so_far(arguments: Arguments, work: Callable[[], Any]) -> None:
-    """Prints the result of work, at Ctrl-C what there is of it."""
+def _print_so_far(arguments: Arguments, work: Callable[[], Any]) -> Any:
+    """Prints the result of work and returns it, at Ctrl-C what there is of it."""
     try:
-        _print(arguments, work())
+        result = work()
     except Interrupted as stopped:
         _print(arguments, stopped.result)
         raise Interrupted(stopped.reason, None) from None
+    _print(arguments, result)
+    return result
 
 
 def _progress(part: float) -> None:
@@ -124,10 +126,19 @@ def _write(result: Simulation, path: str) -> None:
         writer.writerows(zip(*(map(repr, values.tolist()) for values in (result.time, *result.values()))))
 
 
+def _is_same(one: str, other: str) -> bool:
+    """Whether both name one file that exists."""
+    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+
+
 def _simulate(arguments: Arguments) -> None:
     output = arguments.output
     if output is not None and Path(output).suffix.lower() != ".csv":
         raise Error(f"output = {output!r} must end in .csv")
+    for name, written in (("output", output), ("plot", arguments.plot)):
+        for read in (arguments.scene, arguments.inputs, arguments.measured):
+            if written is not None and read is not None and _is_same(written, read):
+                raise Error(f"{name} = {written!r} would replace a file that is read")
     times = [time for times in arguments.at for time in times.split(",")]
     shown = _progress if sys.stderr.isatty() else None
     reading = _reading(arguments)
@@ -165,7 +176,9 @@ def _simulate(arguments: Arguments) -> None:
 
 def _plan(arguments: Arguments) -> None:
     scene, reading = _scene(arguments), _reading(arguments)
-    _print_so_far(arguments, lambda: scene.plan(arguments.inputs, tolerance=arguments.tolerance, **reading))
+    result = _print_so_far(arguments, lambda: scene.plan(arguments.inputs, tolerance=arguments.tolerance, **reading))
+    if getattr(result, "unmet", None) is not None:
+        raise Error(result.unmet)
 
 
 def _steady(arguments: Arguments) -> None:

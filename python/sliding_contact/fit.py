@@ -283,6 +283,13 @@ def _found(problem: "_Problem", confidence: float, companion: bool) -> Fit:
     undetermined = problem.undetermined()
     while problem.names:
         solved = problem.solve()
+        _, singular, directions = np.linalg.svd(solved.jac, full_matrices=False)
+        if singular[-1] <= np.finfo(float).eps * solved.jac.size * singular[0]:
+            # The values ran to where the records do not depend on this parameter any more, or not beside the others.
+            name = problem.names[int(np.argmax(np.abs(directions[-1])))]
+            undetermined[name] = "at the best values it does not change the records"
+            problem.drop([name])
+            continue
         covariance = np.linalg.inv(solved.jac.T @ solved.jac)
         freedom = max(sum(own.independent for own in problem.scatters) - len(problem.names), 1.0)
         half = stats.t.ppf(0.5 + 0.5 * confidence, freedom) * np.sqrt(np.diag(covariance))

@@ -323,8 +323,10 @@ class LevelComparison:
         self.record = record
         self.tolerance: float = record["tolerance"]
         cheapest = record["cheapest"] or {"fidelity": None, "cells": 0, "estimated_error": np.nan}
-        #: `None` where the comparison was interrupted before it named one.
+        #: `None` where none meets the tolerance, or the comparison was interrupted.
         self.level: Optional[str] = cheapest["fidelity"]
+        #: Why there is none.
+        self.unmet: Optional[str] = record["unmet"]
         self.cells: int = cheapest["cells"]
         self.estimated_error: float = cheapest["estimated_error"]
 
@@ -332,7 +334,7 @@ class LevelComparison:
     def settings(self) -> dict[str, Any]:
         """The level with its tolerance for `Scene.set`."""
         if self.level is None:
-            raise Error("the comparison was interrupted before it named a level")
+            raise Error(self.unmet or "the comparison was interrupted before it named a level")
         return {**_settings(self.level, self.cells), "solver.tolerance": self.tolerance}
 
     def frame(self) -> "pandas.DataFrame":

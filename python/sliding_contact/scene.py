@@ -307,8 +307,8 @@ class Scene:
     def plan(
         self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None, columns: Optional[Columns] = None, strict: bool = False
     ) -> Union[Plan, LevelComparison]:
-        """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them. Ctrl-C raises
-        `Interrupted`, whose `result` has the levels that were run.
+        """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them; where none
+        does, its `level` is None. Ctrl-C raises `Interrupted`, whose `result` has the levels that were run.
 
         >>> plan = Scene.load("reciprocating_punch").plan(tolerance=1e-1)
         >>> plan.settings["solver.fidelity"] in ("lumped", "line")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from conftest import STOP
-from sliding_contact import Scene, _commands, scenes
+from sliding_contact import Error, Scene, _commands, scenes
 
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
 
@@ -96,6 +96,24 @@ def test_refusals_are_one_line_in_the_words_of_the_scene(tmp_path, arguments, te
     errors = [line for line in run.stderr.splitlines() if line.startswith("error: ")]
     assert len(errors) == 1 and text in errors[0] and " --" not in errors[0], run.stderr
     assert "Traceback" not in run.stderr and list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_is_read_is_not_replaced(tmp_path, stop_csv):
+    own = tmp_path / "own.csv"
+    own.write_bytes(stop_csv.read_bytes())
+    for option in ("--inputs", "--measured"):
+        run = ran(tmp_path, "simulate", "disc_brake", option, "own.csv", "-o", "./own.csv")
+        assert run.returncode == 1 and "output = './own.csv' would replace a file that is read" in run.stderr, run
+        assert own.read_bytes() == stop_csv.read_bytes()
+
+
+def test_a_plan_without_a_level_prints_what_was_measured(tmp_path, stop_csv):
+    run = ran(tmp_path, "plan", "disc_brake", "--inputs", str(stop_csv), "--tolerance", "1e-6")
+    assert run.returncode == 1 and "no level meets the tolerance 1e-6" in run.stderr and "129 cells" in run.stdout, run
+    levels = Scene.load("disc_brake").plan(STOP, tolerance=1e-6)
+    assert levels.level is None and len(levels.frame()) >= 5
+    with pytest.raises(Error, match="no level meets"):
+        levels.settings
 
 
 def test_help_completion_and_manual_know_every_command_and_option(tmp_path):

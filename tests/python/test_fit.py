@@ -49,6 +49,22 @@ def test_a_power_law_is_found_and_its_interval_is_that_of_a_straight_line():
     assert exact.values == pytest.approx([1.2e-14, 1.3], rel=1e-3)
 
 
+def test_a_value_that_ran_to_where_it_has_no_effect_is_not_determined():
+    # Convection of a pin that friction hardly warms: with this noise the best value is 0, or as large as the scene takes.
+    time = np.arange(0.0, 300.1, 3.0)
+    drive = {"time [s]": time, "sliding_velocity [m/s]": np.where(time < 220.0, 0.1, 0.2), "normal_load [N]": np.where(time < 150.0, 10.0, 20.0)}
+    own = {"punch.top_thermal": "convecting"}
+    truth = pin(**own, **{"punch.convection": 60.0}).simulate(drive)
+    force, rise = (np.interp(time, truth["time"], truth[name]) for name in ("friction_force", "contact_temperature [degC]"))
+    names = ["contact.friction_coefficient", "punch.convection"]
+    for seed in range(1003, 1011):
+        random = np.random.default_rng(seed)
+        record = {**drive, "friction_force [N]": force + random.normal(0.0, 0.2, time.size), "contact_temperature [degC]": rise + random.normal(0.0, 3.0, time.size)}
+        found = pin(**own).fit(record, names)
+        assert "contact.friction_coefficient" in found.names and np.all(np.isfinite(found.intervals)), seed
+        assert set(found.undetermined) | set(found.names) == set(names)
+
+
 def test_what_the_records_do_not_determine_is_named_and_kept():
     names = [fit.COEFFICIENT, fit.PRESSURE_EXPONENT, fit.VELOCITY_EXPONENT, "punch.conductivity"]
     found = pin().fit(archard(0.1), names)

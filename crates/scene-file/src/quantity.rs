@@ -244,7 +244,7 @@ impl Written {
     /// A number that says no unit may be meant in another one.
     fn other_unit(&self, unit: &'static Unit) -> String {
         match (self.unit, unit.display.first()) {
-            (None, Some(display)) if self.number > 0.0 && self.number.is_finite() => {
+            (None, Some(display)) if self.number > 1.0 && self.number < 1e9 => {
                 format!("; in {} it is written as {:?}", display.name, format!("{} {}", self.number, display.name))
             }
             _ => String::new(),

@@ -4,8 +4,9 @@ use crate::suggest::{near, nearest, question};
 use crate::{SceneFile, read};
 use anyhow::{Context, Result, bail};
 use scene::Scene;
-use scene::message::Quoted;
+use scene::message::{Number, Quoted};
 use scene::slot::Packaged;
+use scene::variables::reference;
 use std::path::{Path, PathBuf};
 
 /// The scene of this name or path; without one the stock scene, the variable table's own start values.
@@ -72,8 +73,21 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// What a scene of one's own gives; else it would run with the dimensions of the stock brake.
+const EXPECTED: [&str; 5] = ["punch.width", "punch.height", "depth", "strip.height", "contact.friction_coefficient"];
+
 /// Warnings about the values of a scene; none where the scene is refused anyway.
 pub fn warnings(scene: &SceneFile) -> Vec<String> {
-    let known = Scene::new(&scene.packaged.starts, Some(scene.packaged.experiment.tolerance));
-    known.map(|scene| scene.warnings()).unwrap_or_default()
+    let values = &scene.packaged.starts;
+    let Ok(known) = Scene::new(values, Some(scene.packaged.experiment.tolerance)) else { return Vec::new() };
+    let missing = EXPECTED.iter().map(|name| (name, reference(name))).filter(|(_, own)| !scene.given.contains(own));
+    let missing: Vec<String> =
+        missing.map(|(name, own)| format!("{name} = {}", Number(values[own as usize]))).collect();
+    let mut warnings = known.warnings();
+    if !(missing.is_empty() || scene.given.is_empty()) {
+        let name = &scene.packaged.name;
+        let missing = missing.join(", ");
+        warnings.push(format!("{name} does not give {missing}: these are of the stock brake, in SI units"));
+    }
+    warnings
 }

@@ -206,6 +206,15 @@ fn all_problems_are_told_at_once_in_the_order_of_the_lines() {
 }
 
 #[test]
+fn a_scene_without_its_dimensions_names_those_that_it_runs_with() {
+    let of = |text: &str| shipped::warnings(&parse(text).unwrap());
+    let own =
+        "name = \"own\"\ndepth = 0.02\n[punch]\nwidth = 0.01\nheight = 0.02\n[contact]\nfriction_coefficient = 0.1\n";
+    assert_eq!(of(own), ["own does not give strip.height = 0.011: these are of the stock brake, in SI units"]);
+    assert_eq!(of(&format!("{own}[strip]\nheight = 0.01\n")), [""; 0]);
+}
+
+#[test]
 fn a_bad_name_is_refused() {
     assert!(parse("name = \"my brake\"").unwrap_err().to_string().contains("\"my brake\""));
 }

@@ -278,10 +278,12 @@ impl Request {
                             control.reached((number as f64 + part) / count);
                         })?;
                         ended(levels.interrupted);
-                        if !levels.interrupted {
-                            levels.cheapest()?;
-                        }
-                        (plan::inputs::record(&levels), levels.table(&file.packaged.name, &trajectory))
+                        let mut record = plan::inputs::record(&levels);
+                        record["unmet"] = match levels.cheapest() {
+                            Err(unmet) if !levels.interrupted => json!(unmet.to_string()),
+                            _ => Value::Null,
+                        };
+                        (record, levels.table(&file.packaged.name, &trajectory))
                     }
                 };
                 record["notes"] = json!(notes);

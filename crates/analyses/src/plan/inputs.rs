@@ -110,7 +110,7 @@ impl Levels {
         let error = |known: &Candidate| largest(known.errors);
         match self.candidates.iter().min_by(|one, other| error(one).total_cmp(&error(other))) {
             Some(best) => bail!(
-                "no level meets the tolerance {:e}: the smallest error is {:.1e}, with {}",
+                "no level meets the tolerance {:e}: the smallest error is {:.1e}, with {}; a looser tolerance has one",
                 self.tolerance,
                 error(best),
                 best.level

@@ -2,11 +2,12 @@
 
 use super::headers::{self, Match, alternatives};
 use super::sheet::Sheet;
-use super::{Column, Reading};
+use super::{Column, Reading, TIME};
 use crate::quantity;
 use anyhow::{Context, Result, anyhow, bail};
+use chrono::{Days, NaiveDateTime, NaiveTime, TimeDelta};
 use scene::message::{Clipped, Quoted, listed};
-use scene::variables::units::{ONE, Unit};
+use scene::variables::units::{KELVIN, ONE, Unit};
 use std::io::Read;
 use std::path::Path;
 
@@ -133,7 +134,7 @@ pub(crate) fn rows(
     if rows.is_empty() {
         bail!("{file} has no row below its header");
     }
-    let mut mark = None;
+    let (mut mark, mut clock) = (None, Clock::default());
     for (line, record) in &rows {
         let mut cells = Vec::with_capacity(found.len());
         for (at, (text, column)) in
@@ -149,9 +150,19 @@ pub(crate) fn rows(
                 text,
             };
             if !is_gap(text) {
+                if column.name == TIME && text.contains(':') {
+                    cell.value = clock.seconds(text).ok_or_else(|| {
+                        anyhow!("{} is no time of day, as 09:00:00.5 or 2026-03-04 09:00:00", cell.place())
+                    })?;
+                    cells.push(cell);
+                    continue;
+                }
                 let number = number(text, separator, &mut mark).map_err(|wrong| anyhow!("{} {wrong}", cell.place()))?;
                 cell.value = quantity::in_si(number, &column.symbol, column.unit, column.absolute)
                     .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;
+                if column.absolute && column.unit.name == KELVIN.name && cell.value < 0.0 {
+                    bail!("{} is below absolute zero; a gap is an empty cell or NaN", cell.place());
+                }
                 if column.name.is_empty() && number.fract() != 0.0 {
                     bail!("{} is no number of a row, and its column has no name", cell.place());
                 }
@@ -173,6 +184,30 @@ pub(crate) fn rows(
     Ok(Quantities { taken, left_out, headers, notes })
 }
 
+/// Times of day, with a date or without, as seconds from the first of them. Without a date the day ends where they fall by half of one.
+#[derive(Default)]
+struct Clock {
+    first: Option<NaiveDateTime>,
+    last: NaiveDateTime,
+}
+
+impl Clock {
+    fn seconds(&mut self, text: &str) -> Option<f64> {
+        let text = text.trim_end_matches('Z').replace(',', ".");
+        let dated = ["%Y-%m-%d %H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f", "%d.%m.%Y %H:%M:%S%.f"];
+        let dated = dated.iter().find_map(|format| NaiveDateTime::parse_from_str(&text, format).ok());
+        let now = dated.or_else(|| {
+            let times = ["%H:%M:%S%.f", "%H:%M"].iter();
+            let time = times.filter_map(|format| NaiveTime::parse_from_str(&text, format).ok()).next()?;
+            let now = self.last.date().and_time(time);
+            let falls = self.first.is_some() && self.last - now > TimeDelta::hours(12);
+            now.checked_add_days(Days::new(falls.into()))
+        })?;
+        self.last = now;
+        (now - *self.first.get_or_insert(now)).num_microseconds().map(|passed| 1e-6 * passed as f64)
+    }
+}
+
 /// A number with a point, or where no comma separates the columns, with a comma: with one of them in all of the file, which is `mark`.
 fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &'static str> {
     let own = ['.', ','].into_iter().find(|mark| text.contains(*mark));
@@ -182,7 +217,6 @@ fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &
             "has a point and a comma; one of them is the decimal mark, and thousands have none"
         }
         Some(hint) => hint,
-        None if text.contains(':') => "is a time of day; times are numbers, as seconds from the first row",
         None => "is no number",
     })?;
     if own.is_some() && *mark.get_or_insert(own.unwrap_or('.')) != own.unwrap_or('.') {

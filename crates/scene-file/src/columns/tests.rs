@@ -135,6 +135,20 @@ fn columns_are_known_by_name_and_converted() {
 }
 
 #[test]
+fn times_of_day_count_from_the_first_row() {
+    for (text, times) in [
+        ("time,speed_m_per_s\n09:00:00,1\n09:00:00.5,1\n10:01,1\n", [0.0, 0.5, 3660.0]),
+        ("time;speed_m_per_s\n23:59:59;1\n00:00:00,5;1\n00:00:02;1\n", [0.0, 1.5, 3.0]),
+        (
+            "time,speed_m_per_s\n2026-02-28T23:00:00Z,1\n2026-03-01 00:00:00,1\n01.03.2026 00:00:01,1\n",
+            [0.0, 3600.0, 3601.0],
+        ),
+    ] {
+        assert_eq!(table("clock", text).unwrap().times, times);
+    }
+}
+
+#[test]
 fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
     for (name, text, wanted) in [
         (
@@ -180,7 +194,13 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
         ("thousands", "time;speed_m_per_s\n0;1.234,5\n", "\"1.234,5\" has a point and a comma"),
         ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
         ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
-        ("clock", "time,speed_m_per_s\n2026-03-04 12:00:00.5,1\n", "12:00:00.5\" is a time of day; times are numbers"),
+        ("clock", "time,speed_m_per_s\n12:00:61,1\n", "12:00:61\" is no time of day, as 09:00:00.5"),
+        ("clock", "time,speed_m_per_s\n12:00:01,1\n12:00:00,1\n", "the time must not decrease"),
+        (
+            "code",
+            "time,speed_m_per_s,outside [degC]\n0,1,-999\n",
+            "\"-999\" is below absolute zero; a gap is an empty cell",
+        ),
         ("preamble", "Rig;3\nZeit;v [m/s];Kraft\n0;1;2\n", "line 2: no column time or time [s"),
         ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
         ("comma", "time,speed_m_per_s\n0,5,1\n", "line 2: 3 cells, and the header has 2; numbers have a decimal point"),
