@@ -38,6 +38,17 @@ fn a_tribometer_with_gaps_and_its_own_names() {
     assert_eq!(table.lines, [3, 4, 5, 6, 7]);
 }
 
+/// A pin that was weighed, driven by a shaft: the candidates are named, and the shaft's speed is one for inputs.
+#[test]
+fn a_weighed_pin_with_the_clock_of_its_computer() {
+    let table = record("weighed_pin.csv");
+    assert_eq!(table.times, [0.0, 1800.0, 3600.5]);
+    assert!(table.notes.iter().any(|note| note.contains("wear_mass_punch or wear_mass_strip")), "{:?}", table.notes);
+    let turns = 2.0 * std::f64::consts::PI / 60.0;
+    let shaft = (1e9 * 300.0 * turns).round() / 1e9;
+    assert_eq!(values(&inputs("weighed_pin.csv"), "angular_velocity"), [Some(shaft); 3]);
+}
+
 #[test]
 fn a_bench_in_latin_1_with_decimal_commas_and_empty_last_cells() {
     let table = inputs("bench_latin1.csv");

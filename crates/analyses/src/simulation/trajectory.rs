@@ -73,7 +73,8 @@ impl Trajectory {
         let has = |name: &str| table.names.iter().any(|own| own == name);
         if !has("sliding_velocity") && !has("angular_velocity") {
             bail!(
-                "{file} has neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]; found are {}",
+                "{file} has neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]; found are {}; --column or columns \
+                 names another one, as \"shaft=angular_velocity [rpm]\"",
                 listed(table.headers.iter().map(String::as_str))
             );
         }

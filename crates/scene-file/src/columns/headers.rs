@@ -30,6 +30,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("block", "punch"),
     ("loss", "wear"),
     ("worn", "wear"),
+    ("weight", "mass"),
     ("braking", "brake"),
 ];
 
@@ -40,6 +41,7 @@ const NAMES: &[(&[&str], &[&str])] = &[
         &["speed", "stripspeed", "surfacespeed", "rotationalspeed", "rotationspeed", "shaftspeed"],
         &["sliding_velocity", "angular_velocity"],
     ),
+    (&["rpm"], &["angular_velocity"]),
     (&["load", "normalforce", "fn", "fz", "appliedload", "clampingforce"], &["normal_load"]),
     (&["friction"], &["friction_force", "friction_torque", "friction_coefficient"]),
     (&["ff"], &["friction_force"]),
