@@ -104,7 +104,7 @@ impl Component {
                         false => format!("{body}.external_conductance = {} W/K", Number(conductance)),
                     };
                     return Err(format!(
-                        "{body}.external_temperature = {} K must be above 0 K, because {because}; it is an input, as a column {body}.external_temperature [degC]",
+                        "{body}.external_temperature = {} K must be above 0 K, because {because}",
                         Number(temperature)
                     ));
                 }
