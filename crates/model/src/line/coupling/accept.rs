@@ -52,11 +52,11 @@ pub(super) fn deviation_from_line([before, first, end]: [f64; 3], hidden: f64) -
 /// A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the step more or less than it should, and deviates by
 /// half of its flux. One that closes counts as smooth: its flux jumps by the difference of both temperatures over the square root of the
 /// step, whose effect no shorter step makes smaller.
-fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], defect: &mut [f64]) {
+fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], hidden: impl Fn(usize) -> f64, defect: &mut [f64]) {
     for (i, defect) in defect.iter_mut().enumerate() {
         let [before, first, end] = flux.map(|flux| flux[i]);
         let opens = closed[0][i] && !closed[1][i];
-        *defect = if opens { 0.5 * (end - first) } else { deviation_from_line([before, first, end], HIDDEN) };
+        *defect = if opens { 0.5 * (end - first) } else { deviation_from_line([before, first, end], hidden(i)) };
     }
 }
 
@@ -104,11 +104,14 @@ impl Solved<'_> {
         let mut rise = LEAST_RISE;
         heat.iterate.sums[1].fill(0.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
+        let both = heat.bodies.iter().all(Option::is_some);
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
             let flux = [&state.flux[side], &heat.flux[0][side], &heat.flux[1][side]];
-            flux_defect(closed, flux, &mut heat.iterate.difference);
+            // The slope is 0 after a jump, and a body alone takes all the heat at once.
+            let hidden = |i: usize| if both && state.slope[side][i] == 0.0 { HIDDEN } else { 0.0 };
+            flux_defect(closed, flux, hidden, &mut heat.iterate.difference);
             heat.iterate.sums[0].fill(0.0);
             dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {
