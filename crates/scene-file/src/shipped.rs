@@ -84,8 +84,8 @@ pub fn warnings(scene: &SceneFile) -> Vec<String> {
     let missing: Vec<String> =
         missing.map(|(name, own)| format!("{name} = {}", Number(values[own as usize]))).collect();
     let mut warnings = known.warnings();
-    if !(missing.is_empty() || scene.given.is_empty()) {
-        let name = &scene.packaged.name;
+    let name = &scene.packaged.name;
+    if !(missing.is_empty() || scene.given.is_empty() || *name == Packaged::stock().name) {
         let missing = missing.join(", ");
         warnings.push(format!("{name} does not give {missing}: these are of the stock brake, in SI units"));
     }
