@@ -149,14 +149,11 @@ pub(crate) fn rows(
                 header: &headers[at],
                 text,
             };
-            if !is_gap(text) {
-                if column.name == TIME && text.contains(':') {
-                    cell.value = clock.seconds(text).ok_or_else(|| {
-                        anyhow!("{} is no time of day, as 09:00:00.5 or 2026-03-04 09:00:00", cell.place())
-                    })?;
-                    cells.push(cell);
-                    continue;
-                }
+            if column.name == TIME && text.contains(':') {
+                cell.value = clock.seconds(text).ok_or_else(|| {
+                    anyhow!("{} is no time of day, as 09:00:00.5 or 2026-03-04 09:00:00", cell.place())
+                })?;
+            } else if !is_gap(text) {
                 let number = number(text, separator, &mut mark).map_err(|wrong| anyhow!("{} {wrong}", cell.place()))?;
                 cell.value = quantity::in_si(number, &column.symbol, column.unit, column.absolute)
                     .map_err(|wrong| anyhow!("{}: {wrong}", cell.place()))?;

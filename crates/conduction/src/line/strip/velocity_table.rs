@@ -77,11 +77,14 @@ impl VelocityTable {
         }
     }
 
-    /// Computes the nodes for all velocities up to `velocity` (m/s).
+    /// Computes the nodes, and what is between them, for all velocities up to `velocity` (m/s).
     pub(crate) fn expect(&self, velocity: f64) {
         let (base, _) = self.stencil(velocity);
         (0..base + STENCIL).for_each(|node| {
             self.node(node);
+        });
+        (0..=base).for_each(|interval| {
+            self.is_passive(interval);
         });
     }
 
