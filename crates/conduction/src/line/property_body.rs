@@ -159,16 +159,19 @@ impl PropertyBody {
         let factor = self.scales.capacity();
         let after = self.constant.account(own);
         let (start, linear) = (self.reference + mean, self.constant.mean_temperature(own) - mean);
-        let taken = factor * (after.stored - before.stored);
+        // Beside a held face the account of constants counts part of the heat of a state as gone through that face at once
+        // ([`crate::reduced::lagging`]): the temperature says what is stored, and the rest has passed the face.
+        let taken = self.capacity * linear;
+        let passed = (after.far - before.far) + (after.stored - before.stored - taken);
         let mass = self.capacity / self.properties.specific_heat();
-        let more = (self.properties.table.rise_by(start, taken / mass) - linear) / self.uniform_mean;
+        let more = (self.properties.table.rise_by(start, factor * taken / mass) - linear) / self.uniform_mean;
         own.iter_mut().zip(&*self.uniform).for_each(|(state, uniform)| *state += more * uniform);
         let rise = self.constant.mean_temperature(own) - mean;
         behind[Entry::Reference as usize] = self.reference;
         behind[Entry::Received as usize] += factor * (after.received - before.received);
         behind[Entry::Stored as usize] += mass * self.properties.table.heat_of_rise(start, rise);
         behind[Entry::Ambient as usize] += factor * (after.ambient - before.ambient);
-        behind[Entry::Far as usize] += factor * (after.far - before.far);
+        behind[Entry::Far as usize] += factor * passed;
     }
 }
 
