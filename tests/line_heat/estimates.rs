@@ -157,15 +157,16 @@ fn a_stroke_on_a_closed_track_heats_that_part_of_the_track() {
     assert!(line > 1.0 && (lumped / line - 1.0).abs() < 0.1, "{lumped} {line}");
 }
 
-/// The estimate is the largest difference of two lines that are driven side by side, and a third of the error of the steps.
+/// The estimate is the largest difference of two lines that are driven side by side, the coarse one at twice the tolerance, and a third
+/// of the error of the steps.
 #[test]
 fn a_line_states_its_distance_from_one_on_half_of_the_cells() {
-    let line = |cells: f64, changes: &[(&str, f64)]| {
-        let base = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", 1e-2)];
-        started(&STARTS, &[&base[..], changes].concat())
+    let line = |cells: f64, tolerance: f64, estimate: f64| {
+        let level = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.error_estimate", estimate)];
+        started(&STARTS, &[&level[..], &[("solver.tolerance", tolerance)]].concat())
     };
-    let mut runs = [line(17.0, &[]), line(9.0, &[])];
-    let mut measured = line(17.0, &[("solver.error_estimate", 3.0)]);
+    let mut runs = [line(17.0, 1e-2, 2.0), line(9.0, 2e-2, 2.0)];
+    let mut measured = line(17.0, 1e-2, 3.0);
     let outputs = ["wear_depth", "contact_temperature", "friction_force"].map(reference);
     let (mut apart, mut largest) = ([0.0_f64; 3], [0.0_f64; 3]);
     for step in 0..20 {
@@ -196,6 +197,33 @@ fn a_line_states_its_distance_from_one_on_half_of_the_cells() {
     let mut off = started(&STARTS, &[&auto[..], &[("solver.error_estimate", 2.0)]].concat());
     brake(&mut off, 0..20);
     assert_eq!(off.get(reference("estimated_error")), 1.0);
+}
+
+/// In the first milliseconds of a drag from cold the error is that of the reduced bodies, whatever the cells.
+#[test]
+fn the_error_of_the_reduction_is_stated_from_the_first_step() {
+    let run = |cells: f64, tolerance: f64, estimate: f64| {
+        let level = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.error_estimate", estimate)];
+        let mut drive =
+            Drive::attempt(&scene("disc_brake"), &[&level[..], &[("solver.tolerance", tolerance)]].concat()).unwrap();
+        let cold = drive.get("contact_temperature");
+        drive.set("sliding_velocity", 2.0).set("normal_load", 1000.0);
+        let step = |_| {
+            drive.0.step(4e-3).unwrap();
+            [drive.get("contact_temperature") - cold, drive.get("estimated_error")]
+        };
+        (0..50).map(step).collect::<Vec<_>>()
+    };
+    let fine = run(65.0, 1e-5, 2.0);
+    for (cells, tolerance) in [(17.0, 1e-2), (33.0, 1e-3)] {
+        let mut error: f64 = 0.0;
+        for ([rise, stated], [exact, _]) in run(cells, tolerance, 3.0).into_iter().zip(&fine) {
+            error = error.max((rise - exact).abs());
+            let ratio = stated * exact / error;
+            assert!((0.2..5.0).contains(&ratio), "{tolerance}: stated {stated}, true {}", error / exact);
+        }
+        assert!(error > 0.0);
+    }
 }
 
 /// Mean heat is compared with resolved heat: what it leaves out is stated.

@@ -1,10 +1,11 @@
-//! Error of a run, measured on the run itself: a companion, a contact line on half of the cells, is advanced on the same inputs.
+//! Error of a run, measured on the run itself: a companion, a contact line on half of the cells at twice the tolerance, is advanced
+//! on the same inputs.
 //!
 //! With d the largest relative difference of the main outputs so far ([`crate::plan::distance`]) and s the error of reduction and time
 //! steps the error is
 //!
 //! ```text
-//! e = sqrt(d^2 + (s/3)^2)        with a companion: d contains most of s
+//! e = sqrt(d^2 + (s/3)^2)        with a companion: d contains s where no other error cancels it
 //! e = sqrt(e_c^2 + s^2)          lumped, chosen by a comparison with the error e_c, within its conditions
 //! e = 1                          otherwise: not known
 //! ```
@@ -12,8 +13,8 @@
 //! each with the part of a nominal stroke that elastic slip takes, where it is neglected
 //! ([`crate::levels::ModelOperators::neglected_slip`]), as a third term under the root.
 //!
-//! d is the error of the companion less that of the run. At first order in the cells it is the error of the run, at second order
-//! three times as much.
+//! d is the error of the companion less that of the run. It is the error of the run at first order in the cells, or where the tolerance
+//! rules; at second order it is three times as much.
 //!
 //! Theory: docs/theory.md, section 8.3.
 
@@ -151,7 +152,7 @@ impl RunError {
             return Some(step_error);
         }
         if let Some(companion) = &self.companion {
-            // Part of the error of reduction and time steps beside a measured difference, which contains some of it.
+            // Part of the error of reduction and time steps, which that of the cells may cancel in the difference.
             return companion.distance.map(|distance| largest(distance.relative()).hypot((1.0 / 3.0) * step_error));
         }
         let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
@@ -187,7 +188,7 @@ impl RunError {
             ModelOperators::Line(_) if cells < MOST_CELLS => {
                 let doublings = (error / tolerance).log2().ceil().clamp(1.0, 8.0) as u32;
                 let advised = (((cells - 1) << doublings) + 1).min(MOST_CELLS);
-                write!(text, ": take solver.cells = {advised} instead of {cells}")
+                write!(text, ": take solver.cells = {advised} instead of {cells}, or a smaller solver.tolerance")
             }
             ModelOperators::Line(_) => write!(text, " on {cells} cells"),
         }

@@ -30,6 +30,10 @@ pub(crate) const UNKNOWN: f64 = 1.0;
 /// Cells of the companion of a lumped run.
 const CELLS_BESIDE_LUMPED: usize = 9;
 
+/// Tolerance of a companion over that of its run: with the same one both would share the errors of reduction and time steps, and
+/// their difference would not show them.
+const TOLERANCE_OF_COMPANION: f64 = 2.0;
+
 /// Fewest cells of a companion, as of a contact line.
 const FEWEST_CELLS: usize = 5;
 
@@ -180,6 +184,7 @@ fn companion_of(operators: &ModelOperators, chosen: bool) -> Option<Scene> {
         ModelOperators::Line(line) => Some(line.count().div_ceil(2)).filter(|half| *half >= FEWEST_CELLS)?,
     };
     let mut companion = ModelLevel::Line(cells).apply(scene);
+    companion.tolerance *= TOLERANCE_OF_COMPANION;
     if can_be_resolved(scene) {
         companion.heat_resolution = HeatResolution::Resolved;
     }
