@@ -3,6 +3,8 @@
 
 use model::Inputs;
 use model::levels::{Model, ModelOperators};
+use model::line::cycle::{JumpOptions, TrackedCycles};
+use model::line::operators::LineOperators;
 use model::lumped::conditions::Tunables;
 use test_support::{changed_scene, scene};
 
@@ -74,4 +76,23 @@ fn above_the_critical_speed_hardly_a_step_is_rejected() {
     let held = work("hot_spots", &ring, 0.1, |_| 0.2);
     println!("{held:?}");
     assert!((4.0..12.0).contains(&held.steps) && held.rejected < 0.1, "{held:?}");
+}
+
+/// The error of a jump is estimated by its halves, so that a cycle on a worn track takes its eight steps at any tolerance.
+#[test]
+fn a_cycle_on_a_worn_track_takes_its_eight_steps() {
+    let track = [("solver.fidelity", 3.0), ("solver.heat", 2.0), ("strip.wear_coefficient", 1e-13)];
+    for tolerance in [1e-2, 1e-6] {
+        let scene =
+            changed_scene(&scene("reciprocating_punch"), &[&track[..], &[("solver.tolerance", tolerance)]].concat());
+        let operators = LineOperators::with_heat(&scene, false, steady::run_in).unwrap();
+        let half = 1.0;
+        let velocity = scene.nominal_stroke / half;
+        let mut cycles =
+            TrackedCycles::new(operators, [(velocity, half), (-velocity, half)], JumpOptions::default()).unwrap();
+        let mut computed = 0;
+        cycles.carry_to(100.0, |progress, _| computed = progress.computed).unwrap();
+        let steps = cycles.line().state().steps;
+        assert!(steps <= 8 * computed as u64, "{steps} steps of {computed} cycles");
+    }
 }

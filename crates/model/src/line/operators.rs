@@ -160,6 +160,12 @@ impl LineOperators {
         Self::build(scene, heat, None, &mut Shared::default(), run_in)
     }
 
+    /// Sets a tolerance at which the step control accepts every step.
+    pub(super) fn accept_any_step(&mut self) {
+        self.scene.tolerance = 1e6;
+        self.budget = ToleranceBudget::of(&self.scene);
+    }
+
     /// Finds the edges of the contact within cells.
     pub(crate) fn edges(&self) -> Edges {
         let closed_ring = self.scene.geometry == Geometry::Periodic;

@@ -12,14 +12,10 @@ use crate::line::Line;
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
-use crate::tolerance::ToleranceBudget;
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{FrozenState, GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};
 use std::sync::Arc;
-
-/// Tolerance at which the step control of the line level accepts every step.
-const ANY_STEP: f64 = 1e6;
 
 /// Steps of a half-stroke: one interval from its start to `2^-levels` of its duration and one from there to each doubling, each
 /// in `parts` equal steps. The transient after a reversal begins like the square root of time.
@@ -147,8 +143,7 @@ impl CycleMap {
             )));
         }
         // Every step is accepted, so that the cycle is a smooth function of its start.
-        operators.scene.tolerance = ANY_STEP;
-        operators.budget = ToleranceBudget::new(ANY_STEP);
+        operators.accept_any_step();
         let scene = &operators.scene;
         let tunables = Tunables::of(scene);
         let load = scene.nominal_load;
