@@ -473,6 +473,23 @@ fn plan_reads_columns_as_simulate_does() {
     assert!(!named.contains("Kraft"), "{named}");
 }
 
+#[test]
+fn a_neighbour_is_at_ambient_without_inputs_and_wanted_with_them() {
+    let folder = Folder::new("neighbour");
+    folder.file("in.csv", STOP);
+    let path = ["disc_brake", "--set", "strip.external_conductance=3.5"];
+    let (success, _, told) = folder.run(&path);
+    assert!(success, "{told}");
+    let with_inputs = [&path[..], &["--inputs", "in.csv"]].concat();
+    for command in ["simulate", "plan"] {
+        let (success, _, told) = folder.command(command, &with_inputs);
+        let remedy = "; give it in a column of the inputs, or set strip.external_temperature=\"20 degC\"\n";
+        assert!(!success && told.ends_with(remedy) && told.matches(remedy.trim_end()).count() == 1, "{told}");
+    }
+    let (success, _, told) = folder.run(&[&with_inputs[..], &["--set", "strip.external_temperature=20 degC"]].concat());
+    assert!(success, "{told}");
+}
+
 /// What a command leaves that Ctrl-C ends after `seconds`: status, output and what it tells.
 #[cfg(unix)]
 fn interrupted(folder: &Folder, seconds: f64, arguments: &[&str]) -> (Option<i32>, String, String) {
