@@ -39,7 +39,7 @@ def one_stop(courses, path):
         torque.set_ylabel("friction torque of one brake (N·m)")
         for name, label, colour in (
             ("contact_temperature_max", "hottest point", RED),
-            ("contact_temperature", "contact, mean", ORANGE),
+            ("contact_temperature", "mean of both surfaces", ORANGE),
             ("strip.mean_temperature", "disc, mean", BLUE),
         ):
             both(temperature, courses, lambda axis, c, style, level, name=name, label=label, colour=colour: axis.plot(
@@ -65,7 +65,7 @@ def one_stop(courses, path):
         level = lumped["pressure_mean"].max() / 1e6
         profile.axhline(level, color="black", linestyle="--", linewidth=0.9, label="lumped, full load")
         profile.set_ylabel("contact pressure (MPa)")
-        hot.set_ylabel("contact temperature (°C)")
+        hot.set_ylabel("temperature, mean of both surfaces (°C)")
         for axis in (profile, hot):
             axis.set_xlabel("position on the pad x (mm); the disc comes in at the right edge")
         profile.legend(ncols=2)
