@@ -237,6 +237,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if ran_now < table.rows.len() {
         eprintln!("{} of {} scenes are there already.", table.rows.len() - ran_now, table.rows.len());
     }
+    project::end_at_ctrl_c("the finished scenes are kept, and the same command goes on from there")?;
     let begin = Instant::now();
     let mut progress = Progress::default();
     let (mut failed_now, mut done, count) = (0, table.rows.len() - ran_now, table.rows.len());
