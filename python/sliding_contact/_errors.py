@@ -17,6 +17,10 @@ class SceneWarning(UserWarning):
     """Values that are allowed but improbable, or a run that left what the model is valid for."""
 
 
+class SceneNote(SceneWarning):
+    """What was made of the columns of a file whose headers are no names of quantities."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C in work that keeps what is done; `result` holds it: the run or the cycles up to there, of a plan the levels that were run, of a fit
     the best values so far, of a batch its finished scenes."""
@@ -42,5 +46,5 @@ def writing(path: Union[str, "os.PathLike[str]"]) -> Iterator[None]:
         raise Error(f"writing {os.fspath(path)}: {error}") from error
 
 
-for _public in (Error, Interrupted, SceneWarning):
+for _public in (Error, Interrupted, SceneNote, SceneWarning):
     _public.__module__ = "sliding_contact"

@@ -179,7 +179,7 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
     reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
     let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
     let first = |at: usize| !notes[..at].contains(&notes[at]);
-    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("{}", notes[at]));
+    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("note: {}", notes[at]));
     Ok((inputs, record))
 }
 
