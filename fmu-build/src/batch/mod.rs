@@ -12,6 +12,7 @@ pub mod worker;
 pub use tables::{Inputs, Table};
 pub use timeline::points;
 
+use crate::columns::Named;
 use crate::output::{self, print_line};
 use crate::progress::Progress;
 use crate::{arguments, package, parquet, project, scenes};
@@ -56,6 +57,9 @@ pub struct Arguments {
     /// duration, over the nominal stroke where it has one.
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
+    /// Read a column of the inputs as a variable, as "Load=normal_load [N]"; without a variable it is left out. May be repeated.
+    #[arg(long, value_name = "HEADER=VARIABLE", value_parser = str::parse::<Named>, requires = "inputs")]
+    column: Vec<Named>,
     /// File of results, in SI units: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is
     /// missing; results of another batch, or of rows that the design no longer has, are not replaced without --replace.
     #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
@@ -92,7 +96,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_enum,
-        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "replace", "jobs", "step", "interpolation", "record", "peak", "every"]
+        conflicts_with_all = ["design", "scene", "fmu", "inputs", "column", "output", "replace", "jobs", "step", "interpolation", "record", "peak", "every"]
     )]
     example: Option<example::Script>,
     /// Arguments of the script.
@@ -128,6 +132,8 @@ struct Job {
     folder: PathBuf,
     /// `None`: nominal inputs.
     inputs: Option<PathBuf>,
+    /// Columns of the inputs named by the user.
+    named: Vec<String>,
     columns: Vec<String>,
     /// `None`: as [`Timeline`] chooses it.
     step: Option<Text>,
@@ -209,6 +215,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let job = Job {
         folder: unpacked.folder.clone(),
         inputs: inputs.cloned(),
+        named: arguments.column.iter().map(ToString::to_string).collect(),
         columns: converted.columns.clone(),
         step: arguments.step.map(Text::from),
         interpolation: arguments.interpolation,
@@ -227,7 +234,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let identity = Identity::of(&[
         ("scene", &fmu),
         ("columns", table.columns.join(",").as_bytes()),
-        ("inputs", inputs.as_deref().unwrap_or_default()),
+        ("inputs", &[inputs.unwrap_or_default(), job.named.join(",").into_bytes()].concat()),
         ("outputs", recorded.as_bytes()),
         ("steps", steps.as_bytes()),
     ]);
