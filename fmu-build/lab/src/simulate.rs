@@ -12,6 +12,7 @@ use analyses::simulation::quantity::rounded;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
 use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
+use scene_file::shipped;
 use std::path::{Path, PathBuf};
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
@@ -104,6 +105,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     });
     drop(progress);
     let recording = recording?;
+    shipped::doubts(&file).iter().for_each(|text| eprintln!("warning: {text}"));
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         output::make_above(path)?;
