@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,8 +31,9 @@ class Interrupted(KeyboardInterrupt):
 
 def meant(name: str, names: Iterable[str], where: str) -> str:
     """The end of a message about an unknown name: those like it, else `where` all are."""
-    near = difflib.get_close_matches(name, sorted(set(names)), 3)
-    return f"; did you mean {' or '.join(near)}?" if near else f"; `{where}` has the names"
+    from . import _native
+
+    return _native.ask({"analysis": "nearest", "name": name, "names": sorted(set(names))}).record or f"; `{where}` has the names"
 
 
 @contextmanager

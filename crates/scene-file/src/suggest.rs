@@ -48,7 +48,8 @@ pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str
     };
     let begins = |whole: &str| {
         let starts = (own_length.saturating_sub(1)..=own_length + 1).filter_map(|end| whole.get(..end));
-        own_length >= SHORTEST && starts.into_iter().any(|start| distance(own, own_length, start, slips).is_some())
+        own_length >= SHORTEST
+            && starts.into_iter().any(|start| distance(own, own_length, start, own_length / 6).is_some())
     };
     let mut near: Vec<(usize, &str)> = known
         .filter_map(|name| {
@@ -92,6 +93,7 @@ mod tests {
             assert_eq!(told, "; did you mean contact.friction_coefficient?", "{beginning}");
         }
         assert_eq!(nearest("punch.wear_coef", contact().into_iter()), "; did you mean punch.wear_coefficient?");
+        assert_eq!(nearest("tiem", ["temperature_limit", "time"].into_iter()), "; did you mean time?");
         assert_eq!(nearest("punch.friktion", contact().into_iter()), "");
         let factors = ["contact.friction_fade.factor", "punch.wear_fade.factor"].into_iter();
         let told = nearest("contact.friction_fade.facter", factors);

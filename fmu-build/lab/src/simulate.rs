@@ -162,6 +162,11 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
     let accepted = [Column::inputs(), vec![Column::trip()]].concat();
     let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &accepted, &reading)).transpose()?;
     let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
+    let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
+    reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
+    let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
+    let first = |at: usize| !notes[..at].contains(&notes[at]);
+    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("note: {}", notes[at]));
     let is_one = arguments
         .inputs
         .as_ref()
@@ -177,11 +182,6 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
         }
         record = Some(outputs);
     }
-    let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
-    reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
-    let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
-    let first = |at: usize| !notes[..at].contains(&notes[at]);
-    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("note: {}", notes[at]));
     Ok((inputs, record))
 }
 

@@ -308,6 +308,12 @@ fn one_file_of_a_rig_is_inputs_and_record() {
     assert_eq!(result["measured"][1]["name"], "contact_temperature");
     let told = folder.refusal(&[&run[..], &["--column", "Presure="]].concat());
     assert!(told.contains("there is no column \"Presure\""), "{told}");
+    folder.file(
+        "force.csv",
+        &rig.replace("Friction force [kN]", "Frict. pull [kN]").replace("Disc temp [°C]", "T9 [°C]"),
+    );
+    let told = folder.refusal(&["disc_brake", "-i", "force.csv", "-m", "force.csv"]);
+    assert!(told.contains("left out are \"Frict. pull [kN]\"") && told.contains("has inputs only"), "{told}");
     // What is written can be read as both again, as CSV and as Parquet.
     assert!(folder.run(&[&run[..], &["-o", "out.parquet"]].concat()).0);
     for file in ["out.csv", "out.parquet"] {

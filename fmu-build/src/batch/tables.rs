@@ -4,7 +4,7 @@ use super::FACTOR;
 use crate::columns::{self, Column, Reading};
 use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
-use scene::message::{Clipped, Quoted};
+use scene::message::{Clipped, Quoted, listed};
 use scene::variables::units::{self, ONE};
 use scene::variables::{self, Kind, Row};
 use scene_file::quantity;
@@ -196,14 +196,17 @@ pub struct Inputs {
     pub times: Vec<f64>,
     /// Row by row.
     pub values: Vec<f64>,
+    /// What was made of headers that are no names.
+    pub notes: Vec<String>,
 }
+
+/// Inputs of which one moves the scene.
+const VELOCITIES: [&str; 2] = ["sliding_velocity", "angular_velocity"];
 
 impl Inputs {
     /// Reads a file with the column `time` and one per input, with its unit, or of another name that the user says; see [`columns`].
-    pub(crate) fn read(path: &Path, description: &Description, named: &[String]) -> Result<Self> {
-        let columns = named.iter().map(|text| text.parse().map_err(|wrong: String| anyhow!(wrong)));
-        let reading = Reading { columns: columns.collect::<Result<_>>()?, ..Reading::strict() };
-        Self::parse(columns::open(path)?, path, description, &reading)
+    pub(crate) fn read(path: &Path, description: &Description, reading: &Reading) -> Result<Self> {
+        Self::parse(columns::open(path)?, path, description, reading)
     }
 
     /// Reads the content of a file; `path` names it in messages.
@@ -212,9 +215,20 @@ impl Inputs {
         let known = [Causality::Input, Causality::Output];
         let accepted: Vec<Column> =
             description.variables().iter().filter(|variable| known.contains(&variable.causality)).map(column).collect();
-        let columns::Table { names, times, values, headers, .. } = columns::parse(content, path, &accepted, reading)?;
+        let columns::Table { names, times, values, headers, notes, .. } =
+            columns::parse(content, path, &accepted, reading)?;
         reading.check(&[&headers])?;
-        Ok(Self { source: path.display().to_string(), names, times, values })
+        let has_velocity = names.iter().any(|name| VELOCITIES.contains(&name.as_str()));
+        if !has_velocity && description.find(VELOCITIES[0]).is_ok_and(|velocity| velocity.start.parse() == Ok(0.0)) {
+            let found = listed(headers.iter().map(String::as_str));
+            let [sliding, angular] = VELOCITIES;
+            bail!(
+                "{} has neither a column {sliding} [m/s] nor {angular} [rad/s]; found are {found}; --column names another one, as \
+                 \"shaft=angular_velocity [rpm]\"",
+                path.display()
+            );
+        }
+        Ok(Self { source: path.display().to_string(), names, times, values, notes })
     }
 
     /// First time, s.
@@ -273,15 +287,19 @@ mod tests {
         assert_eq!(table.columns, ["punch.width", "level"]);
         assert_eq!(table.rows, [["0.1", "lumped"], ["0.2", "auto"]]);
         let text = "time,normal_load [N],sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n";
-        let inputs = from_file("inputs", text, |path| Inputs::read(path, &description(), &[])).unwrap();
+        let inputs = from_file("inputs", text, |path| Inputs::read(path, &description(), &Reading::strict())).unwrap();
         assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
         assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
         assert_eq!(inputs.values, [1.0, 10.0, 3000.0, 20.0]);
         let text = "Zeit [s];Kraft [N];sliding_velocity [km/h];Raum\n0;1;36;20\n2,5;3e3;72;20\n";
-        let named = ["Zeit=time", "Kraft=normal_load", "Raum="].map(str::to_owned);
-        assert_eq!(from_file("inputs", text, |path| Inputs::read(path, &description(), &named)).unwrap(), inputs);
-        let told = from_file("strict", text, |path| Inputs::read(path, &description(), &named[..2])).unwrap_err();
-        assert!(told.to_string().contains("--column \"HEADER=VARIABLE\" names another one"), "{told:#}");
+        let named = ["Zeit=time", "Kraft=normal_load"].map(|text| text.parse().unwrap()).to_vec();
+        let reading = |strict| Reading { columns: named.clone(), strict, python: false };
+        let read = |strict| from_file("named", text, |path| Inputs::read(path, &description(), &reading(strict)));
+        let found = read(false).unwrap();
+        assert_eq!((&found.names, &found.values), (&inputs.names, &inputs.values));
+        assert!(found.notes[0].contains("left out are \"Raum\""), "{:?}", found.notes);
+        let told = read(true).unwrap_err().to_string();
+        assert!(told.contains("--column \"HEADER=VARIABLE\" names another one"), "{told}");
     }
 
     #[test]
@@ -351,7 +369,9 @@ mod tests {
         assert!(table("twice", "a,a\n1,2\n").contains("\"a\""));
         assert!(table("empty", "a,b\n").contains("no row"));
         assert!(table("short", "a,b\n1\n").contains("short.csv"));
-        let inputs = |name, text| told(from_file(name, text, |path| Inputs::read(path, &description(), &[])).map(drop));
+        let inputs = |name, text| {
+            told(from_file(name, text, |path| Inputs::read(path, &description(), &Reading::strict())).map(drop))
+        };
         assert!(inputs("notime", "normal_load [N]\n1\n").contains("no column time"));
         assert!(inputs("word", "time,normal_load [N]\n0,heavy\n").contains("column 2 (normal_load [N]): \"heavy\""));
         assert!(inputs("parameter", "time,punch.width\n0,1\n").contains("accepted are time"));

@@ -36,7 +36,7 @@ impl Timeline {
         let every = job.every.as_ref().map(super::Text::value).transpose()?;
         let (inputs, longest) = match &job.inputs {
             Some(path) => {
-                let inputs = Inputs::read(path, description, &job.named)?;
+                let inputs = Inputs::read(path, description, &job.reading()?)?;
                 if inputs.times.len() < 2 {
                     bail!("{} has one row; a time interval needs at least two", path.display());
                 }
@@ -86,7 +86,7 @@ fn nominal(job: &Job, description: &Description, cells: &[String], asked: Option
     let values = (0..nominal.times.len()).flat_map(|row| at(row).chain(ambient())).collect();
     let names =
         nominal::NAMES.iter().chain(around.iter().map(|(name, _)| name)).map(|name| (*name).to_owned()).collect();
-    Ok((Inputs { source: nominal.description, names, times: nominal.times, values }, nominal.step))
+    Ok((Inputs { source: nominal.description, names, times: nominal.times, values, notes: Vec::new() }, nominal.step))
 }
 
 /// Most communication points that largest values are taken from: their times and values are kept in memory.

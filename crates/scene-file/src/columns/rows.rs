@@ -3,7 +3,7 @@
 use super::headers::{self, Match, alternatives};
 use super::sheet::{COMMAS, Sheet};
 use super::{Column, Reading, TIME};
-use crate::quantity;
+use crate::{nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
 use chrono::{Days, NaiveDateTime, NaiveTime, TimeDelta};
 use scene::message::{Clipped, Quoted, listed};
@@ -248,8 +248,11 @@ fn columns(
                 Match::Known(column, symbol) => Found::of(column, &symbol, true),
                 Match::Meant(column, symbol) => Found::of(column, &symbol, false),
                 Match::Unknown(candidates) if reading.strict || read.is_empty() || renamed.is_some() => {
+                    let of_user = headers::split(read).0;
+                    let accepted = known.iter().filter(|column| column.taken && renamed.is_some());
+                    let near = nearest(of_user, accepted.map(|column| column.name.as_str()));
                     bail!(
-                        "{}: {} is not a known quantity with a known unit; {}{candidates}; {name} names another one, {leave} leaves \
+                        "{}: {} is not a known quantity with a known unit; {}{candidates}{near}; {name} names another one, {leave} leaves \
                          it out",
                         place(at),
                         Quoted(read),
