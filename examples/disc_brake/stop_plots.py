@@ -65,7 +65,7 @@ def one_stop(courses, path):
         level = lumped["pressure_mean"].max() / 1e6
         profile.axhline(level, color="black", linestyle="--", linewidth=0.9, label="lumped, full load")
         profile.set_ylabel("contact pressure (MPa)")
-        hot.set_ylabel("temperature, mean of both surfaces (°C)")
+        hot.set_ylabel("temperature, mean of both\nsurfaces (°C)")
         for axis in (profile, hot):
             axis.set_xlabel("position on the pad x (mm); the disc comes in at the right edge")
         profile.legend(ncols=2)
