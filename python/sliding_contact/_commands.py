@@ -111,7 +111,7 @@ def _progress(part: float) -> None:
 
 def said(text: object) -> str:
     """A message of the package, with the option for the argument."""
-    return str(text).replace('columns={"HEADER": "VARIABLE"}', '--column "HEADER=VARIABLE"').replace("columns: ", "--column: ")
+    return str(text).replace('columns={"HEADER": "VARIABLE"}', '--column "HEADER=VARIABLE"').replace('"HEADER": ""', '"HEADER="').replace("columns: ", "--column: ")
 
 
 def kind(category: type[Warning]) -> str:

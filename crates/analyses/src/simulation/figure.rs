@@ -315,7 +315,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
     };
     let mut panels = vec![
         draw("pressure", "profile.pressure", "Pa", &|own| own.pressure.to_vec()),
-        draw("temperature,\nmean of both surfaces", "profile.temperature", "K", &|own| own.temperature.to_vec()),
+        draw("surfaces' mean temperature", "profile.temperature", "K", &|own| own.temperature.to_vec()),
     ];
     for (body, name) in ["punch", "strip"].into_iter().enumerate() {
         let range = |own: &Profiles| {
@@ -475,10 +475,7 @@ mod tests {
         assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");
         assert!(!energies.contains(&"lost: strip base"), "{energies:?}");
         let profiles: Vec<&str> = figure.profiles.iter().map(|panel| panel.y.as_str()).collect();
-        assert_eq!(
-            profiles,
-            ["pressure (MPa)", "temperature,\nmean of both surfaces (°C)", "worn depth of the punch (nm)"]
-        );
+        assert_eq!(profiles, ["pressure (MPa)", "surfaces' mean temperature (°C)", "worn depth of the punch (nm)"]);
         for panel in &figure.profiles {
             let names: Vec<&str> = panel.series.iter().map(|series| series.name.as_str()).collect();
             assert_eq!(names, ["0 s", "0.5 s", "1 s"]);
