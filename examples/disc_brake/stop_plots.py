@@ -57,7 +57,7 @@ def one_stop(courses, path):
                 axis.legend()
         # Room for the legend above the curves.
         temperature.set_ylim(0, 1.5 * (line["contact_temperature_max"].max() - ZERO_CELSIUS))
-        temperature.legend(ncols=2, loc="upper center")
+        temperature.legend(ncols=2, loc="upper center", columnspacing=0.8)
         colours = plt.cm.viridis(np.linspace(0.0, 0.92, len(line.snapshots)))
         for index, (at, colour) in enumerate(zip(line.snapshots, colours, strict=True)):
             profile.plot(*monotone_cubic(1e3 * line.x, line.profiles["pressure"][index] / 1e6), color=colour, label=f"{at:g} s")
