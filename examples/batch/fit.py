@@ -16,6 +16,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 from sliding_contact import Interrupted, Scene, fit  # noqa: E402  (the backend is chosen first)
+from sliding_contact._commands import kind, said  # noqa: E402  (messages in the words of the command line)
 
 HERE = Path(__file__).resolve().parent
 PAUSE = {True: 1.0, False: 60.0}  # s, between lines of progress, on a terminal and elsewhere
@@ -63,7 +64,7 @@ def main():
     options = arguments()
     # Each once, without the line of the package that raised it.
     warnings.simplefilter("once")
-    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
+    warnings.showwarning = lambda message, category, *_: print(f"{kind(category)}: {said(message)}", file=sys.stderr)
     picture, result = options.output / "fit.svg", options.output / "fit.json"
     scene = Scene.load(options.scene).set(dict(own.split("=", 1) for own in options.set))
     columns = dict(own.rsplit("=", 1) for own in options.column)
@@ -83,9 +84,10 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except Interrupted as stopped:
-        sys.exit(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}")
-    except KeyboardInterrupt:
-        sys.exit("interrupted; nothing is written")
+    except KeyboardInterrupt as stopped:
+        values = stopped.result.items() if isinstance(stopped, Interrupted) else ()
+        sets = " ".join(f"--set {name}={value:.6g}" for name, value in values)
+        print(f"{stopped}; as {sets}" if sets else "interrupted; nothing is written", file=sys.stderr)
+        sys.exit(130)
     except (ValueError, RuntimeError, OSError) as error:
-        sys.exit(f"error: {error}")
+        sys.exit(f"error: {said(error)}")

@@ -1,6 +1,7 @@
 """The same blocks on Dask, or on plain processes: what Dask is measured against."""
 
 import multiprocessing
+import signal
 import time
 from contextlib import contextmanager
 
@@ -19,6 +20,8 @@ def client(address, workers, folder):
     settings = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.profile.enabled": False}
     with dask.config.set(settings):
         if address is None:
+            # Its processes leave Ctrl-C to this one, which ends them.
+            own_way = signal.signal(signal.SIGINT, signal.SIG_IGN)
             with LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -27,6 +30,7 @@ def client(address, workers, folder):
                 local_directory=str(folder),
                 silence_logs="ERROR",
             ) as cluster, Client(cluster) as own:
+                signal.signal(signal.SIGINT, own_way)
                 yield own
         else:
             with Client(address) as own:

@@ -457,4 +457,5 @@ if __name__ == "__main__":
     except (ValueError, RuntimeError, OSError) as error:
         sys.exit(f"error: {error}")
     except KeyboardInterrupt:
-        sys.exit("stopped; the same command continues where it was")
+        print("stopped; the same command continues where it was", file=sys.stderr)
+        sys.exit(130)

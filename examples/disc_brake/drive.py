@@ -44,6 +44,9 @@ def main():
     recording = simulation.drive(options.fmu, drive.signals(), options.step)
     summary = report.summarise(recording, drive)
     level = simulation.level(description)
+    options.output.mkdir(parents=True, exist_ok=True)
+    table = options.output / f"{options.cycle.stem}.csv"
+    report.write_csv(table, recording, drive)
     trips = report.of_trips(recording, drive, road_load.read_trips(options.cycle))
     columns = {level: summary}
     if not options.one_level and level in ("auto", "lumped"):
@@ -51,9 +54,6 @@ def main():
         for cells, line in zip(simulation.LINE_CELLS, lines):
             columns[f"line, {cells} cells"] = report.summarise(line, drive)
 
-    options.output.mkdir(parents=True, exist_ok=True)
-    table = options.output / f"{options.cycle.stem}.csv"
-    report.write_csv(table, recording, drive)
     title = f"{description.modelName}: one front brake over {options.cycle.stem.upper()}, level {level}"
     # Imported late: matplotlib takes longer to load than the cycle to run.
     import plots

@@ -84,9 +84,11 @@ def describe(fmu):
 
 
 def with_optional_inputs(signals, description):
-    """The signals with a column of 0, the neutral value, for every missing input: fmpy warns of each."""
-    inputs = [variable.name for variable in description.modelVariables if variable.causality == "input"]
+    """The signals with a column of its start value for every missing input: fmpy warns of each."""
+    inputs = {variable.name: float(variable.start) for variable in description.modelVariables if variable.causality == "input"}
     complete = np.zeros(len(signals), dtype=[("time", np.float64), *((name, np.float64) for name in inputs)])
+    for name, start in inputs.items():
+        complete[name] = start
     for name in signals.dtype.names:
         complete[name] = signals[name]
     return complete

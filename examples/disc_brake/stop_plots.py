@@ -39,7 +39,7 @@ def one_stop(courses, path):
         torque.set_ylabel("friction torque of one brake (N·m)")
         for name, label, colour in (
             ("contact_temperature_max", "hottest point", RED),
-            ("contact_temperature", "contact, mean", ORANGE),
+            ("contact_temperature", "mean of both surfaces", ORANGE),
             ("strip.mean_temperature", "disc, mean", BLUE),
         ):
             both(temperature, courses, lambda axis, c, style, level, name=name, label=label, colour=colour: axis.plot(
@@ -57,7 +57,7 @@ def one_stop(courses, path):
                 axis.legend()
         # Room for the legend above the curves.
         temperature.set_ylim(0, 1.5 * (line["contact_temperature_max"].max() - ZERO_CELSIUS))
-        temperature.legend(ncols=2, loc="upper center")
+        temperature.legend(ncols=2, loc="upper center", columnspacing=0.8)
         colours = plt.cm.viridis(np.linspace(0.0, 0.92, len(line.snapshots)))
         for index, (at, colour) in enumerate(zip(line.snapshots, colours, strict=True)):
             profile.plot(*monotone_cubic(1e3 * line.x, line.profiles["pressure"][index] / 1e6), color=colour, label=f"{at:g} s")
@@ -65,7 +65,7 @@ def one_stop(courses, path):
         level = lumped["pressure_mean"].max() / 1e6
         profile.axhline(level, color="black", linestyle="--", linewidth=0.9, label="lumped, full load")
         profile.set_ylabel("contact pressure (MPa)")
-        hot.set_ylabel("contact temperature (°C)")
+        hot.set_ylabel("temperature, mean of both\nsurfaces (°C)")
         for axis in (profile, hot):
             axis.set_xlabel("position on the pad x (mm); the disc comes in at the right edge")
         profile.legend(ncols=2)

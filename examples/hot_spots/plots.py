@@ -94,7 +94,7 @@ def ends(runs, critical, level, path):
         axes[0].plot(*monotone_cubic(x, run.pressure[-1] / 1e6), color=colour, label=title(run, critical))
         axes[1].plot(*monotone_cubic(x, run.temperature[-1] - 273.15), color=colour, label=title(run, critical))
     axes[0].set_ylabel("contact pressure (MPa)")
-    axes[1].set_ylabel("contact temperature (°C)")
+    axes[1].set_ylabel("temperature, mean of both surfaces (°C)")
     axes[1].set_xlabel("position around the steel ring x (mm)")
     axes[0].legend()
     figure.suptitle(f"After {runs[0].time[-1]:g} s; {level}", fontsize=10)

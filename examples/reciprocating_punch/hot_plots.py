@@ -24,7 +24,7 @@ def half_strokes(hot, path):
         column[0].legend(ncols=2, loc="upper center")
         column[1].set_xlabel("position on the punch x (mm)")
     axes[0, 0].set_ylabel("contact pressure over mean $p/p_m$")
-    axes[1, 0].set_ylabel("contact temperature (°C)")
+    axes[1, 0].set_ylabel("temperature, mean of both surfaces (°C)")
     mean = next(iter(hot.values())).mean / 1e6
     figure.suptitle(
         f"With heat, level line: middle of successive half-strokes, v > 0 solid, v < 0 dotted, $p_m$ = {mean:.2f} MPa", fontsize=10

@@ -73,9 +73,9 @@ def along(recording, title, path):
         for brake, colour in (("front_left", BLUE), ("rear_left", ORANGE)):
             place = brake.split("_")[0]
             axis.plot(time, recording[brake, "contact_temperature"] - ZERO_CELSIUS, color=colour, linewidth=0.6,
-                      alpha=0.7, label=f"{place} contact")
+                      alpha=0.7, label=f"{place}, mean of both surfaces")
             axis.plot(time, recording[brake, "strip.mean_temperature"] - ZERO_CELSIUS, color=colour, linestyle="--",
-                      label=f"{place} disc, mean")
+                      label=f"{place} disc")
         axis.set_ylabel("temperature (°C)")
         axis.legend(loc="upper left", ncols=4)
         axis.margins(y=0.25)
@@ -134,7 +134,7 @@ def stops(cold, hot, begins, path):
         axis.legend(loc="lower right", ncols=2)
 
     panels = (("Speed", speed),
-              ("Contact temperature", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature (°C)")),
+              ("Contact temperature, mean of both surfaces", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature (°C)")),
               ("Friction", friction))
     with plt.rc_context(STYLE):
         return save(figure_of(panels, "The same pedal, cold and after the descent", sharex=True), path)

@@ -6,9 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, exit};
 use std::sync::Arc;
 
+use crate::output::INTERRUPTED;
 use anyhow::{Context, Result, bail};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
+use signal_hook::iterator::Signals;
+use std::thread;
 
 /// Root of the source tree: that of the running `cargo fmu`, so that a moved clone is found.
 pub fn root() -> PathBuf {
@@ -59,6 +62,23 @@ pub(crate) fn leave_ctrl_c() -> Result<()> {
     Ok(())
 }
 
+/// Ends this process at Ctrl-C with a hint how its work goes on.
+pub(crate) fn end_at_ctrl_c(hint: &'static str) -> Result<()> {
+    let mut signals = Signals::new([SIGINT])?;
+    thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            eprintln!("interrupted; {hint}");
+            exit(i32::from(INTERRUPTED));
+        }
+    });
+    Ok(())
+}
+
+/// Whether Ctrl-C has ended a program that this process waited for.
+pub fn interrupted(status: ExitStatus) -> bool {
+    status.code() == Some(i32::from(INTERRUPTED)) || status.signal() == Some(SIGINT)
+}
+
 /// Ends this process with the status of a program that failed and has told why.
 ///
 /// # Errors
@@ -67,7 +87,7 @@ pub(crate) fn leave(status: ExitStatus, program: &str) -> Result<()> {
     match (status.code(), status.signal()) {
         (Some(code), _) => exit(code),
         // Ctrl-C reached it too; the status is that of shells.
-        (None, Some(SIGINT)) => exit(128 + SIGINT),
+        (None, Some(SIGINT)) => exit(i32::from(INTERRUPTED)),
         (None, _) => bail!("{program} was ended ({status})"),
     }
 }

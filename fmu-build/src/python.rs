@@ -59,6 +59,33 @@ pub(crate) const SITE: Own = ("python-site", &[("site", include_str!("../python/
 /// Of the peers that the charts compare with.
 pub const PEERS: Own = ("python-peers", &[("peers", include_str!("../../benches/peers/requirements.txt"))]);
 
+/// Runs a script as Python does, except that Ctrl-C, also while it imports, and a call of the FMU that fails end it without a traceback.
+const QUIETLY: &str = "\
+import runpy, sys
+del sys.argv[0]
+sys.path[0] = sys.argv[0].rpartition('/')[0]
+try:
+    runpy.run_path(sys.argv[0], run_name='__main__')
+except KeyboardInterrupt:
+    sys.exit(130)
+except Exception as error:
+    # The FMU has told why before.
+    if type(error).__name__ != 'FMICallException':
+        raise
+    sys.exit(f'error: {error}')
+";
+
+/// A script of the examples, with byte code and the caches of fonts in the target folder, not in the sources or the user's home.
+pub(crate) fn script(python: &Path, environment: &str, script: &str) -> Command {
+    let mut command = Command::new(python);
+    command
+        .args(["-c", QUIETLY])
+        .arg(project::root().join("examples").join(script))
+        .env("MPLCONFIGDIR", project::target().join(environment).join("matplotlib"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    command
+}
+
 /// Makes the environment for [`Tier::Run`] unless it is there and returns its Python.
 ///
 /// # Errors
@@ -376,6 +403,26 @@ mod limited;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn ctrl_c_and_a_failed_call_end_a_script_without_a_traceback() {
+        let folder = std::env::temp_dir().join(format!("quietly-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("beside.py"), "import time\nprint('started', flush=True)\ntime.sleep(60)\n").unwrap();
+        let file = folder.join("script.py");
+        fs::write(&file, "import beside\n").unwrap();
+        let mut command = script(Path::new("python3"), "python", file.to_str().unwrap());
+        let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        BufReader::new(run.stdout.as_mut().unwrap()).read_line(&mut String::new()).unwrap();
+        assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+        let ended = run.wait_with_output().unwrap();
+        assert!(project::interrupted(ended.status) && ended.stderr.is_empty(), "{ended:?}");
+        fs::write(&file, "class FMICallException(Exception): pass\nraise FMICallException('a step failed')\n").unwrap();
+        let failed = script(Path::new("python3"), "python", file.to_str().unwrap()).output().unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        assert_eq!((failed.status.code(), failed.stderr.as_slice()), (Some(1), &b"error: a step failed\n"[..]));
+    }
 
     #[test]
     fn every_requirement_is_pinned_and_listed_once_per_python() {

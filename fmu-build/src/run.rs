@@ -6,11 +6,11 @@ mod cycle;
 mod scene;
 
 use crate::columns::Reading;
-use crate::output::{self, print_text};
+use crate::output::{self, Interrupted, print_text};
 use crate::{arguments, native, package, project, python, scenes};
 use anyhow::{Context, Result, bail};
 use std::fs;
-use std::io::{self, BufRead, BufReader};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 
@@ -174,10 +174,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
     // Before this process ends with the status of the script.
     drop(cycle);
-    if !status.success() {
-        project::leave(status, "the drive")?;
-    }
-    Ok(())
+    end(status, &output)
 }
 
 /// Compares the published cases with the model, which this program simulates.
@@ -186,26 +183,30 @@ fn compare(arguments: &Arguments) -> Result<()> {
         bail!("--scene, --set and --fmu do not apply to published: every case has a scene of its own");
     }
     let python = python::environment()?;
-    let mut command = Command::new(&python);
-    command
-        .arg(project::root().join("examples/published/drive.py"))
-        .arg("--command")
-        .arg(project::program()?)
-        .arg("--output")
-        .arg(arguments.output.clone().unwrap_or_else(|| Example::Published.output()));
-    keep_caches_apart(&mut command);
+    let output = arguments.output.clone().unwrap_or_else(|| Example::Published.output());
+    let mut command = python::script(&python, "python", "published/drive.py");
+    command.arg("--command").arg(project::program()?).arg("--output").arg(&output);
     if arguments.json {
         command.arg("--json");
     }
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
-    if !status.success() {
-        project::leave(status, "the comparison")?;
+    end(status, &output)
+}
+
+/// Ends as the script of an example has ended.
+fn end(status: ExitStatus, output: &Path) -> Result<()> {
+    if project::interrupted(status) {
+        let output = output.display();
+        bail!(Interrupted(format!(
+            "interrupted; {output} has the files that were finished, the same command begins again"
+        )));
     }
-    Ok(())
+    if status.success() { Ok(()) } else { project::leave(status, "the example") }
 }
 
 /// Runs a script to its end and forwards its output; a closed output pipe does not reach the script.
-fn follow(mut command: Command) -> io::Result<ExitStatus> {
+fn follow(mut command: Command) -> Result<ExitStatus> {
+    project::leave_ctrl_c()?;
     let mut child = command.stdout(Stdio::piped()).spawn()?;
     if let Some(out) = child.stdout.take() {
         let mut out = BufReader::new(out);
@@ -215,7 +216,7 @@ fn follow(mut command: Command) -> io::Result<ExitStatus> {
             line.clear();
         }
     }
-    child.wait()
+    Ok(child.wait()?)
 }
 
 /// Refuses options that the example does not have.
@@ -266,22 +267,9 @@ pub(crate) fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf
 
 /// The script of an example, in the project's environment.
 fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command {
-    let mut command = Command::new(python);
+    let mut command = python::script(python, "python", &format!("{}/drive.py", example.folder()));
+    command.arg("--fmu").arg(fmu).arg("--output").arg(output);
     command
-        .arg(project::root().join("examples").join(example.folder()).join("drive.py"))
-        .arg("--fmu")
-        .arg(fmu)
-        .arg("--output")
-        .arg(output);
-    keep_caches_apart(&mut command);
-    command
-}
-
-/// Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
-fn keep_caches_apart(command: &mut Command) {
-    command
-        .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
 }
 
 #[cfg(test)]

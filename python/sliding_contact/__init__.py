@@ -12,7 +12,7 @@ Values are in SI units unless a name says another one: `result["contact_temperat
 from __future__ import annotations
 
 from ._batch import Batch
-from ._errors import Error, Interrupted, SceneWarning
+from ._errors import Error, Interrupted, SceneNote, SceneWarning
 from .results import Cycles, Deviation, LevelComparison, Plan, Profiles, Simulation, SteadyState, StepFailed, Stroke
 from .scene import Scene, fmu, scenes
 
@@ -27,6 +27,7 @@ __all__ = [
     "Plan",
     "Profiles",
     "Scene",
+    "SceneNote",
     "SceneWarning",
     "Simulation",
     "SteadyState",

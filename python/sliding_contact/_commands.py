@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Optional, Sequence
 
-from ._errors import Error, Interrupted, writing
+from ._errors import Error, Interrupted, SceneNote, writing
 from ._numbers import number
 from .results import Simulation, StepFailed
 from .scene import Scene, scenes
@@ -109,9 +109,13 @@ def _progress(part: float) -> None:
     print(f"\r{100.0 * part:3.0f} %", end="", file=sys.stderr, flush=True)
 
 
-def _said(text: object) -> str:
+def said(text: object) -> str:
     """A message of the package, with the option for the argument."""
-    return str(text).replace('columns={"HEADER": "VARIABLE"}', '--column "HEADER=VARIABLE"').replace("columns: ", "--column: ")
+    return str(text).replace('columns={"HEADER": "VARIABLE"}', '--column "HEADER=VARIABLE"').replace('"HEADER": ""', '"HEADER="').replace("columns: ", "--column: ")
+
+
+def kind(category: type[Warning]) -> str:
+    return "note" if issubclass(category, SceneNote) else "warning"
 
 
 def _told(line: str) -> None:
@@ -394,7 +398,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     with warnings.catch_warnings():
         # Each once, without the line of the package that raised it.
         warnings.simplefilter("once")
-        warnings.showwarning = lambda message, *_: print(f"warning: {_said(message)}", file=sys.stderr)
+        warnings.showwarning = lambda message, category, *_: _told(f"{kind(category)}: {said(message)}")
         try:
             given.run(given)
             sys.stdout.flush()
@@ -406,6 +410,6 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             _told(str(stopped) or "interrupted")
             return 130
         except (Error, ImportError, OSError) as error:
-            print(f"error: {_said(error)}", file=sys.stderr)
+            print(f"error: {said(error)}", file=sys.stderr)
             return 1
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,10 @@ class SceneWarning(UserWarning):
     """Values that are allowed but improbable, or a run that left what the model is valid for."""
 
 
+class SceneNote(SceneWarning):
+    """What was made of the columns of a file whose headers are no names of quantities."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C in work that keeps what is done; `result` holds it: the run or the cycles up to there, of a plan the levels that were run, of a fit
     the best values so far, of a batch its finished scenes."""
@@ -28,8 +31,9 @@ class Interrupted(KeyboardInterrupt):
 
 def meant(name: str, names: Iterable[str], where: str) -> str:
     """The end of a message about an unknown name: those like it, else `where` all are."""
-    near = difflib.get_close_matches(name, sorted(set(names)), 3)
-    return f"; did you mean {' or '.join(near)}?" if near else f"; `{where}` has the names"
+    from . import _native
+
+    return _native.ask({"analysis": "nearest", "name": name, "names": sorted(set(names))}).record or f"; `{where}` has the names"
 
 
 @contextmanager
@@ -42,5 +46,5 @@ def writing(path: Union[str, "os.PathLike[str]"]) -> Iterator[None]:
         raise Error(f"writing {os.fspath(path)}: {error}") from error
 
 
-for _public in (Error, Interrupted, SceneWarning):
+for _public in (Error, Interrupted, SceneNote, SceneWarning):
     _public.__module__ = "sliding_contact"

@@ -16,14 +16,13 @@ from ._figure import COLOURS, WIDTH
 
 BLUE, RED, GREEN, ORANGE = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[4]
 
-MOST = 3  # panels of histories
 SHOWN = {"K": (1.0, -273.15, "°C"), "m": (1e6, 0.0, "µm"), "m3": (1e9, 0.0, "mm³"), "kg": (1e6, 0.0, "mg"), "1": (1.0, 0.0, "")}
 
 
 def figure_of(found: Any) -> Figure:
     names = list(dict.fromkeys(own.name for own in found.model.series))
     is_law = names == [fit.VOLUME] and all(own.relative for own in found.model.series)
-    shown = [None] if is_law else names[:MOST]
+    shown = [None] if is_law else names
     panels = len(shown) + (1 if len(found.names) > 1 else 0)
     columns = min(panels, 2)
     rows = -(-panels // columns)

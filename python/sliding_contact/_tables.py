@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
-from ._errors import Error, SceneWarning
+from ._errors import Error, SceneNote
 from ._numbers import flag, plain
 
 if TYPE_CHECKING:
@@ -54,6 +54,6 @@ def source(table: Optional[Table], name: str, columns: Optional[Columns] = None,
 
 
 def tell(notes: Sequence[str], depth: int = 3) -> None:
-    """Warns of what was made of headers that are no names of quantities, in the line of the user."""
+    """Tells what was made of headers that are no names of quantities, in the line of the user."""
     for note in notes:
-        warnings.warn(note, SceneWarning, stacklevel=depth)
+        warnings.warn(note, SceneNote, stacklevel=depth)

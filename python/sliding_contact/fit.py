@@ -231,7 +231,8 @@ class Fit:
 
     def __str__(self) -> str:
         unit = self.model.scene.unit
-        lines = [f"{len(self.model.tests)} tests, {self.runs} runs"]
+        count = len(self.model.tests)
+        lines = [f"{count} test{'s' * (count > 1)}, {self.runs} runs"]
         for name, value, low, high in zip(self.names, self.values, *self.intervals):
             own = "" if unit(name) == "1" else f" {unit(name)}"
             lines.append(f"  {name:32} {value:.4g}{own}, {100 * self.confidence:g} % interval {low:.4g} to {high:.4g}")

@@ -58,6 +58,8 @@ def test_what_fails_is_a_row_with_its_reason_and_what_is_wrong_is_refused():
     for wrong, text in (
         (lambda: scene.batch({"punch.width": [-1.0, -2.0]}, STOP), "every scene failed, the first for: setting punch.width=-1"),
         (lambda: scene.batch({"punch.widht": [1.0]}), "did you mean punch.width"),
+        (lambda: scene["contact.frction"], "did you mean contact.friction_coefficient"),
+        (lambda: scene["no such thing"], "no such thing is no variable of the scene; `variables` has the names"),
         (lambda: scene.batch({"punch.width": [0.08], "depth": [0.05, 0.06]}), "design: depth has 2 rows"),
         (lambda: scene.batch({"punch.width": 0.08}), "design: punch.width has 0 rows"),
         (lambda: scene.batch({}), "design: there is no column"),

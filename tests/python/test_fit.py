@@ -212,6 +212,10 @@ def test_a_picture_of_a_law_and_of_histories(tmp_path):
     pin().fit(archard(0.1)).plot(tmp_path / "law.svg")
     fit.fit(fit.Model(brake(), drag(error=np.arange(40.0))), "contact.friction_coefficient", companion=False).plot(tmp_path / "history.svg")
     assert (tmp_path / "law.svg").stat().st_size > 5000 and (tmp_path / "history.svg").stat().st_size > 5000
+    names = ["friction_force", "contact_temperature", "strip.mean_temperature", "wear_depth_punch"]
+    series = {name: own for each in names for name, own in drag(each).measured.items()}
+    drawn = fit.fit(fit.Model(brake(), fit.Test(drag().inputs, series)), "contact.friction_coefficient", companion=False).plot()
+    assert [axis.get_ylabel().split(" (")[0].replace(" ", "_") for axis in drawn.axes] == names
 
 
 def test_a_fit_runs_the_scene_as_it_is():

@@ -26,6 +26,18 @@ def test_the_shipped_fmus_run_in_the_host(tmp_path):
     assert failure.value.stage == "library"
 
 
+def test_a_scene_whose_neighbour_has_no_temperature_is_packaged_and_run_with_it_at_ambient(tmp_path):
+    scene = Scene.load("disc_brake").set({"strip.external_conductance": 3.5, "solver.fidelity": "lumped"})
+    with zipfile.ZipFile(scene.package(tmp_path / "own.fmu")) as archive:
+        (header, row, *_), = [archive.read(name).decode().splitlines() for name in archive.namelist() if name.endswith("_in.csv")]
+    assert header == "time,sliding_velocity,normal_load,strip.external_temperature" and row.endswith(",293.15")
+    assert scene.simulate()["strip.external_temperature [degC]"][0] == pytest.approx(20.0)
+    inputs = {"time [s]": [0, 1], "sliding_velocity [m/s]": 10, "normal_load [N]": 4000}
+    with pytest.raises(Error, match='give it in a column of the inputs, or set strip.external_temperature="20 degC"'):
+        scene.simulate(inputs)
+    scene.set({"strip.external_temperature": "20 degC"}).simulate(inputs)
+
+
 OWN = 'name = "bench"\ndescription = "A pad of 60 mm"\n[experiment]\nstop = "2 s"\nstep = 0.01\n[punch]\nwidth = "60 mm"\n[solver]\nfidelity = "lumped"\n'
 
 

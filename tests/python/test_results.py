@@ -137,7 +137,7 @@ def test_figures_are_drawn(tmp_path):
     for ending in ("svg", "pdf", "png"):
         line.plot(tmp_path / f"stop.{ending}", measured=measured)
     svg = (tmp_path / "stop.svg").read_text()
-    assert "measured" in svg and "contact, highest" in svg and "over the contact, at the time" in svg
+    assert "measured" in svg and "hottest point" in svg and "mean of both surfaces" in svg and "over the contact, at the time" in svg
     assert (tmp_path / "stop.pdf").read_bytes().startswith(b"%PDF") and (tmp_path / "stop.png").stat().st_size > 10_000
     punch = Scene.load("reciprocating_punch")
     assert len(punch.steady(cells=17).plot(tmp_path / "steady.svg").axes) == 3

@@ -9,6 +9,7 @@ use anyhow::{Context, Result};
 use fmu_host::{Interpolation, Schedule, Span, Worker};
 use scene::slot::Packaged;
 use scene::variables::find;
+use scene_file::nominal;
 
 use crate::archive::Files;
 use crate::description::MODEL_IDENTIFIER;
@@ -65,12 +66,15 @@ fn from_folder(files: &mut Files, scene: &Packaged, folder: &Path) -> Result<()>
     let experiment = scene.experiment;
     let span = Span { start: experiment.start, stop: time(scene, STEPS), step: experiment.step };
     let times: Vec<f64> = (0..=STEPS).map(|index| span.time(index)).collect();
-    let inputs: Vec<f64> = (0..=STEPS).flat_map(|index| inputs(index, scene)).collect();
+    let around = nominal::neighbours(|name| scene.starts[find(name).expect("a row of the variable table") as usize]);
+    let names: Vec<&str> = INPUTS.into_iter().chain(around.iter().map(|(name, _)| *name)).collect();
+    let ambient = || around.iter().map(|(_, ambient)| *ambient);
+    let inputs: Vec<f64> = (0..=STEPS).flat_map(|index| inputs(index, scene).into_iter().chain(ambient())).collect();
     let run = fmu_host::Scene {
         parameters: &[],
-        inputs: &INPUTS,
+        inputs: &names,
         factors: &[],
-        schedule: Schedule::new(&times, &inputs, INPUTS.len())?,
+        schedule: Schedule::new(&times, &inputs, names.len())?,
         interpolation: Interpolation::Hold,
         span,
         tolerance: Some(experiment.tolerance),
@@ -78,9 +82,9 @@ fn from_folder(files: &mut Files, scene: &Packaged, folder: &Path) -> Result<()>
         points: &times,
     };
     let answers = Worker::open(folder).and_then(|mut worker| worker.run(&run)).context("the reference run")?;
-    let mut given = format!("time,{}\n", INPUTS.join(","));
+    let mut given = format!("time,{}\n", names.join(","));
     let mut expected = format!("time,{}\n", OUTPUTS.join(","));
-    let rows = inputs.chunks(INPUTS.len()).zip(answers.chunks(OUTPUTS.len()));
+    let rows = inputs.chunks(names.len()).zip(answers.chunks(OUTPUTS.len()));
     for (index, (inputs, outputs)) in rows.enumerate() {
         let row = |values: Vec<String>| format!("{},{}\n", number(time(scene, index)), values.join(","));
         given += &row(inputs.iter().map(|&value| number(value)).collect());

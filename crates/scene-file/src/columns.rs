@@ -15,11 +15,12 @@ mod sheet;
 mod tests;
 
 use anyhow::{Context, Result, bail, ensure};
-pub use rows::{check_separator, whole};
+pub use rows::whole;
 pub(crate) use rows::{has_candidate, lacks_column, rows};
 use scene::message::{Number, Quantity, Quoted, listed};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
+pub use sheet::{separator, text};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -338,7 +338,8 @@ impl<'text> Reader<'text> {
             return self.problem(leaf.at, key, reason);
         };
         if !matches!(row.causality, Causality::Parameter | Causality::Input) {
-            return self.problem(leaf.at, key, "is calculated by the FMU and cannot be given".into());
+            let near = suggest::nearest(key, known_keys());
+            return self.problem(leaf.at, key, format!("is calculated by the FMU and cannot be given{near}"));
         }
         let mut store = |element: u32, value: &Spanned<DeValue>| match quantity::value(value.get_ref(), row) {
             Ok(value) => {

@@ -1,6 +1,7 @@
 //! Nominal inputs: what a scene is driven by where nobody says otherwise.
 
 use anyhow::{Result, bail};
+use scene::ThermalBoundary;
 use std::f64::consts::PI;
 
 /// Communication steps in a cycle of a reciprocating scene at least.
@@ -11,6 +12,27 @@ pub const MOST_POINTS: f64 = 2e6;
 
 /// The names of the inputs, in the order of the columns of [`Inputs::values`].
 pub const NAMES: [&str; 3] = ["normal_load", "angular_velocity", "sliding_velocity"];
+
+/// External temperatures that act and that the scene does not give, with the ambient temperature, K: nominally neighbours have it.
+pub fn neighbours(value: impl Fn(&str) -> f64) -> Vec<(&'static str, f64)> {
+    let bodies = [
+        ("punch.external_temperature", "punch.external_conductance", "punch.top_thermal"),
+        ("strip.external_temperature", "strip.external_conductance", "strip.base_thermal"),
+    ];
+    let acts = |conductance, face| {
+        value(conductance) > 0.0 || ThermalBoundary::from_item(value(face)) == ThermalBoundary::External
+    };
+    let missing = bodies.into_iter().filter(|(name, conductance, face)| acts(conductance, face) && value(name) == 0.0);
+    missing.map(|(name, ..)| (name, value("ambient_temperature"))).collect()
+}
+
+/// A message about an external temperature that neither inputs nor scene give, with what gives it.
+pub fn with_remedy(message: String) -> String {
+    let body =
+        ["punch", "strip"].into_iter().find(|body| message.contains(&format!("{body}.external_temperature = 0 K ")));
+    let Some(body) = body else { return message };
+    format!("{message}; give it in a column of the inputs, or set {body}.external_temperature=\"20 degC\"")
+}
 
 /// Nominal conditions of a scene.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -106,6 +128,26 @@ mod tests {
         for duration in [0.0, -1.0, f64::NAN] {
             assert!(Conditions { duration, ..conditions }.inputs(1e-4).is_err());
         }
+    }
+
+    #[test]
+    fn neighbours_without_a_temperature_are_at_ambient() {
+        let scene = |own: &'static [(&str, f64)]| {
+            move |name: &str| match own.iter().find(|(known, _)| *known == name) {
+                Some((_, value)) => *value,
+                None if name == "ambient_temperature" => 293.15,
+                None if name.ends_with("_thermal") => 3.0,
+                None => 0.0,
+            }
+        };
+        assert_eq!(neighbours(scene(&[])), []);
+        assert_eq!(neighbours(scene(&[("strip.external_conductance", 3.5)])), [("strip.external_temperature", 293.15)]);
+        assert_eq!(neighbours(scene(&[("punch.top_thermal", 4.0)])), [("punch.external_temperature", 293.15)]);
+        let given = scene(&[("punch.top_thermal", 4.0), ("punch.external_temperature", 300.0)]);
+        assert_eq!(neighbours(given), []);
+        let told = with_remedy("strip.external_temperature = 0 K must be above 0 K".into());
+        assert!(told.ends_with("or set strip.external_temperature=\"20 degC\""), "{told}");
+        assert_eq!(with_remedy("strip.external_temperature = 5 m".into()), "strip.external_temperature = 5 m");
     }
 
     #[test]

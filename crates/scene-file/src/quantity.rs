@@ -294,6 +294,18 @@ pub(crate) fn decimal_comma(text: &str) -> Option<&'static str> {
     digits.then_some("has a comma; numbers have a decimal point")
 }
 
+/// A text whose number has a point in place of its decimal comma; as it is where it has both, or two commas.
+pub fn with_point(text: &str) -> String {
+    let is_plain = |(before, after): (&str, &str)| {
+        let rest = after.trim_start_matches(|symbol: char| symbol.is_ascii_digit());
+        !before.contains('.') && !rest.starts_with(['.', ','])
+    };
+    match text.split_once(',').filter(|_| decimal_comma(text).is_some()) {
+        Some(parts) if is_plain(parts) => text.replacen(',', ".", 1),
+        _ => text.to_owned(),
+    }
+}
+
 /// Number and unit of a text such as `1.2e3 mm3/(N.m)`, with or without the space.
 fn split(text: &str) -> Option<(f64, &str)> {
     // The longest number wins, so that an exponent is not taken for a unit.

@@ -121,12 +121,15 @@ impl Tests {
             Err(wrong) if !columns::lacks_column(&wrong) && reading.columns.is_empty() => return Err(wrong),
             Err(wrong) => wrong,
         };
+        let lenient = Reading { strict: false, ..reading.clone() };
         Records::parse(content, path, reading).map(Self::EndValues).map_err(|wrong| {
             let hint =
                 "the history of a test has time [s], end values of tests have load [N], speed [m/s] and distance [m]";
             match [&untimed, &wrong].map(columns::lacks_column) {
                 [true, true] if columns::has_candidate(&untimed) => anyhow!("{untimed}; {hint}"),
                 [true, true] => anyhow!("{wrong}; {hint}"),
+                // With a column that is refused alone it is a history.
+                [false, false] if columns::parse(content, path, &Column::record(), &lenient).is_ok() => untimed,
                 [_, false] => wrong,
                 [false, true] => untimed,
             }
@@ -150,6 +153,16 @@ mod tests {
             neither.contains("no column load") && neither.contains("the history of a test has time [s]"),
             "{neither}"
         );
+    }
+
+    #[test]
+    fn a_history_with_columns_of_other_names_is_refused_for_what_is_not_known() {
+        let columns = ["Zeit=time", "Kraft=normal_load"].map(|text| text.parse().unwrap()).to_vec();
+        let reading = Reading { columns, strict: true, python: false };
+        let told =
+            Tests::parse(b"Zeit [s];Kraft [N];COF;Raum\n0;5;0,4;20\n1;5;0,4;21\n", Path::new("rig.csv"), &reading);
+        let told = told.err().unwrap().to_string();
+        assert!(told.starts_with("rig.csv, line 1, column 4: \"Raum\" is not a known quantity"), "{told}");
     }
 
     fn records(text: &str) -> Result<Records> {

@@ -1,12 +1,13 @@
 //! The scenes that are shipped: a folder with a `scene.toml` in a folder of every name.
 
 use crate::suggest::{near, nearest, question};
-use crate::{SceneFile, read};
+use crate::{SceneFile, quantity, read};
 use anyhow::{Context, Result, bail};
 use scene::Scene;
 use scene::message::{Number, Quoted};
 use scene::slot::Packaged;
-use scene::variables::reference;
+use scene::variables::{Kind, ValueReference, lookup, reference};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// The scene of this name or path; without one the stock scene, the variable table's own start values.
@@ -76,14 +77,41 @@ pub fn names(folder: &Path) -> Vec<String> {
 /// What a scene of one's own gives; else it would run with the dimensions of the stock brake.
 const EXPECTED: [&str; 5] = ["punch.width", "punch.height", "depth", "strip.height", "contact.friction_coefficient"];
 
+/// Lengths and densities of machines over the typical magnitudes of their variables.
+const OF_MACHINES: RangeInclusive<f64> = 1e-2..=500.0;
+
+/// Warning about a length or a density that is far from the typical magnitude of its variable, and near to it in its display unit.
+fn in_other_unit(reference: ValueReference, value: f64) -> Option<String> {
+    let (row, element) = lookup(reference)?;
+    let Kind::Real { unit, display, nominal, .. } = row.kind else { return None };
+    if !["m", "kg/m3"].contains(&unit.name) {
+        return None;
+    }
+    let is_near = |value: f64| OF_MACHINES.contains(&(value.abs() / nominal));
+    let meant = quantity::in_si(value, display, unit, true).ok().filter(|_| !display.is_empty())?;
+    (value != 0.0 && !is_near(value) && is_near(meant)).then(|| {
+        let (name, unit, value) = (row.element_name(element), unit.name, Number(value));
+        format!("{name} = {value} {unit} is improbable; \"{value} {display}\" may be meant")
+    })
+}
+
 /// Warnings about the values of a scene; none where the scene is refused anyway.
 pub fn warnings(scene: &SceneFile) -> Vec<String> {
     let values = &scene.packaged.starts;
     let Ok(known) = Scene::new(values, Some(scene.packaged.experiment.tolerance)) else { return Vec::new() };
+    let mut warnings = known.warnings();
+    warnings.extend(doubts(scene));
+    warnings
+}
+
+/// Those warnings that a run does not give.
+pub fn doubts(scene: &SceneFile) -> Vec<String> {
+    let values = &scene.packaged.starts;
     let missing = EXPECTED.iter().map(|name| (name, reference(name))).filter(|(_, own)| !scene.given.contains(own));
     let missing: Vec<String> =
         missing.map(|(name, own)| format!("{name} = {}", Number(values[own as usize]))).collect();
-    let mut warnings = known.warnings();
+    let mut warnings: Vec<String> =
+        scene.given.iter().filter_map(|own| in_other_unit(*own, values[*own as usize])).collect();
     let name = &scene.packaged.name;
     if !(missing.is_empty() || scene.given.is_empty() || *name == Packaged::stock().name) {
         let missing = missing.join(", ");

@@ -31,24 +31,41 @@ const MEANINGS: [(&str, &str); 14] = [
     ("force", "load"),
 ];
 
+/// Letters from which on the beginning of a name says which.
+const SHORTEST: usize = 3;
+
 /// The up to three nearest of `known`.
 pub(crate) fn near<'known>(wanted: &str, known: impl Iterator<Item = &'known str>) -> Vec<&'known str> {
-    let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
-    let meant = MEANINGS.iter().find(|(word, _)| last(wanted).eq_ignore_ascii_case(word)).map(|(_, name)| *name);
-    let length = wanted.chars().count();
-    let tolerated = (length / 4).max(2);
+    let parts = |name: &'known str| name.rsplit_once('.').unwrap_or(("", name));
+    let (table, own) = wanted.rsplit_once('.').unwrap_or(("", wanted));
+    let meant = MEANINGS.iter().find(|(word, _)| own.eq_ignore_ascii_case(word)).map(|(_, name)| *name);
+    let [length, own_length] = [wanted, own].map(|text| text.chars().count());
+    let slips = own_length / 4;
+    // Nothing is nearer than the lengths are apart; a text may be of any length.
+    let distance = |text: &str, length: usize, name: &str, most: usize| {
+        let distance = if length.abs_diff(name.len()) > most { usize::MAX } else { levenshtein(text, name) };
+        (distance <= most).then_some(distance)
+    };
+    let begins = |whole: &str| {
+        let starts = (own_length.saturating_sub(1)..=own_length + 1).filter_map(|end| whole.get(..end));
+        own_length >= SHORTEST
+            && starts.into_iter().any(|start| distance(own, own_length, start, own_length / 6).is_some())
+    };
     let mut near: Vec<(usize, &str)> = known
         .filter_map(|name| {
-            // Nothing is nearer than the lengths are apart; a text may be of any length.
-            let apart = length.abs_diff(name.len());
-            let distance = if apart > tolerated { apart } else { levenshtein(wanted, name) };
-            // The right name in the wrong table is as near as a small slip.
-            let same = last(name) == last(wanted) || meant == Some(&*last(name));
-            let distance = if same { distance.min(1) } else { distance };
-            (distance <= tolerated).then_some((distance, name))
+            let (other, last) = parts(name);
+            // The right name in the wrong table is as near as a small slip; then the beginning of a name in the right one.
+            let elsewhere = if meant == Some(last) { Some(0) } else { distance(own, own_length, last, slips) };
+            let started = (table.is_empty() || table == other) && begins(last);
+            let whole = distance(wanted, length, name, (length / 4).max(2));
+            let least =
+                whole.into_iter().chain(elsewhere.map(|slips| 1 + 2 * slips)).chain(started.then_some(2)).min()?;
+            Some((least, name))
         })
         .collect();
     near.sort_unstable();
+    let best = near.first().map_or(0, |(least, _)| *least);
+    near.retain(|(least, _)| *least <= best + 1);
     near.truncate(3);
     near.into_iter().map(|(_, name)| name).collect()
 }
@@ -69,5 +86,18 @@ mod tests {
             "; did you mean contact.friction_coefficient?"
         );
         assert_eq!(nearest("zzz", known()), "");
+        let contact =
+            || ["contact.conductance", "contact.friction_coefficient", "contact.faces", "punch.wear_coefficient"];
+        for beginning in ["contact.frction", "contact.friktion", "contact.friction_coeff", "fric"] {
+            let told = nearest(beginning, contact().into_iter());
+            assert_eq!(told, "; did you mean contact.friction_coefficient?", "{beginning}");
+        }
+        assert_eq!(nearest("punch.wear_coef", contact().into_iter()), "; did you mean punch.wear_coefficient?");
+        assert_eq!(nearest("tiem", ["temperature_limit", "time"].into_iter()), "; did you mean time?");
+        assert_eq!(nearest("punch.friktion", contact().into_iter()), "");
+        let factors = ["contact.friction_fade.factor", "punch.wear_fade.factor"].into_iter();
+        let told = nearest("contact.friction_fade.facter", factors);
+        assert_eq!(told, "; did you mean contact.friction_fade.factor?");
+        assert_eq!(nearest("strip.with", known()), "; did you mean punch.width?");
     }
 }

@@ -9,6 +9,42 @@ fn start(scene: &SceneFile, name: &str) -> f64 {
 }
 
 #[test]
+fn a_value_in_another_unit_than_the_si_one_is_doubted_and_no_shipped_one_is() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut scene = crate::shipped::load(Some("disc_brake"), &folder.join("examples")).unwrap();
+    for (given, told) in [
+        ("contact.mean_radius=117.5", "contact.mean_radius = 117.5 m is improbable; \"117.5 mm\" may be meant"),
+        ("depth=55", "depth = 55 m is improbable; \"55 mm\" may be meant"),
+        ("strip.density=7.2", "strip.density = 7.2 kg/m3 is improbable; \"7.2 g/cm3\" may be meant"),
+    ] {
+        crate::assign(&mut scene, given).unwrap();
+        assert!(crate::shipped::doubts(&scene).contains(&told.to_owned()), "{:?}", crate::shipped::doubts(&scene));
+    }
+    let mut scenes = 0;
+    let mut folders = vec![folder.join("examples"), folder.join("tests")];
+    while let Some(next) = folders.pop() {
+        for path in std::fs::read_dir(next).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml")
+                && let Ok(scene) = crate::shipped::load(path.to_str(), &folder)
+            {
+                scenes += 1;
+                // The circumference of a ring that is large against its width.
+                let is_large = path.to_string_lossy().contains("hot_bands");
+                let doubts = crate::shipped::doubts(&scene);
+                assert!(
+                    is_large || !doubts.iter().any(|text| text.contains("improbable")),
+                    "{}: {doubts:?}",
+                    path.display()
+                );
+            }
+        }
+    }
+    assert!(scenes > 30, "{scenes}");
+}
+
+#[test]
 fn values_units_items_arrays_and_materials_are_read() {
     let scene = parse(
         r#"

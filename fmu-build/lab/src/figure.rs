@@ -1,5 +1,6 @@
 //! Figures of a run, a steady state and cycles as files, drawn by the Python package with the matplotlib of the pinned environment.
 
+use crate::output::Interrupted;
 use crate::{output, project, python};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -43,6 +44,9 @@ pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
     // A script that ends early has told why on its error stream.
     let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(&text));
     let output = child.wait_with_output()?;
+    if project::interrupted(output.status) {
+        bail!(Interrupted(format!("interrupted before {} was drawn", path.display())));
+    }
     if !output.status.success() {
         let told = String::from_utf8_lossy(&output.stderr);
         bail!("drawing {}: {}", path.display(), told.trim().lines().last().unwrap_or("Python failed"));

@@ -12,6 +12,7 @@ use analyses::simulation::quantity::rounded;
 use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
 use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
+use scene_file::shipped;
 use std::path::{Path, PathBuf};
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
@@ -104,6 +105,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     });
     drop(progress);
     let recording = recording?;
+    shipped::doubts(&file).iter().for_each(|text| eprintln!("warning: {text}"));
     let mut files = Vec::new();
     if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         output::make_above(path)?;
@@ -160,6 +162,11 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
     let accepted = [Column::inputs(), vec![Column::trip()]].concat();
     let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &accepted, &reading)).transpose()?;
     let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
+    let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
+    reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
+    let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
+    let first = |at: usize| !notes[..at].contains(&notes[at]);
+    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("note: {}", notes[at]));
     let is_one = arguments
         .inputs
         .as_ref()
@@ -175,11 +182,6 @@ fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
         }
         record = Some(outputs);
     }
-    let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
-    reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
-    let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
-    let first = |at: usize| !notes[..at].contains(&notes[at]);
-    (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("{}", notes[at]));
     Ok((inputs, record))
 }
 

@@ -308,6 +308,12 @@ fn one_file_of_a_rig_is_inputs_and_record() {
     assert_eq!(result["measured"][1]["name"], "contact_temperature");
     let told = folder.refusal(&[&run[..], &["--column", "Presure="]].concat());
     assert!(told.contains("there is no column \"Presure\""), "{told}");
+    folder.file(
+        "force.csv",
+        &rig.replace("Friction force [kN]", "Frict. pull [kN]").replace("Disc temp [°C]", "T9 [°C]"),
+    );
+    let told = folder.refusal(&["disc_brake", "-i", "force.csv", "-m", "force.csv"]);
+    assert!(told.contains("left out are \"Frict. pull [kN]\"") && told.contains("has inputs only"), "{told}");
     // What is written can be read as both again, as CSV and as Parquet.
     assert!(folder.run(&[&run[..], &["-o", "out.parquet"]].concat()).0);
     for file in ["out.csv", "out.parquet"] {
@@ -471,6 +477,23 @@ fn plan_reads_columns_as_simulate_does() {
     assert!(left.contains("left out are \"Kraft [kN]\""), "{left}");
     let (_, _, named) = folder.command("plan", &[&plan[..], &["--strict", "--column", "Kraft=normal_load"]].concat());
     assert!(!named.contains("Kraft"), "{named}");
+}
+
+#[test]
+fn a_neighbour_is_at_ambient_without_inputs_and_wanted_with_them() {
+    let folder = Folder::new("neighbour");
+    folder.file("in.csv", STOP);
+    let path = ["disc_brake", "--set", "strip.external_conductance=3.5"];
+    let (success, _, told) = folder.run(&path);
+    assert!(success, "{told}");
+    let with_inputs = [&path[..], &["--inputs", "in.csv"]].concat();
+    for command in ["simulate", "plan"] {
+        let (success, _, told) = folder.command(command, &with_inputs);
+        let remedy = "; give it in a column of the inputs, or set strip.external_temperature=\"20 degC\"\n";
+        assert!(!success && told.ends_with(remedy) && told.matches(remedy.trim_end()).count() == 1, "{told}");
+    }
+    let (success, _, told) = folder.run(&[&with_inputs[..], &["--set", "strip.external_temperature=20 degC"]].concat());
+    assert!(success, "{told}");
 }
 
 /// What a command leaves that Ctrl-C ends after `seconds`: status, output and what it tells.

@@ -2,7 +2,6 @@
 
 use crate::{package, project, python};
 use anyhow::{Context, Result};
-use std::process::Command;
 
 /// A script of examples/batch.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,8 +27,7 @@ pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -
             argument.strip_prefix(name).is_some_and(|rest| matches!(rest.chars().next(), None | Some('=')))
         })
     };
-    let mut command = Command::new(&python);
-    command.arg(project::root().join("examples/batch").join(file));
+    let mut command = python::script(&python, "python-batch", &format!("batch/{file}"));
     let fmus = if is_given("--fmu") { &[][..] } else { fmus };
     command.env("PYTHONPATH", package::wheel::unpacked(fmus)?);
     if !is_given("--output") {
@@ -38,11 +36,7 @@ pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -
     if json && !is_given("--json") {
         command.arg("--json");
     }
-    command
-        .args(arguments)
-        // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
-        .env("MPLCONFIGDIR", project::target().join("python-batch").join("matplotlib"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+    command.args(arguments);
     project::leave_ctrl_c()?;
     let status = command.status().with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {

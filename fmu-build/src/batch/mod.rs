@@ -12,6 +12,7 @@ pub mod worker;
 pub use tables::{Inputs, Table};
 pub use timeline::points;
 
+use crate::columns;
 use crate::output::{self, print_line};
 use crate::progress::Progress;
 use crate::{arguments, package, parquet, project, scenes};
@@ -56,6 +57,8 @@ pub struct Arguments {
     /// duration, over the nominal stroke where it has one.
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
+    #[command(flatten)]
+    columns: arguments::Columns,
     /// File of results, in SI units: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is
     /// missing; results of another batch, or of rows that the design no longer has, are not replaced without --replace.
     #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
@@ -92,7 +95,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_enum,
-        conflicts_with_all = ["design", "scene", "fmu", "inputs", "output", "replace", "jobs", "step", "interpolation", "record", "peak", "every"]
+        conflicts_with_all = ["design", "scene", "fmu", "inputs", "column", "strict", "output", "replace", "jobs", "step", "interpolation", "record", "peak", "every"]
     )]
     example: Option<example::Script>,
     /// Arguments of the script.
@@ -128,6 +131,9 @@ struct Job {
     folder: PathBuf,
     /// `None`: nominal inputs.
     inputs: Option<PathBuf>,
+    /// Columns of the inputs named by the user.
+    named: Vec<String>,
+    strict: bool,
     columns: Vec<String>,
     /// `None`: as [`Timeline`] chooses it.
     step: Option<Text>,
@@ -136,6 +142,14 @@ struct Job {
     peak: Vec<String>,
     /// `None`: the step.
     every: Option<Text>,
+}
+
+impl Job {
+    /// How the columns of the inputs are read.
+    fn reading(&self) -> Result<columns::Reading> {
+        let named = self.named.iter().map(|text| text.parse().map_err(|wrong: String| anyhow!(wrong)));
+        Ok(columns::Reading { columns: named.collect::<Result<_>>()?, strict: self.strict, python: false })
+    }
 }
 
 /// A number as the shortest text that is read back as the same number, which not every reader of JSON promises.
@@ -205,10 +219,13 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => "unpacking the scene's FMU".into(),
     })?;
     let worker = Worker::open(&unpacked.folder)?;
+    let reading = arguments.columns.reading();
     let converted = table.for_fmu(worker.description())?;
     let job = Job {
         folder: unpacked.folder.clone(),
         inputs: inputs.cloned(),
+        named: reading.columns.iter().map(ToString::to_string).collect(),
+        strict: reading.strict,
         columns: converted.columns.clone(),
         step: arguments.step.map(Text::from),
         interpolation: arguments.interpolation,
@@ -227,7 +244,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let identity = Identity::of(&[
         ("scene", &fmu),
         ("columns", table.columns.join(",").as_bytes()),
-        ("inputs", inputs.as_deref().unwrap_or_default()),
+        ("inputs", &[inputs.unwrap_or_default(), job.named.join(",").into_bytes()].concat()),
         ("outputs", recorded.as_bytes()),
         ("steps", steps.as_bytes()),
     ]);
@@ -237,6 +254,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if ran_now < table.rows.len() {
         eprintln!("{} of {} scenes are there already.", table.rows.len() - ran_now, table.rows.len());
     }
+    project::end_at_ctrl_c("the finished scenes are kept, and the same command goes on from there")?;
     let begin = Instant::now();
     let mut progress = Progress::default();
     let (mut failed_now, mut done, count) = (0, table.rows.len() - ran_now, table.rows.len());
@@ -323,6 +341,7 @@ fn header(job: &Job, table: &Table, description: &Description) -> Result<Vec<Str
 /// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job, table: &Table, description: &Description) -> Result<()> {
     let Timeline { inputs, .. } = Timeline::new(job, description, &[])?;
+    inputs.notes.iter().for_each(|note| eprintln!("note: {note}"));
     for text in implausible(&inputs, description, &job.columns).into_iter().chain(lifted(&inputs)).chain(idle(
         &inputs,
         description,
@@ -477,6 +496,7 @@ mod tests {
             names: vec!["normal_load".into(), "angular_velocity".into()],
             times: vec![0.0, 1.0],
             values: vec![1e3, 0.0, 1e3, velocity],
+            notes: Vec::new(),
         };
         let told = idle(&inputs(3.0), &description("0.0"), &[]);
         assert_eq!(told.as_deref(), Some("angular_velocity has no effect: contact.mean_radius = 0 m"));

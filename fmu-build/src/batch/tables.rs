@@ -2,9 +2,9 @@
 
 use super::FACTOR;
 use crate::columns::{self, Column, Reading};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
-use scene::message::{Clipped, Quoted};
+use scene::message::{Clipped, Quoted, listed};
 use scene::variables::units::{self, ONE};
 use scene::variables::{self, Kind, Row};
 use scene_file::quantity;
@@ -35,19 +35,29 @@ impl Table {
     }
 
     /// Reads the content of a file; `path` names it in messages.
-    pub fn parse(content: impl Read, path: &Path) -> Result<Self> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-        let headers = columns::whole(reader.headers().cloned(), path)?;
+    pub fn parse(mut content: impl Read, path: &Path) -> Result<Self> {
+        let mut bytes = Vec::new();
+        content.read_to_end(&mut bytes).with_context(|| format!("reading {}", path.display()))?;
+        let text = columns::text(&bytes, path)?;
+        let head = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty());
+        let separator = columns::separator(head.unwrap_or_default());
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .delimiter(separator as u8)
+            .from_reader(text.as_bytes());
+        let headers = columns::whole(reader.headers().cloned(), separator, path)?;
         let columns: Vec<String> = headers.iter().map(str::to_owned).collect();
-        columns::check_separator(&headers).map_err(|wrong| anyhow!("{}, line 1: {wrong}", path.display()))?;
         if let Some((at, twice)) = columns.iter().enumerate().find(|(at, column)| columns[..*at].contains(column)) {
             bail!("{}: column {} is named {} like another one", path.display(), at + 1, Quoted(twice));
         }
         let (mut rows, mut lines) = (Vec::<Vec<String>>::new(), Vec::new());
         for record in reader.records() {
-            let record = columns::whole(record, path)?;
+            let record = columns::whole(record, separator, path)?;
             lines.push(record.position().map_or(0, csv::Position::line));
-            rows.push(record.iter().map(str::to_owned).collect());
+            // A comma that separates no cells is a decimal one.
+            let cell = |cell: &str| if separator == ',' { cell.to_owned() } else { quantity::with_point(cell) };
+            rows.push(record.iter().map(cell).collect());
         }
         if rows.is_empty() {
             bail!("{} has no row below its header", path.display());
@@ -112,8 +122,10 @@ pub(crate) struct Converted {
 /// Name and unit of a header.
 fn split(header: &str) -> (&str, Option<&str>) {
     match header.strip_suffix(']').and_then(|rest| rest.split_once('[')) {
-        // The index of an element is no unit.
-        Some((name, symbol)) if symbol.parse::<u32>().is_err() => (name.trim_end(), Some(symbol.trim())),
+        // The index of an element is no unit, but 1 is one.
+        Some((name, symbol)) if name.ends_with(' ') || symbol.parse::<u32>().is_err() => {
+            (name.trim_end(), Some(symbol.trim()))
+        }
         _ => (header, None),
     }
 }
@@ -184,22 +196,39 @@ pub struct Inputs {
     pub times: Vec<f64>,
     /// Row by row.
     pub values: Vec<f64>,
+    /// What was made of headers that are no names.
+    pub notes: Vec<String>,
 }
 
+/// Inputs of which one moves the scene.
+const VELOCITIES: [&str; 2] = ["sliding_velocity", "angular_velocity"];
+
 impl Inputs {
-    /// Reads a file with the column `time` and one per input, with its unit; see [`columns`].
-    pub(crate) fn read(path: &Path, description: &Description) -> Result<Self> {
-        Self::parse(columns::open(path)?, path, description)
+    /// Reads a file with the column `time` and one per input, with its unit, or of another name that the user says; see [`columns`].
+    pub(crate) fn read(path: &Path, description: &Description, reading: &Reading) -> Result<Self> {
+        Self::parse(columns::open(path)?, path, description, reading)
     }
 
     /// Reads the content of a file; `path` names it in messages.
-    pub fn parse(content: impl Read, path: &Path, description: &Description) -> Result<Self> {
+    pub fn parse(content: impl Read, path: &Path, description: &Description, reading: &Reading) -> Result<Self> {
         // The record of a run is a file of inputs, with its outputs left out.
         let known = [Causality::Input, Causality::Output];
         let accepted: Vec<Column> =
             description.variables().iter().filter(|variable| known.contains(&variable.causality)).map(column).collect();
-        let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted, &Reading::strict())?;
-        Ok(Self { source: path.display().to_string(), names, times, values })
+        let columns::Table { names, times, values, headers, notes, .. } =
+            columns::parse(content, path, &accepted, reading)?;
+        reading.check(&[&headers])?;
+        let has_velocity = names.iter().any(|name| VELOCITIES.contains(&name.as_str()));
+        if !has_velocity && description.find(VELOCITIES[0]).is_ok_and(|velocity| velocity.start.parse() == Ok(0.0)) {
+            let found = listed(headers.iter().map(String::as_str));
+            let [sliding, angular] = VELOCITIES;
+            bail!(
+                "{} has neither a column {sliding} [m/s] nor {angular} [rad/s]; found are {found}; --column names another one, as \
+                 \"shaft=angular_velocity [rpm]\"",
+                path.display()
+            );
+        }
+        Ok(Self { source: path.display().to_string(), names, times, values, notes })
     }
 
     /// First time, s.
@@ -258,15 +287,24 @@ mod tests {
         assert_eq!(table.columns, ["punch.width", "level"]);
         assert_eq!(table.rows, [["0.1", "lumped"], ["0.2", "auto"]]);
         let text = "time,normal_load [N],sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n";
-        let inputs = from_file("inputs", text, |path| Inputs::read(path, &description())).unwrap();
+        let inputs = from_file("inputs", text, |path| Inputs::read(path, &description(), &Reading::strict())).unwrap();
         assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
         assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
         assert_eq!(inputs.values, [1.0, 10.0, 3000.0, 20.0]);
+        let text = "Zeit [s];Kraft [N];sliding_velocity [km/h];Raum\n0;1;36;20\n2,5;3e3;72;20\n";
+        let named = ["Zeit=time", "Kraft=normal_load"].map(|text| text.parse().unwrap()).to_vec();
+        let reading = |strict| Reading { columns: named.clone(), strict, python: false };
+        let read = |strict| from_file("named", text, |path| Inputs::read(path, &description(), &reading(strict)));
+        let found = read(false).unwrap();
+        assert_eq!((&found.names, &found.values), (&inputs.names, &inputs.values));
+        assert!(found.notes[0].contains("left out are \"Raum\""), "{:?}", found.notes);
+        let told = read(true).unwrap_err().to_string();
+        assert!(told.contains("--column \"HEADER=VARIABLE\" names another one"), "{told}");
     }
 
     #[test]
     fn units_of_a_design_are_those_of_scene_files() {
-        let text = "punch.width [mm], normal_load.factor, level\n40, 50 %, 2\n50 mm, 2, 3 mm\n";
+        let text = "punch.width [mm], normal_load.factor [1], level\n40, 50 %, 2\n50 mm, 2, 3 mm\n";
         let converted = from_file("in_units", text, Table::read).unwrap().for_fmu(&description()).unwrap();
         assert_eq!(converted.columns, ["punch.width", "normal_load.factor", "level"]);
         assert_eq!(converted.rows[0].as_ref().unwrap(), &["0.04", "0.5", "2"]);
@@ -284,6 +322,23 @@ mod tests {
             let told = format!("{:#}", table.for_fmu(&description()).unwrap_err());
             assert!(told.contains(wanted), "{told}");
         }
+    }
+
+    #[test]
+    fn a_design_of_a_spreadsheet_is_the_same() {
+        let plain =
+            "punch.width [mm],punch.wear_coefficient,solver.fidelity\n1.5,2.5e-5 mm3/(N.m),lumped\n40,1e-15,auto\n";
+        let expected = from_file("plain", plain, Table::read).unwrap();
+        for (separator, mark) in [(";", ","), ("\t", ","), (";", "."), ("\t", ".")] {
+            let text = plain.replace(',', separator).replace("1.5", &format!("1{mark}5"));
+            let text = text.replace("2.5e", &format!("2{mark}5e"));
+            let read = from_file("spreadsheet", &format!("\u{feff}# Entwürfe\n{text}"), Table::read).unwrap();
+            assert_eq!((read.columns, read.rows), (expected.columns.clone(), expected.rows.clone()));
+        }
+        let thousands = from_file("thousands", "nominal.load;depth\n1,234.5;1,2,3\n", Table::read).unwrap();
+        assert_eq!(thousands.rows, [["1,234.5", "1,2,3"]]);
+        let long = from_file("long", "a;b\n1;2;3\n", Table::read).unwrap_err();
+        assert!(format!("{long:#}").ends_with("3 cells, and the header has 2"), "{long:#}");
     }
 
     /// A scene that cannot be run is a row of the results, so its fault names the cell.
@@ -314,7 +369,9 @@ mod tests {
         assert!(table("twice", "a,a\n1,2\n").contains("\"a\""));
         assert!(table("empty", "a,b\n").contains("no row"));
         assert!(table("short", "a,b\n1\n").contains("short.csv"));
-        let inputs = |name, text| told(from_file(name, text, |path| Inputs::read(path, &description())).map(drop));
+        let inputs = |name, text| {
+            told(from_file(name, text, |path| Inputs::read(path, &description(), &Reading::strict())).map(drop))
+        };
         assert!(inputs("notime", "normal_load [N]\n1\n").contains("no column time"));
         assert!(inputs("word", "time,normal_load [N]\n0,heavy\n").contains("column 2 (normal_load [N]): \"heavy\""));
         assert!(inputs("parameter", "time,punch.width\n0,1\n").contains("accepted are time"));

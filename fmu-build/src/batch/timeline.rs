@@ -36,7 +36,7 @@ impl Timeline {
         let every = job.every.as_ref().map(super::Text::value).transpose()?;
         let (inputs, longest) = match &job.inputs {
             Some(path) => {
-                let inputs = Inputs::read(path, description)?;
+                let inputs = Inputs::read(path, description, &job.reading()?)?;
                 if inputs.times.len() < 2 {
                     bail!("{} has one row; a time interval needs at least two", path.display());
                 }
@@ -79,9 +79,14 @@ fn nominal(job: &Job, description: &Description, cells: &[String], asked: Option
     };
     let step = asked.or_else(|| description.step_size.parse().ok().filter(|step| *step > 0.0)).unwrap_or(STEP);
     let nominal = conditions.inputs(step)?;
-    let values = (0..nominal.times.len()).flat_map(|row| nominal.values.each_ref().map(|values| values[row])).collect();
-    let names = nominal::NAMES.map(str::to_owned).to_vec();
-    Ok((Inputs { source: nominal.description, names, times: nominal.times, values }, nominal.step))
+    // Those of other FMUs have no neighbours.
+    let around = nominal::neighbours(|name| value(name).unwrap_or(0.0));
+    let at = |row: usize| nominal.values.iter().map(move |values| values[row]);
+    let ambient = || around.iter().map(|(_, ambient)| *ambient);
+    let values = (0..nominal.times.len()).flat_map(|row| at(row).chain(ambient())).collect();
+    let names =
+        nominal::NAMES.iter().chain(around.iter().map(|(name, _)| name)).map(|name| (*name).to_owned()).collect();
+    Ok((Inputs { source: nominal.description, names, times: nominal.times, values, notes: Vec::new() }, nominal.step))
 }
 
 /// Most communication points that largest values are taken from: their times and values are kept in memory.

@@ -6,6 +6,7 @@ use super::{FACTOR, Job, NOMINAL};
 use anyhow::{Context, Result};
 use fmu_host::{Causality, Failure, Scene, Schedule, Stage, Worker};
 use scene::message::Quoted;
+use scene_file::nominal::with_remedy;
 use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
 /// Status of a scene that did not fail.
@@ -56,7 +57,7 @@ fn serve() -> Result<()> {
         match runner.run(&cells) {
             Ok(values) => say(&Answer { status: OK.to_owned(), reason: String::new(), values })?,
             Err(failure) => {
-                say(&Answer::failed(failure.stage.name(), failure.reason))?;
+                say(&Answer::failed(failure.stage.name(), with_remedy(failure.reason)))?;
                 if failure.stage == Stage::Library {
                     break;
                 }

@@ -64,7 +64,7 @@ pub(crate) fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle
     if would_replace(&result, path) {
         bail!("--cycle {name}: the results in {} would replace it; name another --output", output.display());
     }
-    table.notes.iter().for_each(|note| eprintln!("{note}"));
+    table.notes.iter().for_each(|note| eprintln!("note: {note}"));
     for text in warnings(&table) {
         eprintln!("warning: {text}");
     }

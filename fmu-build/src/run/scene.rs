@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail};
 use fmu_host::Description;
 use scene::slot::Packaged;
 use scene::variables;
+use scene_file::nominal::neighbours;
 use std::f64::consts::PI;
 use std::fs::File;
 use std::io::Read;
@@ -77,6 +78,12 @@ fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> R
             (closed && geometry == PERIODIC, "a ring on a ring: strip.path = closed, contact.geometry = periodic")
         }
     };
+    if let Some((neighbour, _)) = neighbours(|name| start(name).unwrap_or(0.0)).first().filter(|_| fits) {
+        bail!(
+            "the scene {name} has no {neighbour}, and no input of {} gives it; set {neighbour}=\"20 degC\"",
+            example.folder()
+        );
+    }
     if fits {
         return Ok(());
     }
@@ -124,6 +131,16 @@ mod tests {
                 assert_eq!(fits.is_ok(), example.scene() == scene.scene(), "{example:?} {scene:?}: {fits:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_neighbour_needs_a_temperature() {
+        let mut file = scenes::load(Some("disc_brake")).unwrap();
+        scenes::assign(&mut file, "strip.external_conductance=3.5").unwrap();
+        let told = check_scene(Example::DiscBrake, &file.packaged).unwrap_err().to_string();
+        assert!(told.ends_with("set strip.external_temperature=\"20 degC\""), "{told}");
+        scenes::assign(&mut file, "strip.external_temperature=20 degC").unwrap();
+        check_scene(Example::DiscBrake, &file.packaged).unwrap();
     }
 
     #[test]

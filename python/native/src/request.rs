@@ -122,6 +122,11 @@ pub enum Request {
         text: String,
         difference: bool,
     },
+    /// The names that one may be a slip of, as the end of a message.
+    Nearest {
+        name: String,
+        names: Vec<String>,
+    },
     /// A number beside that on half the cells, less `offset`.
     Convergence {
         value: f64,
@@ -217,6 +222,7 @@ impl Request {
                 let value = quantity::text(&text, unit, absolute && !difference);
                 json!(value.map_err(|wrong| anyhow!("{name}: {wrong}"))?)
             }
+            Self::Nearest { name, names } => json!(nearest(&name, names.iter().map(String::as_str))),
             Self::Convergence { value, cells, coarser, coarser_cells, offset, scale } => {
                 json!(Convergence { value, cells, coarser, coarser_cells }.text(offset, scale))
             }

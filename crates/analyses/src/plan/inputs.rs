@@ -177,7 +177,7 @@ pub fn compare(
         run(&file, trajectory, &[], &mut |time| progress(number, (time - first) / (last - first)))
     };
     let mut runs: Vec<(ModelLevel, Recording, Vec<Main>)> = Vec::new();
-    let mut failed = Vec::new();
+    let (mut failed, mut reasons) = (Vec::new(), Vec::new());
     let (mut resolution, mut interrupted) = (f64::INFINITY, false);
     for (number, level) in LEVELS.into_iter().enumerate() {
         let recording = match part(|| on(number, level, tolerance)).filter(is_whole) {
@@ -188,6 +188,7 @@ pub fn compare(
             Some(Ok(recording)) => recording,
             Some(Err(reason)) => {
                 failed.push(format!("{level}: {reason:#}"));
+                reasons.push(reason.to_string());
                 continue;
             }
         };
@@ -212,6 +213,10 @@ pub fn compare(
             let finer = part(|| on(runs.len(), *finest, FINER_STEPS * tolerance)).filter(is_whole);
             interrupted = finer.is_none();
             truth = Some(finer.transpose()?.map_or_else(|| main.clone(), |finer| history(&finer, ambient)));
+        }
+        // What is wrong with the scene or the inputs is so at every level.
+        None if reasons.len() == LEVELS.len() && reasons.iter().all(|reason| *reason == reasons[0]) => {
+            bail!("{}", reasons[0])
         }
         None => bail!("fewer than two contact lines can be run: {}", failed.join("; ")),
     }

@@ -83,10 +83,10 @@ const COURSES: &[(&str, &[(&str, &str)])] = &[
     (
         "temperature",
         &[
-            ("contact_temperature_max", "contact, highest"),
-            ("contact_temperature", "contact, mean"),
-            ("punch.mean_temperature", "punch"),
-            ("strip.mean_temperature", "strip"),
+            ("contact_temperature_max", "hottest point"),
+            ("contact_temperature", "mean of both surfaces"),
+            ("punch.mean_temperature", "punch, mean"),
+            ("strip.mean_temperature", "strip, mean"),
         ],
     ),
     ("worn depth", &[("wear_depth_punch", "punch"), ("wear_depth_strip", "strip")]),
@@ -149,7 +149,8 @@ fn constant(label: &str, variables: &[(&str, &str)], recording: &Recording, meas
     }
     let shown = Shown::of(first.name, first.unit, most);
     let value = format!("{label} {}", significant(&shown, 0.5 * (low + high)));
-    Some(if most == 0.0 && !ALWAYS.contains(&label) { String::new() } else { value })
+    let turns = recording.channel("angular_velocity").is_some_and(|own| own.values.iter().any(|value| *value != 0.0));
+    Some(if most == 0.0 && (turns && label == ALWAYS[0] || !ALWAYS.contains(&label)) { String::new() } else { value })
 }
 
 /// Four significant digits at most, with the unit.
@@ -314,7 +315,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
     };
     let mut panels = vec![
         draw("pressure", "profile.pressure", "Pa", &|own| own.pressure.to_vec()),
-        draw("temperature", "profile.temperature", "K", &|own| own.temperature.to_vec()),
+        draw("surfaces' mean temperature", "profile.temperature", "K", &|own| own.temperature.to_vec()),
     ];
     for (body, name) in ["punch", "strip"].into_iter().enumerate() {
         let range = |own: &Profiles| {
@@ -474,7 +475,7 @@ mod tests {
         assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");
         assert!(!energies.contains(&"lost: strip base"), "{energies:?}");
         let profiles: Vec<&str> = figure.profiles.iter().map(|panel| panel.y.as_str()).collect();
-        assert_eq!(profiles, ["pressure (MPa)", "temperature (°C)", "worn depth of the punch (nm)"]);
+        assert_eq!(profiles, ["pressure (MPa)", "surfaces' mean temperature (°C)", "worn depth of the punch (nm)"]);
         for panel in &figure.profiles {
             let names: Vec<&str> = panel.series.iter().map(|series| series.name.as_str()).collect();
             assert_eq!(names, ["0 s", "0.5 s", "1 s"]);

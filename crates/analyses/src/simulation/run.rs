@@ -10,6 +10,7 @@ use scene::message::{Number, Quantity};
 use scene::variables::{Causality, TABLE, ValueReference, find, lookup};
 use scene::{Geometry, STATIONS, Scene};
 use scene_file::SceneFile;
+use scene_file::nominal::with_remedy;
 use sliding_contact::component::{Component, Subject};
 use std::sync::Arc;
 use std::time::Instant;
@@ -194,7 +195,9 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Prog
         component.set_input(*input, values[0]);
     }
     component.enter_initialization();
-    component.initialise(None).map_err(|text| anyhow!("the scene {}{}: {text}", packaged.name, trajectory.place(1)))?;
+    component
+        .initialise(None)
+        .map_err(|text| anyhow!("the scene {}{}: {}", packaged.name, trajectory.place(1), with_remedy(text)))?;
     let operators = component.operators();
     let (level, has_profiles) = operators.as_ref().map_or((String::new(), false), level);
     if !has_profiles && !at.is_empty() {

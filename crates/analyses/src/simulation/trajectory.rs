@@ -127,7 +127,9 @@ impl Trajectory {
         };
         let nominal = conditions.inputs(step.unwrap_or(file.packaged.experiment.step))?;
         let Inputs { description, times, values, step } = nominal;
-        let inputs = nominal::NAMES.map(reference).into_iter().zip(values).collect();
+        let mut inputs: Vec<_> = nominal::NAMES.map(reference).into_iter().zip(values).collect();
+        let around = nominal::neighbours(|name| file.packaged.starts[reference(name) as usize]);
+        inputs.extend(around.into_iter().map(|(name, ambient)| (reference(name), vec![ambient; times.len()])));
         Ok(Self {
             description,
             file: None,

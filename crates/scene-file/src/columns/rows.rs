@@ -1,9 +1,9 @@
 //! Rows of a file: what its columns are, and its cells as numbers in SI units.
 
 use super::headers::{self, Match, alternatives};
-use super::sheet::Sheet;
+use super::sheet::{COMMAS, Sheet};
 use super::{Column, Reading, TIME};
-use crate::quantity;
+use crate::{nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
 use chrono::{Days, NaiveDateTime, NaiveTime, TimeDelta};
 use scene::message::{Clipped, Quoted, listed};
@@ -248,8 +248,12 @@ fn columns(
                 Match::Known(column, symbol) => Found::of(column, &symbol, true),
                 Match::Meant(column, symbol) => Found::of(column, &symbol, false),
                 Match::Unknown(candidates) if reading.strict || read.is_empty() || renamed.is_some() => {
+                    let of_user = headers::split(read).0;
+                    let accepted = known.iter().filter(|column| column.taken && renamed.is_some());
+                    let near = nearest(of_user, accepted.map(|column| column.name.as_str()));
                     bail!(
-                        "{}: {} is not a known quantity with a known unit; {}{candidates}",
+                        "{}: {} is not a known quantity with a known unit; {}{candidates}{near}; {name} names another one, {leave} leaves \
+                         it out",
                         place(at),
                         Quoted(read),
                         alternatives(known)
@@ -307,28 +311,16 @@ fn columns(
 ///
 /// # Errors
 /// With file and line, where it has not.
-pub fn whole(record: csv::Result<csv::StringRecord>, path: &Path) -> Result<csv::StringRecord> {
+pub fn whole(record: csv::Result<csv::StringRecord>, separator: char, path: &Path) -> Result<csv::StringRecord> {
     let file = path.display();
     record.map_err(|error| match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = pos.as_ref().map_or(0, csv::Position::line);
-            let hint = if len > expected_len { "; numbers have a decimal point, a comma separates cells" } else { "" };
+            let hint = if separator == ',' && len > expected_len { COMMAS } else { "" };
             anyhow!("{file}, line {line}: {len} cells, and the header has {expected_len}{hint}")
         }
-        csv::ErrorKind::Utf8 { .. } => anyhow!("{file} is no text in UTF-8; a CSV file is needed"),
         _ => anyhow!(error).context(format!("reading {file}")),
     })
-}
-
-/// Whether a header is separated by commas.
-///
-/// # Errors
-/// With what separates it.
-pub fn check_separator(headers: &csv::StringRecord) -> Result<(), String> {
-    match [';', '\t'].into_iter().find(|&separator| headers.iter().any(|header| header.contains(separator))) {
-        Some(separator) => Err(format!("columns are separated by commas, and this header has {separator:?}")),
-        None => Ok(()),
-    }
 }
 
 /// A column of a file.

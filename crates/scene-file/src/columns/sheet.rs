@@ -67,7 +67,7 @@ impl Sheet {
                 record.truncate(expected);
             } else if count != expected {
                 let hint = match separator {
-                    ',' if count > expected => "; numbers have a decimal point, a comma separates cells",
+                    ',' if count > expected => COMMAS,
                     _ => "",
                 };
                 bail!("{}, line {line}: {count} cells, and the header has {expected}{hint}", path.display());
@@ -97,8 +97,11 @@ fn bare(cell: &str) -> &str {
     inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
 }
 
+/// What ends the message about a row that has too many commas.
+pub(super) const COMMAS: &str = "; numbers have a decimal point, a comma separates cells";
+
 /// What separates the columns of a header.
-fn separator(header: &str) -> char {
+pub fn separator(header: &str) -> char {
     // What stands in quotes is text.
     let outside: String = header.split('"').step_by(2).collect();
     [';', '\t'].into_iter().find(|&separator| outside.contains(separator)).unwrap_or(',')
@@ -126,8 +129,11 @@ fn head(text: &str, known: impl Fn(&str) -> (bool, bool)) -> (u64, usize) {
     required.or(alike.map(|(_, place)| *place)).unwrap_or((0, 0))
 }
 
-/// The content as text.
-fn text(content: &[u8], path: &Path) -> Result<String> {
+/// The content of a table file as text.
+///
+/// # Errors
+/// Where it is none.
+pub fn text(content: &[u8], path: &Path) -> Result<String> {
     let units = |order: fn([u8; 2]) -> u16| -> Vec<u16> {
         content[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]])).collect()
     };

@@ -111,6 +111,7 @@ fn columns_are_renamed_left_out_or_refused() {
         ),
         (&["Kraft=normal_laod"][..], false, "did you mean normal_load?"),
         (&["Kraft=nothing"][..], false, "\"nothing [kN]\" is not a known quantity"),
+        (&["Kraft=tiem"][..], false, "time?"),
         (&["COF 2=normal_load"][..], false, "does not say its unit"),
     ] {
         let message = read(columns, strict).unwrap_err().to_string();

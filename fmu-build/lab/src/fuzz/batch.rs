@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use fmu_build::batch::{Inputs, Table, points};
+use fmu_build::columns::Reading;
 use fmu_host::{Causality, Description, Schedule, Span};
 use scene::slot::Packaged;
 use scene::variables::TABLE;
@@ -107,7 +108,7 @@ pub(crate) fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: 
         }
     };
     enter("Inputs::read");
-    let inputs = match Inputs::parse(schedule.as_bytes(), Path::new("fuzz.csv"), description) {
+    let inputs = match Inputs::parse(schedule.as_bytes(), Path::new("fuzz.csv"), description, &Reading::strict()) {
         Ok(inputs) => inputs,
         Err(error) => return told(error, kinds),
     };

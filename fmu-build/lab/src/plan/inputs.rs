@@ -38,7 +38,7 @@ pub(crate) fn execute(request: &Request) -> Result<()> {
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;
     let table = columns::read(request.inputs, &Column::inputs(), &request.reading)?;
     request.reading.check(&[&table.headers])?;
-    table.notes.iter().for_each(|note| eprintln!("{note}"));
+    table.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let trajectory = Trajectory::new(&request.scene, Some(table), None)?;
     let mut progress = Progress::default();
     let levels = ctrl_c::attended(|| {
