@@ -158,9 +158,8 @@ pub struct ReducedHeat {
 
 impl ReducedHeat {
     pub(super) fn new(mut operators: ReducedOperators) -> Self {
-        let sorted = modes::sort(&mut operators);
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
-        let modes = Modes::new(&mut operators, sorted);
+        let modes = Modes::new(&mut operators);
         let scratch = modes.scratch();
         let patterns = [Patterns::new(&operators, &modes), Patterns::new(&operators, &modes)];
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
@@ -177,12 +176,6 @@ impl ReducedHeat {
     /// Relative error of the reduction at the contact line, computed when the body was made.
     pub fn error(&self) -> f64 {
         self.operators.error
-    }
-
-    /// Whether modes are even or odd and stored on half of the cells.
-    #[cfg(test)]
-    pub(crate) fn is_halved(&self) -> bool {
-        self.modes.is_halved()
     }
 
     /// Whether the temperature of the far face is prescribed.

@@ -114,20 +114,6 @@ fn states_and_error_at_the_finest_tolerance() {
 }
 
 #[test]
-fn symmetric_cells_halve_the_modes() {
-    let halved = |changes: &[(&str, f64)], count: usize| {
-        let cells = cells(count);
-        reduce(&scene(changes), &cells, 1e-3, 100.0).unwrap().unwrap().is_halved()
-    };
-    for count in [9, 32, 129] {
-        assert!(halved(&[], count), "{count}");
-        assert!(halved(&[("punch.thermal_expansion", 0.0)], count), "{count}");
-    }
-    // The radius distinguishes inside and outside.
-    assert!(!halved(&[("contact.geometry", 2.0), ("contact.mean_radius", 0.09), ("strip.path", 2.0)], 9));
-}
-
-#[test]
 fn steady_states_are_those_of_the_unreduced_punch() {
     let cells = cells(17);
     let spiked: Vec<f64> = (0..17).map(|j| if j % 5 == 2 { 1.0 } else { 0.2 }).collect();
