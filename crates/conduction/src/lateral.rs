@@ -33,7 +33,6 @@
 
 use nalgebra::Complex;
 use scene::{Geometry, Scene};
-use std::ops::{Add, Mul};
 
 /// Quadrature weights c_j and squared nodes x_j^2.
 const DECAYS: [[f64; 2]; 11] = [
@@ -85,31 +84,20 @@ impl Lateral {
         12.0 / self.half_depth
     }
 
-    /// Weighted mean of `answer` over the frequencies into which spreading turns `s`, 1/s.
-    pub(crate) fn spread<T>(&self, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
-    where
-        T: Add<Output = T> + Mul<f64, Output = T>,
-    {
-        let [first, rest @ ..] = self.frequencies(s);
-        let at = |(share, s): (f64, Complex<f64>)| answer(s) * share;
-        rest.into_iter().fold(at(first), |sum, frequency| sum + at(frequency))
-    }
-
     /// Weights c_j, and the frequencies s + kd x_j^2/b^2, 1/s.
     pub(crate) fn frequencies(&self, s: Complex<f64>) -> [(f64, Complex<f64>); 11] {
         DECAYS.map(|[share, square]| (share, s + square * self.rate))
     }
 }
 
-/// [`Lateral::spread`], or the plane response itself without lateral conduction.
-pub(crate) fn spread<T>(lateral: Option<&Lateral>, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
-where
-    T: Add<Output = T> + Mul<f64, Output = T>,
-{
-    match lateral {
-        Some(lateral) => lateral.spread(s, answer),
-        None => answer(s),
-    }
+/// Weighted mean of `answer` over the frequencies into which spreading turns `s`, 1/s; at `s` itself without lateral conduction.
+pub(crate) fn spread(
+    lateral: Option<&Lateral>,
+    s: Complex<f64>,
+    answer: impl Fn(Complex<f64>) -> Complex<f64>,
+) -> Complex<f64> {
+    let Some(lateral) = lateral else { return answer(s) };
+    lateral.frequencies(s).into_iter().map(|(share, s)| answer(s) * share).sum()
 }
 
 #[cfg(test)]
@@ -175,7 +163,7 @@ mod tests {
     /// Mean temperature along a closed path, which is not part of the local heating, with the same lateral spreading.
     fn mean_along(source: &MovingSource, path: Path) -> f64 {
         let Path::Closed(length) = path else { return 0.0 };
-        let spread = Lateral::new(2.0, 1.0).spread(Complex::from(0.0), |s| source.slab().impedance(s, 0.0));
+        let spread = spread(Some(&Lateral::new(2.0, 1.0)), Complex::from(0.0), |s| source.slab().impedance(s, 0.0));
         2.0 / length * spread.re
     }
 

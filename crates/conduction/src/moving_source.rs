@@ -180,7 +180,8 @@ impl MovingSource {
         self.lateral.is_some()
     }
 
-    /// R(s; v), K m2/W: mean temperature over the contact per uniform flux.
+    /// R(s; v), K m2/W: mean temperature over the contact per uniform flux. While sliding its real part, at a real s: one sign of q
+    /// stands for both.
     pub fn response(&self, part: Part, s: Complex<f64>, velocity: f64) -> Complex<f64> {
         spread(self.lateral.as_ref(), s, |s| self.response_in_plane(part, s, velocity))
     }
@@ -190,9 +191,7 @@ impl MovingSource {
         for &(q, flash, track) in &self.modes {
             let weight = if part == Part::Flash { flash } else { track };
             if weight != 0.0 {
-                let turning = Complex::new(0.0, q * velocity);
-                // Both signs of q: half the sum of the two keeps a complex s analytic.
-                sum += 0.5 * weight * (self.slab.impedance(s + turning, q) + self.slab.impedance(s - turning, q));
+                sum += self.slab.impedance(s + Complex::new(0.0, q * velocity), q) * weight;
             }
         }
         let steady = self.lateral.is_none() && velocity > 0.0;
@@ -206,23 +205,7 @@ impl MovingSource {
 
     /// Quasi-steady R(0; v) for v > 0, real by symmetry.
     pub fn resistance(&self, velocity: f64) -> f64 {
-        if let Some(lateral) = &self.lateral {
-            // At a non-zero frequency the integral of the endless path has no pole at q = 0.
-            return lateral.spread(Complex::from(0.0), |s| {
-                let part = |&(q, weight, _): &(f64, f64, f64)| {
-                    weight * self.slab.impedance(s + Complex::new(0.0, q * velocity), q).re
-                };
-                self.modes.iter().map(part).sum::<f64>()
-            });
-        }
-        let mut sum = 0.0;
-        for &(q, weight, _) in &self.modes {
-            sum += weight * self.slab.impedance(Complex::new(0.0, q * velocity), q).re;
-        }
-        if self.path == Path::Endless && self.slab.base == FarBoundary::Insulated {
-            sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
-        }
-        sum
+        self.response(Part::Flash, Complex::from(0.0), velocity).re
     }
 
     /// Half-length a of the source, m.

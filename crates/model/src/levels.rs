@@ -294,10 +294,11 @@ impl Model {
         each!(self, model => model.set_tunables(tunables));
     }
 
-    /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails.
-    pub(crate) fn limit_attempts(&mut self, most: u32) {
+    /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails. The last `recurring` of
+    /// them recur.
+    pub(crate) fn limit_attempts(&mut self, most: u32, recurring: Option<usize>) {
         if let Model::Line(line) = self {
-            line.limit_attempts(most);
+            line.limit_attempts(most, recurring);
         }
     }
 

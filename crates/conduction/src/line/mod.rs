@@ -308,6 +308,10 @@ pub trait ThermalBody: Observed + Debug + Send + Sync {
     /// way.
     fn expect(&self, _velocity: f64) {}
 
+    /// Keeps what the last `steps` steps prepare, of any length and velocities, for a run in which they recur; results are the same
+    /// either way.
+    fn recur(&mut self, _steps: usize) {}
+
     /// A copy with weights of its own.
     fn boxed(&self) -> Box<dyn ThermalBody>;
 }

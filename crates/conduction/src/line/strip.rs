@@ -316,6 +316,10 @@ impl ThermalBody for StripHeat {
         self.operators.table.expect(velocity);
     }
 
+    fn recur(&mut self, steps: usize) {
+        self.step = Step::keeping(&self.operators, steps, true);
+    }
+
     fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }

@@ -175,44 +175,29 @@ impl Block {
 
     /// Integrals over a column of elements of the functions across times the shape functions (rows) and their slopes.
     fn moments_across(&self, column: usize, across: &FunctionsAcross<'_>) -> [DMatrix<f64>; 2] {
-        let (count, steepest) = (across.count, across.steepest);
         let (start, size) = (self.mesh.x.points[column], self.mesh.x.size(column));
-        let functions = self.mesh.x.orders[column] + 1;
-        let (mut shape, mut slope) = (vec![0.0; functions], vec![0.0; functions]);
-        let mut moments = [DMatrix::zeros(functions, count), DMatrix::zeros(functions, count)];
-        for (xi, weight) in gauss_legendre(functions + 4 + (0.5 * steepest * size).ceil() as usize) {
-            shape_values(xi, &mut shape);
-            shape_derivatives(xi, &mut slope);
-            for index in 0..count {
-                let value = weight * (across.value)(index, start + 0.5 * size * (1.0 + xi));
-                for a in 0..functions {
-                    moments[0][(a, index)] += 0.5 * size * value * shape[a];
-                    moments[1][(a, index)] += value * slope[a];
-                }
-            }
-        }
-        moments
+        let order = self.mesh.x.orders[column];
+        let rule = gauss_legendre(order + 5 + (0.5 * across.steepest * size).ceil() as usize);
+        let values = DMatrix::from_fn(rule.len(), across.count, |at, index| {
+            (across.value)(index, start + 0.5 * size * (1.0 + rule[at].0))
+        });
+        weighted_shapes(order, size, rule.iter().map(|&(xi, weight)| (xi, 0.5 * size * weight)))
+            .map(|all| all * &values)
     }
 
     /// [`Self::moments_across`] through the height, for every row of elements and every field.
     fn moments_of_profiles(&self, fields: &[(usize, &[f64])]) -> Vec<[DMatrix<f64>; 2]> {
-        let functions = |row: usize| self.mesh.z.orders[row] + 1;
-        let mut moments: Vec<[DMatrix<f64>; 2]> = (0..self.mesh.z.intervals())
-            .map(|row| [(); 2].map(|()| DMatrix::zeros(functions(row), fields.len())))
-            .collect();
-        for (at, point) in self.depth_points().into_iter().enumerate() {
-            let (mut shape, mut slope) = (vec![0.0; functions(point.row)], vec![0.0; functions(point.row)]);
-            shape_values(2.0 * point.reference - 1.0, &mut shape);
-            shape_derivatives(2.0 * point.reference - 1.0, &mut slope);
-            let [values, slopes] = &mut moments[point.row];
-            for (field, &(_, profile)) in fields.iter().enumerate() {
-                for b in 0..shape.len() {
-                    values[(b, field)] += point.weight * profile[at] * shape[b];
-                    slopes[(b, field)] += point.weight * profile[at] * slope[b] * 2.0 / self.mesh.z.size(point.row);
-                }
-            }
-        }
-        moments
+        let mut next = 0;
+        (self.depth_points().chunk_by(|one, other| one.row == other.row))
+            .map(|points| {
+                let first = next;
+                next += points.len();
+                let profiles = DMatrix::from_fn(points.len(), fields.len(), |at, field| fields[field].1[first + at]);
+                let (order, size) = (self.mesh.z.orders[points[0].row], self.mesh.z.size(points[0].row));
+                let points = points.iter().map(|point| (2.0 * point.reference - 1.0, point.weight));
+                weighted_shapes(order, size, points).map(|all| all * &profiles)
+            })
+            .collect()
     }
 
     /// Both components of the displacements `solutions` (columns) in an element: rows by function b through the height,
@@ -270,6 +255,19 @@ impl Block {
         }
         loads
     }
+}
+
+/// Shape functions of an element of this order and size, and their slopes, by points (columns) on [-1, 1], times their weights.
+fn weighted_shapes(order: usize, size: f64, points: impl ExactSizeIterator<Item = (f64, f64)>) -> [DMatrix<f64>; 2] {
+    let mut shapes = [(); 2].map(|()| DMatrix::zeros(order + 1, points.len()));
+    for (at, (xi, weight)) in points.enumerate() {
+        let [values, slopes] = &mut shapes;
+        shape_values(xi, values.column_mut(at).as_mut_slice());
+        shape_derivatives(xi, slopes.column_mut(at).as_mut_slice());
+        values.column_mut(at).scale_mut(weight);
+        slopes.column_mut(at).scale_mut(weight * 2.0 / size);
+    }
+    shapes
 }
 
 #[cfg(test)]

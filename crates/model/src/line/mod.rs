@@ -161,9 +161,12 @@ impl Line {
         heat.fold(self.stages.contact.counter(), |sum, counter| sum + counter)
     }
 
-    /// Limits the internal steps tried from here on: a step that needs more than `most` fails.
-    pub(crate) fn limit_attempts(&mut self, most: u32) {
+    /// Limits the internal steps tried from here on: a step that needs more than `most` fails. The last `recurring` of them recur.
+    pub(crate) fn limit_attempts(&mut self, most: u32, recurring: Option<usize>) {
         self.attempts_left = Some(most);
+        if let (Some(heat), Some(steps)) = (&mut self.heat, recurring) {
+            heat.bodies.iter_mut().flatten().for_each(|body| body.recur(steps));
+        }
     }
 
     /// Takes `operators`, those of [`LineOperators::tuned`]; the state stays. A face without flux has none of the last step.

@@ -25,6 +25,9 @@ const AFTERWARDS: [f64; 5] = [0.0, 2e-3, 0.01, 0.04, 0.1];
 /// Ends of the segments of a half-stroke, as fractions of it.
 const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
 
+/// Largest number of half-strokes under the nominal load.
+const MOST_HALF_STROKES: usize = 24;
+
 /// The light load, relative to the nominal one.
 const LIGHT: f64 = 0.05;
 
@@ -73,8 +76,7 @@ impl NominalCourse {
         let mut repeats = 1.0;
         if scene.nominal_stroke > 0.0 {
             let half = scene.nominal_stroke / speed;
-            // Largest number of half-strokes.
-            let count = (duration / half).clamp(1.0, 24.0).round();
+            let count = (duration / half).clamp(1.0, MOST_HALF_STROKES as f64).round();
             repeats = (duration / (half * count)).max(1.0);
             for n in 0..=count as usize {
                 // Strokes of one direction are equal to the last bit, so that operators prepared for one are valid for the next.
@@ -135,7 +137,9 @@ impl NominalCourse {
         let ambient = tunables.ambient_temperature;
         let mut inputs = Inputs::new(self.segments[0].velocity[0], self.segments[0].load, ambient);
         let mut model = Model::new(operators, tunables, &inputs);
-        model.limit_attempts(most);
+        // The steps of two half-strokes recur in the next, each with one at the constant velocity of its Jacobian.
+        let strokes = self.segments.iter().any(|segment| segment.velocity[0] != segment.velocity[1]);
+        model.limit_attempts(most, strokes.then_some(2 * 2 * most as usize / MOST_HALF_STROKES));
         let mut values = Box::new([0.0; COUNT]);
         let mut run = Run::default();
         for (number, segment) in self.segments.iter().enumerate() {

@@ -171,20 +171,22 @@ impl Wave {
 
     /// Integral of X over every cell, on an annulus of X r/r_m, m^(1/2); the cells are symmetric about x = 0.
     pub(crate) fn integrate(&self, cells: &Cells, integrals: &mut [f64]) {
-        let Some(sign) = self.parity() else {
-            if let Form::Radial(mode) = &self.form {
-                integrals.copy_from_slice(&mode.integrals(cells.edges()));
-            }
-            return;
+        let (sign, amplitude) = match &self.form {
+            Form::Radial(mode) => return integrals.copy_from_slice(&mode.integrals(cells.edges())),
+            Form::Cosine(amplitude) => (1.0, amplitude),
+            Form::Sine(amplitude) => (-1.0, amplitude),
+        };
+        let antiderivative = |x: &f64| match self.wave_number {
+            0.0 => amplitude * x,
+            number if sign > 0.0 => amplitude * (number * x).sin() / number,
+            number => -amplitude * (number * x).cos() / number,
         };
         let count = cells.count();
-        for i in 0..count.div_ceil(2) {
-            let (centre, width) = (cells.centres()[i], cells.widths()[i]);
-            let half = 0.5 * self.wave_number * width;
-            let damping = if half < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
-            let integral = width * damping * self.value(centre);
-            integrals[count - 1 - i] = sign * integral;
-            integrals[i] = integral;
+        let mut left = antiderivative(&cells.edges()[0]);
+        for (i, right) in cells.edges()[1..].iter().map(antiderivative).take(count.div_ceil(2)).enumerate() {
+            integrals[count - 1 - i] = sign * (right - left);
+            integrals[i] = right - left;
+            left = right;
         }
     }
 }

@@ -27,7 +27,6 @@
 
 use super::waves::Wave;
 use elasticity::Cells;
-use elasticity::block::lobatto::gauss_legendre;
 use nalgebra::{Complex, DMatrix};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
@@ -38,25 +37,30 @@ const WINDOW: usize = 10;
 const BELOW: usize = WINDOW / 2;
 /// Least number of nodes of the transform.
 const FEWEST_NODES: usize = 64;
-/// Points of the quadrature of the window's transform over half of the window: error 2e-11 at the smallest sigma.
-const TRANSFORM_POINTS: usize = 16;
-/// Longest part, in nodes, of an average over distances for the rule of eight points, and for that of four.
-const LONGEST_PARTS: [f64; 2] = [2.0, 0.5];
+/// Half-width, in nodes, up to which a cell is as a point: its own mean differs by 1e-8, as do second differences by rounding.
+const NARROWEST: f64 = 2e-4;
 
-/// Window of the spreading, and the quadrature of its transform: points, and weights times the window's value.
+/// Window of the spreading, with the terms of two sums of cosines, [`cosine_sum`], both exact to the window's value at its ends.
 #[derive(Clone, Debug)]
 struct Window {
     shape: f64,
-    rule: Vec<(f64, f64)>,
+    /// psi by theta/2: the trapezoidal rule at the multiples of 1/2.
+    samples: [f64; WINDOW + 1],
+    /// Mean over its own width, and the Fourier series there, integrated twice, by 2 pi t/w.
+    mean: f64,
+    integrated: [f64; WINDOW + 1],
 }
 
 impl Window {
     fn new(shape: f64) -> Window {
-        let mut window = Window { shape, rule: Vec::new() };
-        let quarter = 0.25 * WINDOW as f64;
-        // The window is even.
-        let rule = gauss_legendre(TRANSFORM_POINTS).into_iter().map(|(node, weight)| (quarter * (1.0 + node), weight));
-        window.rule = rule.map(|(t, weight)| (t, 2.0 * quarter * weight * window.value(t))).collect();
+        let (width, nothing) = (WINDOW as f64, [0.0; WINDOW + 1]);
+        let mut window = Window { shape, samples: nothing, mean: 0.0, integrated: nothing };
+        window.samples = std::array::from_fn(|k| if k == 0 { 0.5 } else { window.value(0.5 * k as f64) });
+        window.mean = window.transform(0.0) / width;
+        for n in 1..=WINDOW {
+            let turn = 2.0 * PI * n as f64 / width;
+            window.integrated[n] = -2.0 * window.transform(turn) / (width * turn * turn);
+        }
         window
     }
 
@@ -68,8 +72,26 @@ impl Window {
 
     /// psi(theta).
     fn transform(&self, theta: f64) -> f64 {
-        self.rule.iter().map(|&(t, weight)| weight * (theta * t).cos()).sum()
+        cosine_sum(&self.samples, 0.5 * theta)
     }
+
+    /// Second antiderivative of the window, even; linear beyond the window.
+    fn second_antiderivative(&self, t: f64) -> f64 {
+        let inside = t.abs().min(0.5 * WINDOW as f64);
+        let mean = self.mean * inside * (t.abs() - 0.5 * inside);
+        mean + cosine_sum(&self.integrated, 2.0 * PI / WINDOW as f64 * inside)
+    }
+}
+
+/// Sum of `terms[k] cos(k x)`.
+fn cosine_sum(terms: &[f64; WINDOW + 1], x: f64) -> f64 {
+    let cosine = x.cos();
+    let (mut sum, mut before, mut now) = (0.0, cosine, 1.0);
+    for term in terms {
+        sum += term * now;
+        (before, now) = (now, 2.0 * cosine * now - before);
+    }
+    sum
 }
 
 /// Two cells, j not behind l, and the range of their weights.
@@ -154,39 +176,21 @@ impl DistanceSum {
         sum
     }
 
-    /// Weights of the nodes in the mean over each pair of cells. A pair and its mirror image have the same distance.
+    /// Weights of the nodes in the mean over each pair of cells: second differences of the window's second antiderivative. A pair and
+    /// its mirror image have the same distance.
     fn average(&mut self, cells: &Cells, delta: f64, window: &Window) {
         let (x, widths, count) = (cells.centres(), cells.widths(), cells.count());
-        let rules = [gauss_legendre(4), gauss_legendre(8)];
         for j in 0..count {
             for l in 0..=j.min(count - 1 - j) {
-                let (a, b) = (0.5 * widths[j] / delta, 0.5 * widths[l] / delta);
-                let distance = (x[j] - x[l]) / delta;
-                let (reach, flat) = (a + b, (a - b).abs());
-                let first = (distance - reach - 0.5 * WINDOW as f64).ceil();
-                let last = (distance + reach + 0.5 * WINDOW as f64).floor();
+                let [a, b] = [j, l].map(|cell| (0.5 * widths[cell] / delta).max(NARROWEST));
+                let (distance, reach) = ((x[j] - x[l]) / delta, a + b + 0.5 * WINDOW as f64);
+                let (first, last) = ((distance - reach).ceil(), (distance + reach).floor());
                 let begin = self.weights.len();
-                self.weights.resize(begin + (last - first) as usize + 1, 0.0);
-                let weights = &mut self.weights[begin..];
-                // The density of the distance about that of the centres is a trapezium: it rises, is constant and
-                // falls.
-                for (from, to) in [(-reach, -flat), (-flat, flat), (flat, reach)] {
-                    let parts = ((to - from) / LONGEST_PARTS[0]).ceil().max(1.0);
-                    let length = (to - from) / parts;
-                    let rule = &rules[usize::from(length > LONGEST_PARTS[1])];
-                    for part in 0..parts as usize {
-                        for &(node, weight) in rule {
-                            let offset = from + length * (part as f64 + 0.5 + 0.5 * node);
-                            let density = (reach - offset.abs()).min(2.0 * a.min(b)) / (4.0 * a * b);
-                            let at = distance + offset;
-                            let lowest = (at - 0.5 * WINDOW as f64).ceil();
-                            let place = (lowest - first) as usize;
-                            for (k, sum) in weights[place..].iter_mut().enumerate().take(WINDOW) {
-                                *sum += 0.5 * length * weight * density * window.value(at - lowest - k as f64);
-                            }
-                        }
-                    }
-                }
+                self.weights.extend((0..=(last - first) as usize).map(|k| {
+                    let [left, right] = [-a, a].map(|end| distance - first - k as f64 + end);
+                    let rise = |t: f64| window.second_antiderivative(t + b) - window.second_antiderivative(t - b);
+                    (rise(right) - rise(left)) / (4.0 * a * b)
+                }));
                 let node = (first + self.behind as f64) as usize;
                 self.pairs.push(Pair { cells: [j, l], node, weights: [begin, self.weights.len()] });
             }

@@ -29,9 +29,11 @@ pub(crate) struct Step {
     contact: Contact,
     pub first: StageWeights,
     pub end: StageWeights,
-    /// Index of the cached responses after the first: those of steps at a constant velocity, by the bits of length and velocity. A
-    /// step-size control alternates between a few lengths, while a varying velocity hardly recurs.
-    steady: KeyedCache<[u64; 2], ()>,
+    /// Index of the cached responses after the first, by the bits of length and velocities.
+    kept: KeyedCache<[u64; 3], ()>,
+    /// Steps at a varying velocity are kept too. A step-size control alternates between a few lengths, while a varying velocity hardly
+    /// recurs, but in equal strokes.
+    recurs: bool,
     workspace: IntervalWorkspace,
     feedthrough: DirectFeedthrough,
 }
@@ -88,14 +90,19 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 
 impl Step {
     pub(crate) fn new(operators: &StripOperators) -> Step {
-        let cached = cache_capacity(operators.widths.len());
+        Self::keeping(operators, cache_capacity(operators.widths.len()), false)
+    }
+
+    /// A step that keeps the responses of `cached` others, at a varying velocity too where that `recurs`.
+    pub(crate) fn keeping(operators: &StripOperators, cached: usize, recurs: bool) -> Step {
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             contact: Contact::Closed,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
-            steady: KeyedCache::new(vec![(); cached]),
+            kept: KeyedCache::new(vec![(); cached]),
+            recurs,
             workspace: IntervalWorkspace::new(operators),
             feedthrough: DirectFeedthrough::new(operators),
         }
@@ -110,17 +117,17 @@ impl Step {
 
     /// Whether the responses of a step are kept.
     fn keeps(&self, [from, to]: [f64; 2]) -> bool {
-        from == to && self.steady.capacity() > 0
+        (self.recurs || from == to) && self.kept.capacity() > 0
     }
 
-    /// Place of the responses of a step among the cached ones, and whether they are stored there; place 0 serves varying velocities.
+    /// Place of the responses of a step among the cached ones, and whether they are stored there; place 0 serves those not kept.
     fn response_place(&mut self, length: f64, velocity: [f64; 2]) -> (usize, bool) {
         if !self.keeps(velocity) {
             return (0, false);
         }
-        let key = [length, velocity[0]].map(f64::to_bits);
-        let known = self.steady.lookup(&key);
-        (1 + known.unwrap_or_else(|| self.steady.insert(key)), known.is_some())
+        let key = [length, velocity[0], velocity[1]].map(f64::to_bits);
+        let known = self.kept.lookup(&key);
+        (1 + known.unwrap_or_else(|| self.kept.insert(key)), known.is_some())
     }
 
     /// Whether the influence on the cells is not there.
@@ -129,7 +136,7 @@ impl Step {
     }
 
     pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], contact: Contact) {
-        // Responses at a constant velocity are kept, and serve an open contact too.
+        // Responses that are kept serve an open contact too.
         let contact = if self.keeps(velocity) { Contact::Closed } else { contact };
         if self.length == length && self.velocity == velocity && self.contact == contact {
             return;
@@ -193,16 +200,16 @@ mod tests {
         };
         let resolution = Resolution { duration: 10.0, shortest: 1e-3, travel: f64::INFINITY, tolerance: 1e-2 };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-        let mut kept = body.clone();
+        let (mut kept, mut recurring) = (body.clone(), body.clone());
+        recurring.recur(12);
         let mut places = std::collections::BTreeSet::new();
         for phase in 0..40_u32 {
             let length = 1e-3 * f64::from(1 << (phase % 6));
             let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
-            kept.prepare(length, velocity);
             let mut fresh = body.clone();
-            fresh.prepare(length, velocity);
-            let (one, other) = (&kept.step, &fresh.step);
-            for (one, other) in [(&one.first, &other.first), (&one.end, &other.end)] {
+            [&mut kept, &mut recurring, &mut fresh].into_iter().for_each(|own| own.prepare(length, velocity));
+            let [one, other, again] = [&kept, &fresh, &recurring].map(|own| [&own.step.first, &own.step.end]);
+            for (one, other) in one.into_iter().chain(again).zip(other.into_iter().chain(other)) {
                 assert_eq!(one.current_response().influence, other.current_response().influence, "{phase}");
                 assert_eq!(one.current_response().weights(), other.current_response().weights(), "{phase}");
                 assert_eq!(one.current_response().carried(), other.current_response().carried(), "{phase}");
