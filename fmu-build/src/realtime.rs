@@ -16,8 +16,6 @@ use std::time::{Duration, Instant};
 
 /// Communication step, s.
 const STEP: f64 = 1e-3;
-/// 99.9 % of the steps must take less than this, microseconds.
-const USUAL: f64 = 100.0;
 /// No step may take longer, microseconds.
 const LONGEST: f64 = 1000.0;
 /// Largest factor on the velocity of the drive.
@@ -26,16 +24,17 @@ const FASTEST: f64 = 100.0;
 const QUIET: f64 = 200.0;
 /// Duration of the probe's work without interruption.
 const PROBE: Duration = Duration::from_micros(5);
-/// Residual drag load of the pads, N: every step has a contact to solve.
+/// Residual drag load of the pads without resolved heat, N: every step has a contact to solve.
 const DRAG: f64 = 100.0;
 /// Steps before the timing starts: caches, branch prediction, the clock of the processor.
 const WARM_UP: usize = 2000;
 
 /// Step the contact line at 1 kHz through ten minutes of the UDDS, time every step, and print the histogram.
 ///
-/// The scene is the stock front disc brake at the line level, its pads never off the disc. Beside every step a probe does a fixed
-/// amount of work: its time beyond its fastest time measures the interruptions by the machine. 99.9 % of the steps must take less
-/// than 100 µs and none more than 1 ms; that is enforced where the probe loses less than 200 µs, and only reported elsewhere.
+/// The scene is the stock front disc brake at the line level. Beside every step a probe does a fixed amount of work: its time beyond
+/// its fastest time measures the interruptions by the machine. Cold, its pads never off the disc, 99.9 % of the steps must take less
+/// than 100 µs; with heat, brakes on and off, 99.99 % less than 500 µs; none may take more than 1 ms. That is enforced where the
+/// probe loses less than 200 µs, and only reported elsewhere.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Bodies that do not expand, or resolved heat with thermal distortion.
@@ -77,6 +76,22 @@ impl Contact {
         match self {
             Contact::Cold => "cold",
             Contact::Heat => "heat",
+        }
+    }
+
+    /// Share of the steps that must take less than a time, and that time, microseconds.
+    fn limit(self) -> (f64, f64) {
+        match self {
+            Contact::Cold => (0.999, 100.0),
+            Contact::Heat => (0.9999, 500.0),
+        }
+    }
+
+    /// Least load of the drive, N.
+    fn least_load(self) -> f64 {
+        match self {
+            Contact::Cold => DRAG,
+            Contact::Heat => 0.0,
         }
     }
 }
@@ -154,7 +169,7 @@ pub(crate) fn measure(case: &Case) -> Result<Run> {
     instance.initialise()?;
 
     let drive = bench::drive(STEP)?;
-    let mut inputs = drive.iter().cycle().map(|&[velocity, load]| [speed * velocity, load.max(DRAG)]);
+    let mut inputs = drive.iter().cycle().map(|&[velocity, load]| [speed * velocity, load.max(contact.least_load())]);
     let mut next = || inputs.next().expect("a drive has steps");
     let probe = Probe::calibrate();
     // All buffers written during the run are allocated and touched before it starts.
@@ -258,9 +273,20 @@ impl Probe {
 }
 
 impl Run {
-    /// 99.9 % of the steps take no longer, microseconds.
+    /// The limited share of the steps takes no longer, microseconds.
     fn usual(&self) -> f64 {
-        self.steps.quantile(0.999)
+        self.steps.quantile(self.case.contact.limit().0)
+    }
+
+    /// What the steps take.
+    fn times(&self) -> String {
+        format!(
+            "median {:.1} µs, {} % below {:.1} µs, longest {:.0} µs",
+            self.steps.quantile(0.5),
+            Number(100.0 * self.case.contact.limit().0),
+            self.usual(),
+            self.steps.longest(),
+        )
     }
 
     /// Whether the probe was interrupted for less than `QUIET`.
@@ -270,7 +296,7 @@ impl Run {
 
     /// Whether the limits hold.
     fn is_within(&self) -> bool {
-        self.usual() < USUAL && self.steps.longest() < LONGEST
+        self.usual() < self.case.contact.limit().1 && self.steps.longest() < LONGEST
     }
 
     /// Whether the limits hold, or are not enforced.
@@ -286,14 +312,11 @@ impl Run {
             (false, false) => "beyond the limits, which are not enforced on a machine that takes so much",
         };
         format!(
-            "{} steps of the line ({}, N = {}), median {:.1} µs, 99.9 % below {:.1} µs, longest {:.0} µs; the machine \
-             took up to {:.0} µs from the probe: {verdict}",
+            "{} steps of the line ({}, N = {}), {}; the machine took up to {:.0} µs from the probe: {verdict}",
             self.steps.count(),
             self.case.contact.name(),
             self.case.cells,
-            self.steps.quantile(0.5),
-            self.usual(),
-            self.steps.longest(),
+            self.times(),
             self.taken.longest()
         )
     }
@@ -314,13 +337,19 @@ impl Run {
         let mut series = vec![tail("step", &self.steps), tail("taken from the probe", &self.taken)];
         series.extend(self.late.as_ref().map(|late| tail("late start", late)));
         let lowest = 0.5 / self.steps.count() as f64;
+        let (share, usual) = self.case.contact.limit();
+        let rest = 1.0 - share;
         series.push(
-            Series::line("limits", vec![(USUAL, 1.0), (USUAL, 1e-3), (LONGEST, 1e-3), (LONGEST, lowest)]).coloured(6),
+            Series::line("limits", vec![(usual, 1.0), (usual, rest), (LONGEST, rest), (LONGEST, lowest)]).coloured(6),
         );
         let axis = Axis::logarithmic("time (µs)");
         let share = Axis::logarithmic("share that takes longer").over(lowest, 1.0);
         let panel = Panel::new("How many steps take longer", axis, share, series);
         let how = if self.case.paced { "one every millisecond of the clock" } else { "back to back" };
+        let pads = match self.case.contact {
+            Contact::Cold => "pads never off the disc",
+            Contact::Heat => "brakes on and off",
+        };
         let mut figure = Figure::new(
             format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),
             vec![panel],
@@ -328,17 +357,11 @@ impl Run {
         figure.panel_size = (760, 420);
         figure.with_header(vec![
             format!(
-                "Front disc brake, UDDS at {} times its speed, pads never off the disc, {} steps of 1 ms {how}",
+                "Front disc brake, UDDS at {} times its speed, {pads}, {} steps of 1 ms {how}",
                 self.case.speed,
                 self.steps.count()
             ),
-            format!(
-                "median {:.1} µs, 99.9 % below {:.1} µs, longest {:.0} µs; taken from a probe of 5 µs: up to {:.0} µs",
-                self.steps.quantile(0.5),
-                self.usual(),
-                self.steps.longest(),
-                self.taken.longest()
-            ),
+            format!("{}; taken from a probe of 5 µs: up to {:.0} µs", self.times(), self.taken.longest()),
         ])
     }
 
@@ -348,6 +371,7 @@ impl Run {
                 "median_us": times.quantile(0.5),
                 "p99_us": times.quantile(0.99),
                 "p999_us": times.quantile(0.999),
+                "p9999_us": times.quantile(0.9999),
                 "longest_us": times.longest(),
                 "histogram": times.coarse().collect::<Vec<_>>(),
             })
@@ -416,6 +440,11 @@ mod tests {
                 (within, false, true),
                 "{slow} {time}"
             );
+        }
+        // With heat one in ten thousand may take longer than 500 µs.
+        for (slow, time, within) in [(1, 900_000, true), (2, 900_000, false), (9, 400_000, true)] {
+            let hot = Run { case: Case::new(Contact::Heat), ..run(with(slow, time), 150_000) };
+            assert_eq!(hot.is_within(), within, "{slow} {time}");
         }
     }
 
