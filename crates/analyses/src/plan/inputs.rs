@@ -110,7 +110,8 @@ impl Levels {
         let error = |known: &Candidate| largest(known.errors);
         match self.candidates.iter().min_by(|one, other| error(one).total_cmp(&error(other))) {
             Some(best) => bail!(
-                "no level meets the tolerance {:e}: the smallest error is {:.1e}, with {}; a looser tolerance has one",
+                "no level meets the tolerance {:e}: the smallest error is {:.1e}, with {}; a looser tolerance has one, and \
+                 nominal.duration, nominal.load and nominal.velocity near those of the inputs lower the error",
                 self.tolerance,
                 error(best),
                 best.level
