@@ -409,7 +409,9 @@ mod tests {
     fn ctrl_c_and_a_failed_call_end_a_script_without_a_traceback() {
         let folder = std::env::temp_dir().join(format!("quietly-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("beside.py"), "import time\nprint('started', flush=True)\ntime.sleep(60)\n").unwrap();
+        // A shell that runs the tests in the background has them ignore Ctrl-C.
+        let beside = "import signal, time\nsignal.signal(signal.SIGINT, signal.default_int_handler)\nprint('started', flush=True)\n";
+        fs::write(folder.join("beside.py"), format!("{beside}time.sleep(60)\n")).unwrap();
         let file = folder.join("script.py");
         fs::write(&file, "import beside\n").unwrap();
         let mut command = script(Path::new("python3"), "python", file.to_str().unwrap());
