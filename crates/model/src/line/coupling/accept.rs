@@ -2,9 +2,9 @@
 //!
 //! Theory: docs/theory.md, sections 7.1, 5.3.
 
-use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, state_of, weighted};
+use super::{Parameters, ThermalCoupling};
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
@@ -13,11 +13,6 @@ use conduction::line::{FrozenState, GAMMA, Stage};
 use contact::friction::FrictionLaw;
 use numerics::dense;
 use numerics::maximum::maximum;
-
-/// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
-/// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
-/// internal steps.
-pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
@@ -61,21 +56,20 @@ fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], hidden: impl Fn(usize
 }
 
 impl Solved<'_> {
-    /// Whether the step, part of a communication step of the length `whole` (s), is long enough for its thermal error to be
-    /// controlled.
+    /// Part of a temperature error in this step that is left after the shortest time to be resolved, and where a cell closes after the time
+    /// of diffusion across it.
     ///
-    /// The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of its first one, and
-    /// what lasts of it goes with the root of the step over the time of diffusion across a cell. The bodies are reduced for the
-    /// nominal duration, over which a step of tolerance^2 of it has the impedance of one tolerance; not for longer communication
-    /// steps.
-    pub(crate) fn is_controlled(&self, whole: f64) -> bool {
-        self.is_longer(self.0.parameters.times[0], whole)
+    /// What a wrong flux over a step h has heated decays as `h t^(-1/2)` until it has spread through the body. The error relative to the
+    /// rise since a jump of the flux, or since bodies of two temperatures have met, is the same in a first step of any length.
+    fn left(&self, state: &HeatState) -> f64 {
+        let Parameters { resolved, across, .. } = self.0.parameters;
+        let time = if self.closes(state) { maximum(resolved, across) } else { resolved };
+        (self.0.step / time).sqrt().min(1.0)
     }
 
-    /// Whether the step is longer than `shortest` (s), within what a communication step of the length `whole` (s) admits.
-    fn is_longer(&self, shortest: f64, whole: f64) -> bool {
-        let part = LEAST_PART * whole;
-        self.0.step > if whole > self.0.parameters.times[1] { part } else { part.min(shortest.max(LEAST_PART * part)) }
+    /// Whether more than `least` of a temperature error in this step is left.
+    pub(crate) fn leaves(&self, given: &StepData<'_>, least: f64) -> bool {
+        self.left(state_of(given)) > least
     }
 
     /// Whether a cell that exchanged no heat at the start of the step does so at one of its stages.
@@ -86,14 +80,13 @@ impl Solved<'_> {
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
-    /// `bound` is that of the displacement, in m. Where surfaces meet at two temperatures in less than [`closing_time`](super::closing_time),
-    /// that of the faces alone: a cell that opens hot and closes cold has no state of rest, and alternates in the shortest steps that it is given.
-    pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64, whole: f64) -> f64 {
+    /// `bound` is that of the displacement, in m.
+    pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64) -> f64 {
         let operators = given.operators;
         let state = state_of(given);
-        let faces = self.error_of_faces(operators, state, bound);
-        let meets = self.closes(state) && !self.is_longer(self.0.parameters.closing, whole);
-        if self.0.open || meets {
+        let left = self.left(state);
+        let faces = left * self.error_of_faces(operators, state, bound);
+        if self.0.open {
             return faces;
         }
         let heat = &mut *self.0;
@@ -132,7 +125,7 @@ impl Solved<'_> {
         }
         let moved = (moved_square / width).sqrt();
         let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.whole * rise));
-        maximum(cells, faces)
+        maximum(left * cells, faces)
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
