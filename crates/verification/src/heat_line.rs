@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{FrozenState, Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use scene::FarBoundary;
@@ -50,7 +50,7 @@ fn steady(
 ) -> Result<(Cells, Vec<f64>), String> {
     let cells = Cells::graded(half_width, cells).map_err(refused)?;
     let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
-    body.prepare(FOR_EVER, [velocity; 2]);
+    body.prepare(&Step::new(FOR_EVER, [velocity; 2]));
     let influence = &body.influence(Stage::End).temperature;
     let answer = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
     Ok((cells, answer))
@@ -230,7 +230,7 @@ fn between_nodes(all: &mut Vec<Problem>) {
                         .map_err(refused)?;
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
-                    body.prepare(FOR_EVER, [2.0 * peclet; 2]);
+                    body.prepare(&Step::new(FOR_EVER, [2.0 * peclet; 2]));
                     let influence = &body.influence(Stage::End).temperature;
                     let answer: Vec<f64> = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
                     (mean(&cells, &answer) / band_mean(peclet, Some((HEIGHT, LayerBase::Held))) - 1.0).abs()
@@ -303,7 +303,7 @@ fn oscillating(all: &mut Vec<Problem>) {
                 let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
                 let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
                 for index in 0..64 * periods {
-                    body.prepare(step, [velocity(index), velocity(index + 1)]);
+                    body.prepare(&Step::new(step, [velocity(index), velocity(index + 1)]));
                     body.step(&mut state, &air, &flux, &flux);
                 }
                 let mut temperature = vec![0.0; cells.count()];
@@ -343,7 +343,7 @@ fn distortion(all: &mut Vec<Problem>) {
             let cells = Cells::graded(0.1, 33).map_err(refused)?;
             let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
             let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
-            body.prepare(1e14, [0.0; 2]);
+            body.prepare(&Step::new(1e14, [0.0; 2]));
             let influence = &body.influence(Stage::End).distortion;
             let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let at = |x: f64| cells.point_value(&moved, x);

@@ -22,8 +22,8 @@
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{
-    Account, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody, Workspace,
+    Account, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, Step, SurfaceInfluence,
+    Surroundings, ThermalBody, Workspace,
 };
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
@@ -193,21 +193,12 @@ impl DiscHeat {
 }
 
 impl ThermalBody for DiscHeat {
-    fn workspace(&self) -> Workspace {
-        self.ring.workspace()
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let (source, ring) = state.split_at_mut(self.source_states());
-        self.ring.uniform(rise, ring);
-        source.fill(0.0);
-    }
-
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.ring.prepare(step, velocity);
-        let key = [step, velocity[0], velocity[1]].map(f64::to_bits);
+    fn prepare(&mut self, step: &Step<'_>) {
+        let Step { length, velocity, .. } = *step;
+        self.ring.prepare(step);
+        let key = [length, velocity[0], velocity[1]].map(f64::to_bits);
         let Self { ring, source, stages } = self;
-        stages.get_or_compute(key, |stages| fill(stages, source, ring, step, velocity));
+        stages.get_or_compute(key, |stages| fill(stages, source, ring, length, velocity));
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -277,6 +268,16 @@ impl Observed for DiscHeat {
 
     fn states(&self) -> usize {
         self.source_states() + self.ring.states()
+    }
+
+    fn workspace(&self) -> Workspace {
+        self.ring.workspace()
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (source, ring) = state.split_at_mut(self.source_states());
+        self.ring.uniform(rise, ring);
+        source.fill(0.0);
     }
 
     fn decay_rates(&self, velocity: f64) -> Vec<f64> {
@@ -375,7 +376,7 @@ mod tests {
 
     fn step(disc: &mut DiscHeat, state: &mut [f64], step: f64, velocity: [f64; 2], flux: &[f64]) -> Vec<f64> {
         let around = Surroundings::default();
-        disc.prepare(step, velocity);
+        disc.prepare(&Step::new(step, velocity));
         let (mut temperature, mut distortion) = (vec![0.0; 5], vec![0.0; 5]);
         disc.free_response(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
         let influence = disc.influence(Stage::End);

@@ -10,11 +10,10 @@
 //!
 //! Theory: docs/theory.md, section 4.15.
 
-use super::contact_parts::ContactParts;
 use super::workspace::{Memory, Workspace};
 use super::{
-    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody,
+    Account, Boundary, End, Exchange, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step,
+    SurfaceInfluence, Surroundings, ThermalBody,
 };
 use crate::properties::{Properties, Scales};
 use nalgebra::DMatrix;
@@ -133,7 +132,7 @@ impl PropertyBody {
         if reference == 0.0 {
             return Scales::ONE;
         }
-        self.properties.at(self.properties.part(reference + self.constant.mean_temperature(own)).0)
+        self.scales_at(reference + self.constant.mean_temperature(own))
     }
 
     /// Scales the matrices of the prepared step.
@@ -176,37 +175,14 @@ impl PropertyBody {
 }
 
 impl ThermalBody for PropertyBody {
-    fn workspace(&self) -> Workspace {
-        let zeros = || vec![0.0; self.constant.cells()];
-        Workspace(Memory::Scaled(Box::new((self.constant.workspace(), [zeros(), zeros()]))))
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let count = state.len() - ENTRIES;
-        let (own, behind) = state.split_at_mut(count);
-        self.constant.uniform(rise, own);
-        behind.fill(0.0);
-    }
-
-    fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
-        self.constant.set_contact_parts(contact_parts);
-    }
-
-    fn set_temperature(&mut self, mean: f64, reference: f64) -> Scales {
-        self.reference = reference;
-        self.scales = self.properties.at(self.properties.part(mean).0);
-        self.scales
-    }
-
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+    fn prepare(&mut self, step: &Step<'_>) {
+        (self.scales, self.reference) = (step.scales, step.reference);
         let pace = self.scales.pace;
-        self.constant.prepare(step * pace, velocity.map(|velocity| velocity / pace));
-        self.take_influence();
-    }
-
-    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
-        let pace = self.scales.pace;
-        self.constant.prepare_open(step * pace, velocity.map(|velocity| velocity / pace));
+        let (length, velocity) = (step.length * pace, step.velocity.map(|velocity| velocity / pace));
+        self.constant.prepare(&Step { length, velocity, ..*step });
+        if step.exchange != Exchange::None {
+            self.take_influence();
+        }
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -291,12 +267,28 @@ impl Observed for PropertyBody {
         self.constant.states() + ENTRIES
     }
 
+    fn workspace(&self) -> Workspace {
+        let zeros = || vec![0.0; self.constant.cells()];
+        Workspace(Memory::Scaled(Box::new((self.constant.workspace(), [zeros(), zeros()]))))
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let count = state.len() - ENTRIES;
+        let (own, behind) = state.split_at_mut(count);
+        self.constant.uniform(rise, own);
+        behind.fill(0.0);
+    }
+
     fn decay_rates(&self, velocity: f64) -> Vec<f64> {
         self.constant.decay_rates(velocity)
     }
 
+    fn scales_at(&self, mean: f64) -> Scales {
+        self.properties.at(self.properties.part(mean).0)
+    }
+
     fn velocity_validity(&self) -> f64 {
-        self.scales.pace * self.constant.velocity_validity()
+        self.constant.velocity_validity()
     }
 
     fn divides_cells(&self) -> bool {
@@ -384,7 +376,7 @@ mod tests {
             let mut hot = strip(HOT, base, &cells);
             let uniform = Properties::uniform(HOT[0], HOT[1], COLD);
             let mut cold = PropertyBody::new(strip(COLD, base, &cells), uniform, held);
-            cold.set_temperature(500.0, 300.0);
+            let scales = cold.scales_at(500.0);
             let mut states = [vec![0.0; hot.states()], vec![0.0; cold.states()]];
             let around = Surroundings::default();
             for step in 0..40 {
@@ -397,7 +389,7 @@ mod tests {
                 let [first, end] = [flux(GAMMA), flux(1.0)];
                 let found = [hot.as_mut(), &mut cold as &mut dyn ThermalBody].into_iter().zip(&mut states).map(
                     |(body, state)| {
-                        body.prepare(length, velocity);
+                        body.prepare(&Step { scales, reference: 300.0, ..Step::new(length, velocity) });
                         let found = at_stage(body, state, &around, (Stage::End, held), [&first, &end]);
                         body.step(state, &around, &first, &end);
                         found

@@ -13,7 +13,7 @@
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
@@ -70,7 +70,7 @@ pub(crate) fn steps(
     let air = Surroundings::default();
     let flux = vec![flux; cells.count()];
     let (mut base, mut distortion) = (flux.clone(), flux.clone());
-    strip.prepare(step, [velocity; 2]);
+    strip.prepare(&Step::new(step, [velocity; 2]));
     (0..count)
         .map(|_| {
             strip.free_response(state, &air, Stage::End, &flux, &mut base, &mut distortion);

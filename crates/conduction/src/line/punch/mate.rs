@@ -75,7 +75,7 @@ pub fn reduce_mate(
 mod tests {
     use super::*;
     use crate::line::punch::tests::Run;
-    use crate::line::{Account, Boundary, GAMMA, Observed, Surroundings, ThermalBody};
+    use crate::line::{Account, Boundary, GAMMA, Observed, Surroundings};
     use scene::variables::{STARTS, reference};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.

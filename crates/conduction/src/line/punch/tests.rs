@@ -3,7 +3,8 @@ mod parts;
 use super::super::contact_parts::ContactParts;
 use super::super::tests::{at_stage, in_two_parts};
 use super::super::{
-    Account, Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
+    Account, Boundary, Exchange, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Step, Surroundings,
+    ThermalBody,
 };
 use super::*;
 use across::Wave;
@@ -61,7 +62,11 @@ impl Run {
     }
 
     pub(crate) fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
-        self.heat.prepare(step, [0.0; 2]);
+        self.step_through(Exchange::Whole, step, first, end);
+    }
+
+    fn step_through(&mut self, exchange: Exchange<'_>, step: f64, first: &[f64], end: &[f64]) {
+        self.heat.prepare(&Step { exchange, ..Step::new(step, [0.0; 2]) });
         let stage = (Stage::End, self.heat.holds_far_face());
         (self.temperature, self.distortion, _) =
             at_stage(&self.heat, &self.state, &self.surroundings, stage, [first, end]);
@@ -165,7 +170,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
     }
     // The exact response, to which states and static corrections sum.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
-    exact.heat.prepare(1e12, [0.0; 2]);
+    exact.heat.prepare(&Step::new(1e12, [0.0; 2]));
     let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
     let depth = Depth {
         height: 0.1,
@@ -236,8 +241,7 @@ fn heat_is_accounted_for() {
             let step = [1e-3, 0.7, 40.0][i as usize % 3];
             // Part of the time through parts of the cells.
             let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
-            run.heat.set_contact_parts([&contact_parts; 2]);
-            run.step(step, &first, &end);
+            run.step_through(Exchange::Parts([&contact_parts; 2]), step, &first, &end);
             entered += step
                 * (first.iter().zip(&end).zip(cells.widths()))
                     .map(|((first, end), width)| ((1.0 - GAMMA) * first + GAMMA * end) * width)
@@ -249,7 +253,6 @@ fn heat_is_accounted_for() {
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The heat account is the integral of the flows, which are those through whole cells.
-        run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
         run.surroundings = Surroundings::constant(run.surroundings.end);
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
@@ -341,7 +344,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let start = Boundary { cooling: -100.0, ambient: 8.0, far: 200.0 };
     let end = Boundary { cooling: -400.0, ambient: 3.0, far: 900.0 };
     run.surroundings = Surroundings::linear(start, end);
-    run.heat.prepare(step, [0.0; 2]);
+    run.heat.prepare(&Step::new(step, [0.0; 2]));
     // Reciprocity of the two faces, and of faces and cells.
     let areas = [0.2, 0.06];
     let mut influence = [FaceInfluence::new(9), FaceInfluence::new(9)];
@@ -362,7 +365,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let late = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
     run.heat.step(&mut run.state, &run.surroundings, &flux, &flux);
     for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
-        parts.heat.prepare(part * step, [0.0; 2]);
+        parts.heat.prepare(&Step::new(part * step, [0.0; 2]));
         let (temperature, distortion, faces) =
             at_stage(&parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
         parts.heat.step(&mut parts.state, &around, &flux, &flux);
@@ -400,9 +403,9 @@ fn gains_do_not_depend_on_what_came_before() {
     let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
     let mut fresh = run.heat.boxed();
     for step in [1.0, 0.3, 7.0, 0.01, 2.0, 0.3] {
-        run.heat.prepare(step, [1.0, -1.0]);
+        run.heat.prepare(&Step::new(step, [1.0, -1.0]));
     }
-    fresh.prepare(0.3, [0.0; 2]);
+    fresh.prepare(&Step::new(0.3, [0.0; 2]));
     for stage in [Stage::First, Stage::End] {
         assert_eq!(run.heat.influence(stage), fresh.influence(stage));
     }
@@ -419,7 +422,7 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
         run.step(2.0, &flux, &[0.0; 9]);
     }
     let step = 5.0;
-    run.heat.prepare(step, [0.0; 2]);
+    run.heat.prepare(&Step::new(step, [0.0; 2]));
     let stage = (Stage::First, run.heat.holds_far_face());
     let (temperature, distortion, _) = at_stage(&run.heat, &run.state, &run.surroundings, stage, [&[0.0; 9], &flux]);
     short.step(GAMMA * step, &flux, &flux);
@@ -475,7 +478,7 @@ fn no_distortion_comes_at_once() {
         let scene = scene(changes);
         let distortion = |tolerance: f64, step: f64| {
             let mut heat = reduce(&scene, &cells, tolerance, 10.0).unwrap().unwrap();
-            heat.prepare(step, [0.0; 2]);
+            heat.prepare(&Step::new(step, [0.0; 2]));
             // A uniform displacement changes no pressure.
             let mut influence = heat.influence(Stage::First).distortion.clone();
             for mut column in influence.column_iter_mut() {

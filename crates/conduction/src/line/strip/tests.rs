@@ -4,7 +4,7 @@ mod thresholds;
 mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use scene::FarBoundary;
 
@@ -52,7 +52,7 @@ fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, veloc
     let air = Surroundings::default();
     let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
     for index in 0..steps {
-        body.prepare(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]);
+        body.prepare(&Step::new(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]));
         if index + 1 == steps {
             body.free_response(state, &air, Stage::End, &flux, &mut temperature, &mut distortion);
             let influence = &body.influence(Stage::End).temperature;

@@ -4,7 +4,7 @@ use super::{expanding, march, mean, steel, uneven};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::tests::{at_stage, in_two_parts};
 use crate::line::{
-    Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
+    Boundary, Exchange, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody,
 };
 use elasticity::Cells;
 use scene::FarBoundary;
@@ -35,7 +35,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         for index in 0..40 {
             let velocity = [0.05 * (index as f64 * 0.3).sin(), 0.05 * (index as f64 * 0.3 + 0.3).sin()];
             let step = if index % 3 == 0 { 0.02 } else { 0.3 };
-            body.prepare(step, velocity);
+            body.prepare(&Step::new(step, velocity));
             let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
             let (temperature, distortion, faces) = at_stage(&body, &state, &air, (Stage::End, held), [&first, &end]);
             body.step(&mut state, &air, &first, &end);
@@ -94,7 +94,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let start = Boundary { cooling: -1e4, ambient: 9.0, far: 2e3 };
         let end = Boundary { cooling: -4e4, ambient: 5.0, far: 9e3 };
         let air = Surroundings::linear(start, end);
-        body.prepare(step, velocity);
+        body.prepare(&Step::new(step, velocity));
         let early = at_stage(&body, &state, &air, (Stage::First, false), [&[0.0; 12], &flux]);
         let late = at_stage(&body, &state, &air, (Stage::End, false), [&flux; 2]);
         // The mean temperature of the surface beside the contact per flux there, over that per flux into the whole contact.
@@ -104,7 +104,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!(rise > 0.0 && influence.mean > 0.0, "{path:?}: {influence:?}");
         body.step(&mut state, &air, &flux, &flux);
         for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
-            body.prepare(part * step, velocity);
+            body.prepare(&Step::new(part * step, velocity));
             let (shown, _, faces) = at_stage(&body, &parts, &around, (Stage::End, false), [&flux; 2]);
             body.step(&mut parts, &around, &flux, &flux);
             let (other, _, others) = if part == GAMMA { &early } else { &late };
@@ -141,7 +141,7 @@ fn faces_and_cells_are_reciprocal_in_reversed_sliding() {
         let [mut forth, mut back] = [FaceInfluence::new(12), FaceInfluence::new(12)];
         for stage in [Stage::First, Stage::End] {
             for (velocity, influence) in [(0.003, &mut forth), (-0.003, &mut back)] {
-                body.prepare(3.0, [velocity; 2]);
+                body.prepare(&Step::new(3.0, [velocity; 2]));
                 body.face_influence(stage, 0, influence, &mut body.workspace());
             }
             let largest = forth.by_cell.iter().copied().fold(0.0, f64::max);
@@ -195,7 +195,7 @@ fn everything_at_one_temperature_stays_there() {
         body.uniform(10.0, &mut state);
         let far = if base == FarBoundary::Held { 10.0 } else { 0.0 };
         let air = Surroundings::constant(Boundary { ambient: 10.0, far, cooling: 0.0 });
-        body.prepare(5.0, [1.0, 1.0]);
+        body.prepare(&Step::new(5.0, [1.0, 1.0]));
         let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
         for _ in 0..5 {
             body.free_response(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
@@ -222,17 +222,14 @@ fn an_open_contact_is_one_without_fluxes_whatever_was_prepared_before() {
         let mut state = vec![0.0; body.states()];
         let (hot, none) = (uneven(&cells, 0), vec![0.0; 9]);
         let mut used = body.clone();
-        used.prepare(0.3, [0.4, 0.5]);
+        used.prepare(&Step::new(0.3, [0.4, 0.5]));
         used.step(&mut state, &Surroundings::default(), &hot, &hot);
         let at = |cooling: f64, ambient: f64| Boundary { cooling, ambient, far: 0.3 * cooling };
         let air = Surroundings::linear(at(-900.0, 4.0), at(-700.0, 5.0));
         let (step, velocity) = (0.2, [0.5, 0.7]);
         let mut found = [body.clone(), body.clone(), used].into_iter().enumerate().map(|(case, mut body)| {
-            if case == 0 {
-                body.prepare(step, velocity)
-            } else {
-                body.prepare_open(step, velocity)
-            }
+            let exchange = if case == 0 { Exchange::Whole } else { Exchange::None };
+            body.prepare(&Step { exchange, ..Step::new(step, velocity) });
             let seen = at_stage(&body, &state, &air, (Stage::End, held), [&none, &none]);
             let mut after = state.clone();
             body.step(&mut after, &air, &none, &none);

@@ -2,7 +2,7 @@
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{GAMMA, Observed, Stage, Surroundings, ThermalBody};
+use crate::line::{GAMMA, Observed, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
 use libm::erf;
@@ -28,7 +28,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
         for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
             // In a step much longer than every decay time but the mean's, the response is the steady one.
             let step = 1e9;
-            body.prepare(step, [velocity, velocity]);
+            body.prepare(&Step::new(step, [velocity, velocity]));
             let influence = body.influence(Stage::End).temperature.clone();
             let response: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let [level, _] = body.mean_levels(
@@ -109,7 +109,7 @@ fn jaeger_on_a_long_closed_path() {
         let properties = unit(height, FarBoundary::Held, SlidingPath::Closed(2000.0));
         let resolution = Resolution { duration: 1e6, shortest: 10.0, travel: f64::INFINITY, tolerance: 1e-4 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-        body.prepare(1e12, [2.0 * peclet; 2]);
+        body.prepare(&Step::new(1e12, [2.0 * peclet; 2]));
         let influence = &body.influence(Stage::End).temperature;
         let response: Vec<f64> = (0..65).map(|i| influence.row(i).sum()).collect();
         let exact = band_mean(peclet, Some((height, LayerBase::Held)));
@@ -134,7 +134,7 @@ fn heated_half_plane_curves_by_its_flux() {
     let cells = Cells::graded(0.1, 33).unwrap();
     let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
-    body.prepare(1e14, [0.0, 0.0]);
+    body.prepare(&Step::new(1e14, [0.0, 0.0]));
     let influence = &body.influence(Stage::End).distortion;
     let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
     assert!(moved.iter().all(|u| *u < 0.0), "{moved:?}");
@@ -165,7 +165,7 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
         cooling: crate::slab::CoolingPort::Surface,
     };
     for velocity in [0.0, 1e-3, 0.5] {
-        body.prepare(1e9, [velocity; 2]);
+        body.prepare(&Step::new(1e9, [velocity; 2]));
         let spacing = 2.0 * std::f64::consts::PI / length;
         let phase = |i: usize| 3.0 * spacing * cells.centres()[i];
         // Response to exp(i q x): the sum over n = 3 + k N of sinc^2 Z(q_n, -i q_n v).
@@ -205,7 +205,7 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
             body.operators.error
         );
         for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
-            body.prepare(1e7, [2.0 * peclet; 2]);
+            body.prepare(&Step::new(1e7, [2.0 * peclet; 2]));
             let influence = &body.influence(Stage::End).temperature;
             let response: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let exact = band_mean(peclet, Some((height, layer)));
@@ -269,7 +269,7 @@ fn run(mut body: StripHeat, cells: &Cells, velocity: impl Fn(f64) -> f64, flux: 
     let mut means = Vec::new();
     for k in 0..40 {
         let start = step * f64::from(k);
-        body.prepare(step, [velocity(start), velocity(start + step)]);
+        body.prepare(&Step::new(step, [velocity(start), velocity(start + step)]));
         let [before, first, own] = [0.0, GAMMA * step, step].map(|t| vec![flux(start + t); count]);
         let deviation = vec![before[0] - first[0]; count];
         let begun = body.first(&state, &air, &deviation, [&mut temperature, &mut distortion], &mut work);
