@@ -253,6 +253,10 @@ impl ThermalBody for PropertyBody {
         self.constant.expect(velocity);
     }
 
+    fn recur(&mut self, steps: usize) {
+        self.constant.recur(steps);
+    }
+
     fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }
@@ -376,6 +380,7 @@ mod tests {
             let mut hot = strip(HOT, base, &cells);
             let uniform = Properties::uniform(HOT[0], HOT[1], COLD);
             let mut cold = PropertyBody::new(strip(COLD, base, &cells), uniform, held);
+            cold.recur(4);
             let scales = cold.scales_at(500.0);
             let mut states = [vec![0.0; hot.states()], vec![0.0; cold.states()]];
             let around = Surroundings::default();
