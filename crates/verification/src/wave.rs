@@ -331,12 +331,8 @@ impl SplitWave {
             *state = (*state + step * flux * *input) / (1.0 + *rate * step);
         }
         let fluxes: Vec<f64> = wave.cosine.iter().map(|c| flux * c).collect();
-        let mut distortion = fluxes.clone();
-        wave.body.distortion_at_frozen_state(
-            &FrozenState { state: &wave.state, surroundings: &Surroundings::default(), flux: &fluxes, velocity: 0.0 },
-            &mut distortion,
-            &mut wave.body.workspace(),
-        );
+        let (state, surroundings) = (&wave.state, &Surroundings::default());
+        let distortion = FrozenState { state, surroundings, flux: &fluxes, velocity: 0.0 }.distortion(&*wave.body);
         *moved = 2.0 / fluxes.len() as f64 * wave.cosine.iter().zip(&distortion).map(|(c, u)| c * u).sum::<f64>();
     }
 

@@ -332,12 +332,11 @@ mod tests {
     use crate::line::SingleStep;
     use crate::line::punch::mate::reduce_mate;
     use crate::moving_source::{MovingSource, Path};
-    use crate::slab::{CoolingPort, Slab};
+    use crate::slab::Slab;
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
-    use scene::FarBoundary;
     use scene::variables::{STARTS, changed};
-    use scene::{Scene, ThermalBoundary};
+    use scene::{Body, Scene};
 
     /// Two pads on a disc of 12 mm.
     fn disc() -> (DiscHeat, Flash, Vec<f64>) {
@@ -355,19 +354,8 @@ mod tests {
         let scene = Scene::new(&changed(&STARTS, &changes).unwrap(), None).unwrap();
         let cells = Cells::graded(0.02, 5).unwrap();
         let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
-        let slab = Slab {
-            height: scene.strip.height,
-            conductivity: scene.strip.conductivity,
-            capacity: scene.strip.capacity(),
-            surface_transfer: scene.strip.convection * (1.0 - scene.coverage()),
-            volume_transfer: 0.0,
-            base: if scene.strip.far_thermal == ThermalBoundary::Held {
-                FarBoundary::Held
-            } else {
-                FarBoundary::Insulated
-            },
-            cooling: CoolingPort::Surface,
-        };
+        let Body { height, conductivity, .. } = scene.strip;
+        let slab = Slab::bare(height, [conductivity, scene.strip.capacity()], scene.strip.far_boundary());
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
         let flash = Flash::new(&source.spreading(Lateral::of(&scene)), scene.nominal_duration, scene.tolerance);
         let ratio = relative_radii(&scene, &cells);
@@ -394,24 +382,9 @@ mod tests {
         for velocity in [0.3, -12.0] {
             let mut state = vec![0.0; disc.states()];
             let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
-            let mut ring = vec![0.0; 5];
-            disc.ring.temperature_at_frozen_state(
-                &FrozenState {
-                    state: disc.split(&state).0,
-                    surroundings: &Surroundings::default(),
-                    flux: &flux,
-                    velocity,
-                },
-                &mut ring,
-                &mut disc.workspace(),
-            );
-            let mut held = vec![0.0; 5];
-            let work = &mut disc.workspace();
-            disc.temperature_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity },
-                &mut held,
-                work,
-            );
+            let at = FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity };
+            let ring = FrozenState { state: disc.split(&state).0, ..at }.temperature(&disc.ring);
+            let held = at.temperature(&disc);
             for i in 0..5 {
                 let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
                 assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");

@@ -346,6 +346,28 @@ pub struct FrozenState<'a> {
     pub velocity: f64,
 }
 
+/// Observations with memory of their own, outside of a simulation.
+impl FrozenState<'_> {
+    /// Temperature of the N cells of `body`, K above the reference.
+    pub fn temperature(&self, body: &(impl Observed + ?Sized)) -> Vec<f64> {
+        let mut temperature = vec![0.0; body.cells()];
+        body.temperature_at_frozen_state(self, &mut temperature, &mut body.workspace());
+        temperature
+    }
+
+    /// Distortion of the N cells of `body`, m into it.
+    pub fn distortion(&self, body: &(impl Observed + ?Sized)) -> Vec<f64> {
+        let mut distortion = vec![0.0; body.cells()];
+        body.distortion_at_frozen_state(self, &mut distortion, &mut body.workspace());
+        distortion
+    }
+
+    /// Mean temperatures of the cooled faces of `body`, K above the reference.
+    pub fn faces(&self, body: &(impl Observed + ?Sized)) -> [f64; FACES] {
+        body.cooled_temperature(self, &mut body.workspace())
+    }
+}
+
 /// What is known of a body and seen of its state. At frozen state a flux acts through the direct feedthrough only, and surroundings
 /// are those of the end of a step.
 pub trait Observed {

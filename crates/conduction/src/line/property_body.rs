@@ -358,14 +358,8 @@ mod tests {
     fn strip([conductivity, specific_heat]: [f64; 2], base: FarBoundary, cells: &Cells) -> Box<dyn ThermalBody> {
         let material = Material::new(2e11, 0.3).unwrap();
         let properties = StripProperties {
-            height: 0.01,
-            conductivity,
-            capacity: DENSITY * specific_heat,
-            convection: 0.0,
-            base,
-            path: SlidingPath::Closed(0.3),
             expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
-            lateral: None,
+            ..StripProperties::bare(0.01, [conductivity, DENSITY * specific_heat], base, SlidingPath::Closed(0.3))
         };
         let resolution = Resolution { duration: 50.0, shortest: 0.05, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap())
@@ -426,13 +420,7 @@ mod tests {
             // What is seen between steps, under the flux and at the velocity of the last one.
             let flux: Vec<f64> = cells.centres().iter().map(|x| 1e6 * (1.0 + 30.0 * x + 0.02 * 40.0)).collect();
             let seen = |body: &dyn ThermalBody, state: &[f64]| {
-                let mut seen = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(
-                    &FrozenState { state, surroundings: &around, flux: &flux, velocity: 0.7 },
-                    &mut seen,
-                    &mut body.workspace(),
-                );
-                seen
+                FrozenState { state, surroundings: &around, flux: &flux, velocity: 0.7 }.temperature(body)
             };
             let [one, other] = [seen(hot.as_ref(), &states[0]), seen(&cold, &states[1])];
             let error = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / one[0];

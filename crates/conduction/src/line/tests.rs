@@ -100,16 +100,7 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
 #[test]
 fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
-        let properties = StripProperties {
-            height: 0.05,
-            conductivity,
-            capacity,
-            convection: 0.0,
-            base: FarBoundary::Held,
-            path,
-            expansion: None,
-            lateral: None,
-        };
+        let properties = StripProperties::bare(0.05, [conductivity, capacity], FarBoundary::Held, path);
         let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
     };

@@ -43,16 +43,12 @@ pub const AGREEMENT: f64 = 1e-3;
 /// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
 pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
-    let properties = StripProperties {
-        height: path.height,
-        conductivity: path.conductivity,
-        capacity: path.conductivity / path.diffusivity,
-        convection: 0.0,
-        base: FarBoundary::Held,
-        path: SlidingPath::Closed(path.length),
-        expansion: None,
-        lateral: None,
-    };
+    let properties = StripProperties::bare(
+        path.height,
+        [path.conductivity, path.conductivity / path.diffusivity],
+        FarBoundary::Held,
+        SlidingPath::Closed(path.length),
+    );
     let resolution = Resolution { duration, shortest: step, travel: f64::INFINITY, tolerance: 0.2 * AGREEMENT };
     let strip = StripHeat::new(&properties, &cells, &resolution).map_err(|error| error.to_string())?;
     Ok((cells, strip))

@@ -61,6 +61,10 @@ impl Run {
         Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
     }
 
+    fn frozen<'a>(&'a self, flux: &'a [f64]) -> FrozenState<'a> {
+        FrozenState { state: &self.state, surroundings: &self.surroundings, flux, velocity: 0.0 }
+    }
+
     pub(crate) fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         self.step_through(Exchange::Whole, step, first, end);
     }
@@ -151,22 +155,10 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
         // The output map at frozen state between steps equals the result at the end of the step.
-        let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
-        run.heat.temperature_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
-            &mut held,
-            &mut run.heat.workspace(),
-        );
-        run.heat.distortion_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
-            &mut distortion_at_frozen_state,
-            &mut run.heat.workspace(),
-        );
-        assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
-        assert!(
-            largest_difference(&distortion_at_frozen_state, &run.distortion)
-                < 1e-12 * largest(&distortion_at_frozen_state)
-        );
+        let end = run.frozen(&spiked);
+        let (shown, moved) = (end.temperature(&run.heat), end.distortion(&run.heat));
+        assert!(largest_difference(&shown, &run.temperature) < 1e-12 * largest(&shown));
+        assert!(largest_difference(&moved, &run.distortion) < 1e-12 * largest(&moved));
     }
     // The exact response, to which states and static corrections sum.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
@@ -303,10 +295,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
-        let [cooled, _] = run.heat.cooled_temperature(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-            &mut run.heat.workspace(),
-        );
+        let [cooled, _] = run.frozen(&[0.0; 9]).faces(&run.heat);
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
@@ -326,10 +315,7 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     run.step(50.0, &[0.0; 9], &[0.0; 9]);
     let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
-    let [cooled, _] = run.heat.cooled_temperature(
-        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-        &mut run.heat.workspace(),
-    );
+    let [cooled, _] = run.frozen(&[0.0; 9]).faces(&run.heat);
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
 }
 
@@ -375,10 +361,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!(largest_difference(&faces, others) < 1e-9, "{part}: {faces:?} {others:?}");
     }
     assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
-    let cooled = run.heat.cooled_temperature(
-        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
-        &mut run.heat.workspace(),
-    );
+    let cooled = run.frozen(&flux).faces(&run.heat);
     assert!(largest_difference(&cooled, &late.2) < 1e-9, "{cooled:?} {late:?}");
 }
 

@@ -178,14 +178,14 @@ mod tests {
         let material = Material::new(2e11, 0.3).unwrap();
         let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
         let properties = StripProperties {
-            conductivity: 50.0,
-            capacity: 3.6e6,
-            height: 0.02,
-            base: FarBoundary::Held,
             convection: 30.0,
-            path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),
-            lateral: None,
+            ..StripProperties::bare(
+                0.02,
+                [50.0, 3.6e6],
+                FarBoundary::Held,
+                SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
+            )
         };
         let resolution = Resolution { duration: 10.0, shortest: 1e-3, travel: f64::INFINITY, tolerance: 1e-2 };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();

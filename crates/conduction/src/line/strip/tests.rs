@@ -9,16 +9,7 @@ use elasticity::{self, Cells, Material};
 use scene::FarBoundary;
 
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties {
-        height,
-        conductivity: 1.0,
-        capacity: 1.0,
-        convection: 0.0,
-        base,
-        path,
-        expansion: None,
-        lateral: None,
-    }
+    StripProperties::bare(height, [1.0, 1.0], base, path)
 }
 
 pub(crate) fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {

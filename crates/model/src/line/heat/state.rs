@@ -138,17 +138,9 @@ impl HeatState {
             if let Some(heat) = &bodies.prototypes[body] {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
-                let mut moved = zeros();
-                heat.distortion_at_frozen_state(
-                    &FrozenState {
-                        state: &state.bodies[body],
-                        surroundings: &Default::default(),
-                        flux: &state.flux[body],
-                        velocity: 0.0,
-                    },
-                    &mut moved,
-                    &mut heat.workspace(),
-                );
+                let (own, surroundings) = (&state.bodies[body], &Default::default());
+                let moved = FrozenState { state: own, surroundings, flux: &state.flux[body], velocity: 0.0 };
+                let moved = moved.distortion(&**heat);
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }

@@ -63,12 +63,7 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
         assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
         // At frozen state a temperature is the mean of the whole cell.
-        let mut whole = [0.0; 9];
-        run.heat.temperature_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-            &mut whole,
-            &mut run.heat.workspace(),
-        );
+        let whole = run.frozen(&[0.0; 9]).temperature(&run.heat);
         let mean =
             |cell: usize| divided.temperature[cell * PARTS..(cell + 1) * PARTS].iter().sum::<f64>() / PARTS as f64;
         let scale = largest(&divided.temperature);
@@ -121,11 +116,8 @@ fn what_is_prepared_and_observed_between_a_free_response_and_its_step_leaves_the
             run.heat.prepare(&in_part(1.7));
             run.heat.prepare(&in_part(0.5));
             run.heat.face_influence(Stage::End, 0, &mut FaceInfluence::new(9), work);
-            run.heat.temperature_at_frozen_state(
-                &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
-                &mut [0.0; 9],
-                work,
-            );
+            let at = FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 };
+            run.heat.temperature_at_frozen_state(&at, &mut [0.0; 9], work);
         }
         let mut after = vec![0.0; run.state.len()];
         run.heat.advance(end, (&run.state, &mut after), &run.surroundings, [&flux; 2], work);

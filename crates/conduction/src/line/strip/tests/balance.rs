@@ -30,7 +30,6 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             Boundary { cooling: 0.7 * cooling, ambient: 4.0, far: before },
             Boundary { cooling, ambient: 5.0, far },
         );
-        let (mut shown, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut received, mut largest) = (0.0, 0.0f64);
         for index in 0..40 {
             let velocity = [0.05 * (index as f64 * 0.3).sin(), 0.05 * (index as f64 * 0.3 + 0.3).sin()];
@@ -41,24 +40,12 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             body.step(&mut state, &air, &first, &end);
             let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
-            body.temperature_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut shown,
-                &mut body.workspace(),
-            );
-            body.distortion_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut moved,
-                &mut body.workspace(),
-            );
+            let at = FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] };
+            let (shown, moved, cooled) = (at.temperature(&body), at.distortion(&body), at.faces(&body));
             for i in 0..12 {
                 largest = largest.max((temperature[i] - shown[i]).abs() / shown[i].abs());
                 largest = largest.max((distortion[i] - moved[i]).abs() / moved[i].abs());
             }
-            let cooled = body.cooled_temperature(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut body.workspace(),
-            );
             for face in 0..if held { 1 } else { 2 } {
                 largest = largest.max((faces[face] - cooled[face]).abs() / mean(&cells, &shown).abs());
             }
@@ -120,10 +107,8 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let tolerance = if convection > 0.0 { 1e-2 } else { 1e-9 };
         let other = body.account(&parts).ambient;
         assert!((other / lost - 1.0).abs() < tolerance, "{path:?}: {other} and {lost}");
-        let cooled = body.cooled_temperature(
-            &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity[1] },
-            &mut body.workspace(),
-        );
+        let end = FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity[1] };
+        let cooled = end.faces(&body);
         let apart = (0..2).map(|face| (cooled[face] - late.2[face]).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-3 * 3e4 * rise, "{path:?}: {cooled:?} {late:?}");
     }
@@ -167,20 +152,13 @@ fn convection_acts_beside_the_contact_only() {
     march(&mut body, &mut state, 1e4, 20, |_| 0.3);
     let air = Surroundings::default();
     let flux = vec![1.0; 16];
-    let mut temperature = vec![0.0; 16];
-    body.temperature_at_frozen_state(
-        &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 },
-        &mut temperature,
-        &mut body.workspace(),
-    );
+    let end = FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 };
+    let temperature = end.temperature(&body);
     let exact = 0.2 / (400.0 * 0.1);
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
     assert!((ambient / 0.2 - 1.0).abs() < 1e-6 && far.abs() < 1e-6 * 0.2, "{ambient} {far}");
-    let [free, _] = body.cooled_temperature(
-        &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 },
-        &mut body.workspace(),
-    );
+    let [free, _] = end.faces(&body);
     assert!((free * 400.0 * 0.1 / 0.2 - 1.0).abs() < 1e-6, "{free}");
 }
 
