@@ -263,7 +263,7 @@ pub struct End {
 /// One heat-conducting body and its steps: [`prepare`](ThermalBody::prepare), [`first`](ThermalBody::first),
 /// [`end`](ThermalBody::end), [`advance`](ThermalBody::advance). Implementations share their operators (`Arc`) and own only what
 /// depends on the step size, so a clone is cheap. What a stage leaves for the next is in the caller's [`Workspace`], one for each
-/// body. No call allocates after the first `prepare`, except `boxed`.
+/// body. No call allocates after the first `prepare`, except `recur` and `boxed`.
 pub trait ThermalBody: Observed + Debug + Send + Sync {
     /// Computes weights and surface influence matrices of a step: a function of the step alone, never of earlier ones. That of the last
     /// step again costs a comparison in a body of constants.

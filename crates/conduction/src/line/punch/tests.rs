@@ -69,6 +69,26 @@ impl Run {
         self.step_through(Exchange::Whole, step, first, end);
     }
 
+    /// Heat (J/m) that enters 9 cells of these areas per depth (m) in `count` steps of changing length, flux and surroundings, through
+    /// the parts in contact of each step.
+    pub(super) fn heat_unevenly(&mut self, count: i32, areas: &[f64], parts: fn(i32) -> Option<ContactParts>) -> f64 {
+        let mut entered = 0.0;
+        for i in 0..count {
+            let flux =
+                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
+            let (first, end) = (flux(i), flux(i + 1));
+            let far = if i % 50 < 25 { -10.0 } else { 4.0 };
+            let last = Boundary { cooling: -20.0, ambient: 3.0, far };
+            self.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
+            let step = [1e-3, 0.7, 40.0][i as usize % 3];
+            let contact_parts = parts(i).unwrap_or_else(|| ContactParts::whole(9));
+            self.step_through(Exchange::Parts([&contact_parts; 2]), step, &first, &end);
+            let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
+            entered += step * both.zip(areas).map(|(flux, area)| flux * area).sum::<f64>();
+        }
+        entered
+    }
+
     fn step_through(&mut self, exchange: Exchange<'_>, step: f64, first: &[f64], end: &[f64]) {
         self.heat.prepare(&Step { exchange, ..Step::new(step, [0.0; 2]) });
         let stage = (Stage::End, self.heat.holds_far_face());
@@ -222,23 +242,8 @@ fn heat_is_accounted_for() {
             "{}",
             run.heat.mean_temperature(&run.state)
         );
-        let mut entered = 0.0;
-        for i in 0..300 {
-            let flux =
-                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
-            let (first, end) = (flux(i), flux(i + 1));
-            let far = if i % 50 < 25 { -10.0 } else { 4.0 };
-            let last = Boundary { cooling: -20.0, ambient: 3.0, far };
-            run.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
-            let step = [1e-3, 0.7, 40.0][i as usize % 3];
-            // Part of the time through parts of the cells.
-            let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
-            run.step_through(Exchange::Parts([&contact_parts; 2]), step, &first, &end);
-            entered += step
-                * (first.iter().zip(&end).zip(cells.widths()))
-                    .map(|((first, end), width)| ((1.0 - GAMMA) * first + GAMMA * end) * width)
-                    .sum::<f64>();
-        }
+        // Part of the time through parts of the cells.
+        let entered = run.heat_unevenly(300, cells.widths(), |i| (i % 70 < 30).then(in_part));
         let end = run.heat.account(&run.state);
         let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
         assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
