@@ -3,11 +3,36 @@
 
 use test_support::{Drive, scene};
 
+/// Rise of the contact temperature over the initial one (K) after `count` steps of `step` s at this speed (m/s) and load (N), and after
+/// `released` N of the load have gone within `ramp` s.
+fn dragged_and_unloaded(
+    drive: &mut Drive,
+    (speed, load): (f64, f64),
+    (count, step): (u32, f64),
+    (released, ramp): (f64, f64),
+) -> [f64; 2] {
+    let initial = drive.get("contact_temperature");
+    drive.set("sliding_velocity", speed).set("normal_load", load).steps(count, step);
+    let pressed = drive.get("contact_temperature");
+    drive.set("normal_load", load).slope("normal_load", -released / ramp).step(ramp);
+    [pressed - initial, drive.get("contact_temperature") - initial]
+}
+
+/// The errors of both rises are within the tolerance.
+fn assert_tolerance_is_kept(rises: fn(f64) -> [f64; 2]) {
+    let exact = rises(1e-5);
+    for tolerance in [1e-2, 1e-3] {
+        let found = rises(tolerance);
+        let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
+        println!("{tolerance:e}: {errors:?} of {exact:?}");
+        assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
+    }
+}
+
 /// Rise of the contact temperature over the initial one (K) after a long drag and after the load has been taken off, of a badly
 /// conducting lining on 9 cells.
 fn rises(tolerance: f64) -> [f64; 2] {
     const LOAD: f64 = 4800.0;
-    const RAMP: f64 = 0.023;
     let changes = [
         ("solver.fidelity", 3.0),
         ("solver.cells", 9.0),
@@ -22,30 +47,18 @@ fn rises(tolerance: f64) -> [f64; 2] {
         ("nominal.duration", 54.0),
     ];
     let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
-    let initial = drive.get("contact_temperature");
-    drive.set("sliding_velocity", 1.1).set("normal_load", LOAD).steps(12, 2.25);
-    let pressed = drive.get("contact_temperature");
-    drive.set("normal_load", LOAD).slope("normal_load", -LOAD / RAMP);
-    drive.step(RAMP);
-    [pressed - initial, drive.get("contact_temperature") - initial]
+    dragged_and_unloaded(&mut drive, (1.1, LOAD), (12, 2.25), (LOAD, 0.023))
 }
 
 #[test]
 fn a_load_taken_off_fast_keeps_the_tolerance() {
-    let exact = rises(1e-5);
-    for tolerance in [1e-2, 1e-3] {
-        let found = rises(tolerance);
-        let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
-        println!("{tolerance:e}: {errors:?} of {exact:?}");
-        assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
-    }
+    assert_tolerance_is_kept(rises);
 }
 
 /// Rise of the contact temperature over the initial one (K) after a long drag and after all but 3 % of the load has been taken
 /// off, of a compliant pad whose hot middle carries the rest.
 fn rises_of_bulging_pad(tolerance: f64) -> [f64; 2] {
     const LOAD: f64 = 870.0;
-    const RAMP: f64 = 0.05;
     let changes = [
         ("solver.fidelity", 3.0),
         ("solver.cells", 17.0),
@@ -64,24 +77,14 @@ fn rises_of_bulging_pad(tolerance: f64) -> [f64; 2] {
         ("nominal.duration", 72.0),
     ];
     let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
-    let initial = drive.get("contact_temperature");
-    drive.set("sliding_velocity", 5.7).set("normal_load", LOAD).steps(12, 1.5);
-    let pressed = drive.get("contact_temperature");
-    drive.set("normal_load", LOAD).slope("normal_load", -0.97 * LOAD / RAMP);
-    drive.step(RAMP);
+    let rises = dragged_and_unloaded(&mut drive, (5.7, LOAD), (12, 1.5), (0.97 * LOAD, 0.05));
     assert!(drive.get("contact_fraction") < 0.6, "{}", drive.get("contact_fraction"));
-    [pressed - initial, drive.get("contact_temperature") - initial]
+    rises
 }
 
 #[test]
 fn cells_that_open_one_after_another_do_not_add_up_their_errors() {
-    let exact = rises_of_bulging_pad(1e-5);
-    for tolerance in [1e-2, 1e-3] {
-        let found = rises_of_bulging_pad(tolerance);
-        let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
-        println!("{tolerance:e}: {errors:?} of {exact:?}");
-        assert!(errors.iter().all(|error| *error <= tolerance), "{tolerance:e}: {errors:?}");
-    }
+    assert_tolerance_is_kept(rises_of_bulging_pad);
 }
 
 /// Contact problems solved in an unloaded second that follows a stop, and the contact temperature (K) after it, where the load of

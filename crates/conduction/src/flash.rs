@@ -306,20 +306,12 @@ fn spline_slopes(values: &[f64]) -> Vec<f64> {
 mod tests {
     use super::super::lateral::Lateral;
     use super::super::moving_source::Path;
-    use super::super::slab::{CoolingPort, Slab};
+    use super::super::slab::Slab;
     use super::*;
     use scene::FarBoundary;
 
     fn disc(base: FarBoundary) -> Slab {
-        Slab {
-            height: 0.011,
-            conductivity: 54.0,
-            capacity: 7200.0 * 460.0,
-            surface_transfer: 0.0,
-            volume_transfer: 0.0,
-            base,
-            cooling: CoolingPort::Surface,
-        }
+        Slab::bare(0.011, [54.0, 7200.0 * 460.0], base)
     }
 
     #[test]

@@ -104,7 +104,7 @@ pub(crate) fn spread(
 mod tests {
     use super::*;
     use crate::moving_source::{MovingSource, Path};
-    use crate::slab::{CoolingPort, Slab};
+    use crate::slab::Slab;
     use exact::special::complementary_error;
     use scene::FarBoundary;
     use std::f64::consts::PI;
@@ -148,15 +148,7 @@ mod tests {
     }
 
     fn spread_source(height: f64, path: Path, b: f64) -> MovingSource {
-        let slab = Slab {
-            height,
-            conductivity: 1.0,
-            capacity: 1.0,
-            surface_transfer: 0.0,
-            volume_transfer: 0.0,
-            base: FarBoundary::Held,
-            cooling: CoolingPort::Surface,
-        };
+        let slab = Slab::bare(height, [1.0, 1.0], FarBoundary::Held);
         MovingSource::new(slab, 1.0, path).spreading(Some(Lateral::new(2.0 * b, 1.0)))
     }
 

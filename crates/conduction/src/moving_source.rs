@@ -226,56 +226,11 @@ impl MovingSource {
 
 #[cfg(test)]
 mod tests {
-    use super::super::slab::CoolingPort;
     use super::*;
 
     /// l = K = kd = 1 on a layer so high that it is a half-plane at these velocities.
     fn layer(height: f64, base: FarBoundary) -> Slab {
-        Slab {
-            height,
-            conductivity: 1.0,
-            capacity: 1.0,
-            surface_transfer: 0.0,
-            volume_transfer: 0.0,
-            base,
-            cooling: CoolingPort::Surface,
-        }
-    }
-
-    #[test]
-    fn jaeger_means_over_peclet() {
-        // T k/(q l), mean over the band, Pe = V l/(2 kd).
-        for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
-            let source = MovingSource::new(layer(1e4, FarBoundary::Insulated), 1.0, Path::Endless);
-            let computed = source.resistance(2.0 * peclet);
-            assert!((computed - mean).abs() < 5e-5, "Pe {peclet}: {computed} instead of {mean}");
-        }
-        // Fast limit: two thirds of (2/sqrt(pi)) Pe^(-1/2).
-        let source = MovingSource::new(layer(1e3, FarBoundary::Insulated), 1.0, Path::Endless);
-        let computed = source.resistance(2e6);
-        let exact = 4.0 / (3.0 * PI.sqrt()) / 1e3;
-        assert!((computed / exact - 1.0).abs() < 2e-3, "{computed} {exact}");
-    }
-
-    #[test]
-    fn closed_path_steady_mean_is_the_plain_fourier_sum() {
-        // Mean mode excluded; prescribed base temperature, moderate and high velocity, a short and a long path.
-        for (length, base) in
-            [(4.0, FarBoundary::Held), (30.0, FarBoundary::Insulated), (700.0, FarBoundary::Insulated)]
-        {
-            let slab = layer(0.5, base);
-            let source = MovingSource::new(slab, 1.0, Path::Closed(length));
-            for velocity in [0.0, 0.3, 20.0, 2000.0] {
-                let mut sum = 0.0;
-                for harmonic in 1..400_000 {
-                    let q = 2.0 * PI * f64::from(harmonic) / length;
-                    let weight = 4.0 / length * sinc_squared(q);
-                    sum += weight * slab.impedance(Complex::new(0.0, q * velocity), q).re;
-                }
-                let computed = source.resistance(velocity);
-                assert!((computed / sum - 1.0).abs() < 2e-6, "L {length} v {velocity}: {computed} {sum}");
-            }
-        }
+        Slab::bare(height, [1.0, 1.0], base)
     }
 
     #[test]

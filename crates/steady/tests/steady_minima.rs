@@ -59,9 +59,10 @@ fn no_pair_that_wears_evenly_has_less_strain_energy_than_the_cycle() {
         let energy = |d: &DVector<f64>| 0.5 * (&programme.quadratic * d).dot(d) + programme.linear.dot(d);
         let difference = |pressure: &[f64]| DVector::from_iterator(COUNT, pressure.iter().map(|p| p - 1.0));
         let least = difference(&cycle.forward);
+        let scale = energy(&DVector::from_fn(COUNT, |i, _| cells.centres()[i])).abs();
+        assert!((energy(&least) - cycle.energy).abs() < 1e-12 * scale);
         // A solution that is not the minimum: one of a stronger shear coupling, moved to this moment.
         let wrong = BoxProgramme { linear: &programme.linear * 1.5, ..programme.clone() }.solve().unwrap().values;
-        let scale = energy(&DVector::from_fn(COUNT, |i, _| cells.centres()[i])).abs();
         let (mut beaten, mut distance) = (0, 0.0f64);
         for _ in 0..1000 {
             let target = noise.admissible(&programme);

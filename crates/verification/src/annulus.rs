@@ -7,7 +7,7 @@ use super::driver::Driven;
 use super::{Problem, known};
 use conduction::line::punch::{mate::reduce_mate, reduce};
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::{PartedRing, RadialBands};
 use scene::Scene;
@@ -84,7 +84,7 @@ fn parted(mate: bool) -> Result<f64, String> {
     let mut state = vec![0.0; heat.states()];
     let (mut temperature, mut distortion) = (vec![0.0; CELLS], vec![0.0; CELLS]);
     // Long against the time of conduction along the ring.
-    heat.prepare(1e6, [0.0; 2]);
+    heat.prepare(&Step::new(1e6, [0.0; 2]));
     heat.step(&mut state, &around, &flux, &flux);
     heat.free_response(&state, &around, Stage::End, &flux, &mut temperature, &mut distortion);
     let influence = &heat.influence(Stage::End).temperature;

@@ -4,22 +4,14 @@
 
 use super::{Problem, known};
 use conduction::reduced::{Port, ReducedBody};
-use conduction::slab::{CoolingPort, Slab};
+use conduction::slab::Slab;
 use exact::reference::root;
 use scene::FarBoundary;
 use std::f64::consts::PI;
 
 /// Slab of grey cast iron.
-fn iron(height: f64, base: FarBoundary) -> Slab {
-    Slab {
-        height,
-        conductivity: 54.0,
-        capacity: 7200.0 * 460.0,
-        surface_transfer: 0.0,
-        volume_transfer: 0.0,
-        base,
-        cooling: CoolingPort::Surface,
-    }
+pub(super) fn iron(height: f64, base: FarBoundary) -> Slab {
+    Slab::bare(height, [54.0, 7200.0 * 460.0], base)
 }
 
 /// Rise of the contact surface at `time` (s) under a constant `flux` (W/m2) from a uniform temperature.

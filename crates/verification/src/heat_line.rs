@@ -2,10 +2,11 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
+use super::moving_source::base_of;
 use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{FrozenState, Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use scene::FarBoundary;
@@ -21,23 +22,7 @@ fn refused(error: impl std::fmt::Display) -> String {
 
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties {
-        height,
-        conductivity: 1.0,
-        capacity: 1.0,
-        convection: 0.0,
-        base,
-        path,
-        expansion: None,
-        lateral: None,
-    }
-}
-
-fn base_of(base: LayerBase) -> FarBoundary {
-    match base {
-        LayerBase::Held => FarBoundary::Held,
-        LayerBase::Insulated => FarBoundary::Insulated,
-    }
+    StripProperties::bare(height, [1.0, 1.0], base, path)
 }
 
 /// Cells, and their steady temperatures under a uniform flux 1 at `velocity`.
@@ -50,7 +35,7 @@ fn steady(
 ) -> Result<(Cells, Vec<f64>), String> {
     let cells = Cells::graded(half_width, cells).map_err(refused)?;
     let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
-    body.prepare(FOR_EVER, [velocity; 2]);
+    body.prepare(&Step::new(FOR_EVER, [velocity; 2]));
     let influence = &body.influence(Stage::End).temperature;
     let answer = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
     Ok((cells, answer))
@@ -230,7 +215,7 @@ fn between_nodes(all: &mut Vec<Problem>) {
                         .map_err(refused)?;
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
-                    body.prepare(FOR_EVER, [2.0 * peclet; 2]);
+                    body.prepare(&Step::new(FOR_EVER, [2.0 * peclet; 2]));
                     let influence = &body.influence(Stage::End).temperature;
                     let answer: Vec<f64> = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
                     (mean(&cells, &answer) / band_mean(peclet, Some((HEIGHT, LayerBase::Held))) - 1.0).abs()
@@ -263,16 +248,12 @@ fn closed_paths(all: &mut Vec<Problem>) {
             exact: Box::new(move || Ok(path.steady_mean(velocity, 200_000) + uniform)),
             scale: None,
             compute: Box::new(move || {
-                let properties = StripProperties {
-                    height: path.height,
-                    conductivity,
-                    capacity,
-                    convection: 0.0,
-                    base: FarBoundary::Held,
-                    path: SlidingPath::Closed(path.length),
-                    expansion: None,
-                    lateral: None,
-                };
+                let properties = StripProperties::bare(
+                    path.height,
+                    [conductivity, capacity],
+                    FarBoundary::Held,
+                    SlidingPath::Closed(path.length),
+                );
                 let resolution =
                     Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-3 };
                 let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
@@ -303,16 +284,12 @@ fn oscillating(all: &mut Vec<Problem>) {
                 let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
                 let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
                 for index in 0..64 * periods {
-                    body.prepare(step, [velocity(index), velocity(index + 1)]);
+                    body.prepare(&Step::new(step, [velocity(index), velocity(index + 1)]));
                     body.step(&mut state, &air, &flux, &flux);
                 }
-                let mut temperature = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(
-                    &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity(64 * periods) },
-                    &mut temperature,
-                    &mut body.workspace(),
-                );
-                Ok(cells.point_value(&temperature, 0.0))
+                let velocity = velocity(64 * periods);
+                let end = FrozenState { state: &state, surroundings: &air, flux: &flux, velocity };
+                Ok(cells.point_value(&end.temperature(&body), 0.0))
             }),
             bound: 1e-4,
             reason: "reduction, and a velocity that is linear in each of 64 steps a period",
@@ -331,19 +308,18 @@ fn distortion(all: &mut Vec<Problem>) {
             let material = Material::new(200e9, 0.3).map_err(refused)?;
             let expansion = Expansion { material, coefficient: 1.1e-5, base: elasticity::Base::Smooth };
             let properties = StripProperties {
-                height: 100.0,
-                conductivity: 55.0,
-                capacity: 7800.0 * 460.0,
-                convection: 0.0,
-                base: FarBoundary::Held,
-                path: SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
                 expansion: Some(expansion),
-                lateral: None,
+                ..StripProperties::bare(
+                    100.0,
+                    [55.0, 7800.0 * 460.0],
+                    FarBoundary::Held,
+                    SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
+                )
             };
             let cells = Cells::graded(0.1, 33).map_err(refused)?;
             let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
             let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
-            body.prepare(1e14, [0.0; 2]);
+            body.prepare(&Step::new(1e14, [0.0; 2]));
             let influence = &body.influence(Stage::End).distortion;
             let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let at = |x: f64| cells.point_value(&moved, x);

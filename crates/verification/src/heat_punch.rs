@@ -5,7 +5,7 @@
 use super::{Problem, known};
 use conduction::line::punch::reduce;
 use conduction::line::reduced::ReducedHeat;
-use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
 use scene::Scene;
@@ -52,7 +52,7 @@ impl Reduced {
 
     fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         let around = Surroundings::default();
-        self.heat.prepare(step, [0.0; 2]);
+        self.heat.prepare(&Step::new(step, [0.0; 2]));
         self.heat.free_response(&self.state, &around, Stage::End, first, &mut self.temperature, &mut self.distortion);
         let influence = self.heat.influence(Stage::End);
         for i in 0..CELLS {

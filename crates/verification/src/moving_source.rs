@@ -2,15 +2,16 @@
 //!
 //! Theory: docs/theory.md, section 4.3.
 
+use super::bodies::iron;
 use super::{Problem, known};
 use conduction::flash::Flash;
 use conduction::moving_source::{MovingSource, Path};
-use conduction::slab::{CoolingPort, Slab};
+use conduction::slab::Slab;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
 use scene::FarBoundary;
 use std::f64::consts::PI;
 
-fn base_of(base: LayerBase) -> FarBoundary {
+pub(super) fn base_of(base: LayerBase) -> FarBoundary {
     match base {
         LayerBase::Held => FarBoundary::Held,
         LayerBase::Insulated => FarBoundary::Insulated,
@@ -19,15 +20,7 @@ fn base_of(base: LayerBase) -> FarBoundary {
 
 /// A band of half-width 1 on a layer with k = rho c = 1, so that Pe = V/2.
 fn unit_source(height: f64, base: FarBoundary) -> MovingSource {
-    let slab = Slab {
-        height,
-        conductivity: 1.0,
-        capacity: 1.0,
-        surface_transfer: 0.0,
-        volume_transfer: 0.0,
-        base,
-        cooling: CoolingPort::Surface,
-    };
+    let slab = Slab::bare(height, [1.0, 1.0], base);
     MovingSource::new(slab, 1.0, Path::Endless)
 }
 
@@ -99,7 +92,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
     for (base, label) in [(LayerBase::Held, "held"), (LayerBase::Insulated, "insulated")] {
         let path =
             ClosedPath { length: 0.74, half_length: 0.0475, height: 0.011, conductivity: 54.0, diffusivity, base };
-        let slab = Slab { conductivity: path.conductivity, ..disc(path.height, base_of(base)) };
+        let slab = iron(path.height, base_of(base));
         for velocity in [0.0, 1e-4, 0.01, 1.0, 30.0] {
             all.push(Problem {
                 name: format!("brake disc, {label} base, plain Fourier sum, {velocity} m/s"),
@@ -127,17 +120,5 @@ fn closed_paths(all: &mut Vec<Problem>) {
                 reason: "cubic interpolation over the logarithm of the speed, a tenth of the default tolerance",
             });
         }
-    }
-}
-
-fn disc(height: f64, base: FarBoundary) -> Slab {
-    Slab {
-        height,
-        conductivity: 54.0,
-        capacity: 7200.0 * 460.0,
-        surface_transfer: 0.0,
-        volume_transfer: 0.0,
-        base,
-        cooling: CoolingPort::Surface,
     }
 }

@@ -4,7 +4,7 @@
 
 use super::Problem;
 use conduction::line::punch;
-use conduction::line::{GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use scene::Scene;
 use scene::variables::{STARTS, changed};
@@ -88,7 +88,7 @@ impl Flux {
         let mut state = vec![0.0; body.states()];
         let step = time / f64::from(count);
         let into = |value: f64| -> Vec<f64> { (0..CELLS).map(|i| if i < CELLS / 2 { 0.0 } else { value }).collect() };
-        body.prepare(step, [0.0; 2]);
+        body.prepare(&Step::new(step, [0.0; 2]));
         let mut temperature = vec![0.0; CELLS];
         let mut distortion = vec![0.0; CELLS];
         for index in 0..count {

@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 7.4, 10.
 
-use conduction::line::{FrozenState, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{FrozenState, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
 use exact::instability;
 use model::Inputs;
@@ -273,7 +273,7 @@ impl LinearWave {
         let count = self.cosine.len();
         let air = Surroundings::default();
         let (mut temperature, mut moved) = (vec![0.0; count], vec![0.0; count]);
-        self.body.prepare(step / unit(), [0.0; 2]);
+        self.body.prepare(&Step::new(step / unit(), [0.0; 2]));
         let mut fluxes = [vec![0.0; count], vec![0.0; count]];
         for (index, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
             self.body.free_response(&self.state, &air, stage, &fluxes[0], &mut temperature, &mut moved);
@@ -314,7 +314,7 @@ impl SplitWave {
         // Resolves the fastest state: no input is lost to rounding.
         let step = 1.0 / rates.iter().copied().fold(0.0, f64::max);
         let mut inputs = wave.state.clone();
-        wave.body.prepare(step, [0.0; 2]);
+        wave.body.prepare(&Step::new(step, [0.0; 2]));
         wave.body.step(&mut inputs, &Surroundings::default(), &wave.cosine, &wave.cosine);
         for (input, rate) in inputs.iter_mut().zip(&rates) {
             *input *= if *rate > 0.0 { -rate / (-rate * step).exp_m1() } else { 1.0 / step };
@@ -331,12 +331,8 @@ impl SplitWave {
             *state = (*state + step * flux * *input) / (1.0 + *rate * step);
         }
         let fluxes: Vec<f64> = wave.cosine.iter().map(|c| flux * c).collect();
-        let mut distortion = fluxes.clone();
-        wave.body.distortion_at_frozen_state(
-            &FrozenState { state: &wave.state, surroundings: &Surroundings::default(), flux: &fluxes, velocity: 0.0 },
-            &mut distortion,
-            &mut wave.body.workspace(),
-        );
+        let (state, surroundings) = (&wave.state, &Surroundings::default());
+        let distortion = FrozenState { state, surroundings, flux: &fluxes, velocity: 0.0 }.distortion(&*wave.body);
         *moved = 2.0 / fluxes.len() as f64 * wave.cosine.iter().zip(&distortion).map(|(c, u)| c * u).sum::<f64>();
     }
 

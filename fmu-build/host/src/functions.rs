@@ -43,7 +43,7 @@ pub type Logger = unsafe extern "C" fn(
 /// `fmi2CallbackFunctions`
 #[repr(C)]
 pub(crate) struct Callbacks {
-    pub logger: Logger,
+    pub logger: Option<Logger>,
     pub allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
     pub free: unsafe extern "C" fn(*mut c_void),
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, Status)>,

@@ -2,6 +2,7 @@
 //!
 //! Here and not beside the clock that reads them: the command line is compiled without optimisation.
 
+use crate::functions::{self, Callbacks, Handle, Status};
 use anyhow::{Context, Result, bail};
 use libloading::Library;
 use std::cell::Cell;
@@ -9,38 +10,17 @@ use std::ffi::{CString, c_char, c_double, c_int, c_uint, c_void};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 
-/// `fmi2Component` and `fmi2FMUstate`.
-type Handle = *mut c_void;
-type Status = c_uint;
-
-/// `fmi2CallbackFunctions` with a logger that says nothing.
-#[repr(C)]
-struct Callbacks {
-    logger: Option<unsafe extern "C" fn()>,
-    allocate: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
-    free: Option<unsafe extern "C" fn(*mut c_void)>,
-    step_finished: Option<unsafe extern "C" fn(*mut c_void, Status)>,
-    environment: *mut c_void,
-}
-
-/// Shared: an instance keeps its address.
+/// Callbacks without a logger, shared: an instance keeps their address.
 struct Shared(Callbacks);
 // SAFETY: it is never written and holds no pointer.
 unsafe impl Sync for Shared {}
 static CALLBACKS: Shared = Shared(Callbacks {
     logger: None,
-    allocate: Some(libc_calloc),
-    free: Some(libc_free),
+    allocate: functions::calloc,
+    free: functions::free,
     step_finished: None,
     environment: ptr::null_mut(),
 });
-
-unsafe extern "C" {
-    #[link_name = "calloc"]
-    fn libc_calloc(count: usize, size: usize) -> *mut c_void;
-    #[link_name = "free"]
-    fn libc_free(memory: *mut c_void);
-}
 
 macro_rules! functions {
     ($($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {

@@ -72,7 +72,7 @@ impl Worker {
         let (functions, loaded) = Functions::load(&library)?;
         let log = Box::new(RefCell::new(String::new()));
         let callbacks = Box::new(Callbacks {
-            logger: keep_message,
+            logger: Some(keep_message),
             allocate: functions::calloc,
             free: functions::free,
             step_finished: None,

@@ -22,8 +22,8 @@
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{
-    Account, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody, Workspace,
+    Account, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, Step, SurfaceInfluence,
+    Surroundings, ThermalBody, Workspace,
 };
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
@@ -193,21 +193,12 @@ impl DiscHeat {
 }
 
 impl ThermalBody for DiscHeat {
-    fn workspace(&self) -> Workspace {
-        self.ring.workspace()
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let (source, ring) = state.split_at_mut(self.source_states());
-        self.ring.uniform(rise, ring);
-        source.fill(0.0);
-    }
-
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.ring.prepare(step, velocity);
-        let key = [step, velocity[0], velocity[1]].map(f64::to_bits);
+    fn prepare(&mut self, step: &Step<'_>) {
+        let Step { length, velocity, .. } = *step;
+        self.ring.prepare(step);
+        let key = [length, velocity[0], velocity[1]].map(f64::to_bits);
         let Self { ring, source, stages } = self;
-        stages.get_or_compute(key, |stages| fill(stages, source, ring, step, velocity));
+        stages.get_or_compute(key, |stages| fill(stages, source, ring, length, velocity));
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -279,6 +270,16 @@ impl Observed for DiscHeat {
         self.source_states() + self.ring.states()
     }
 
+    fn workspace(&self) -> Workspace {
+        self.ring.workspace()
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (source, ring) = state.split_at_mut(self.source_states());
+        self.ring.uniform(rise, ring);
+        source.fill(0.0);
+    }
+
     fn decay_rates(&self, velocity: f64) -> Vec<f64> {
         let Source { flash, ratio } = &*self.source;
         let of_the_cell = |ratio: &f64| {
@@ -331,12 +332,11 @@ mod tests {
     use crate::line::SingleStep;
     use crate::line::punch::mate::reduce_mate;
     use crate::moving_source::{MovingSource, Path};
-    use crate::slab::{CoolingPort, Slab};
+    use crate::slab::Slab;
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
-    use scene::FarBoundary;
     use scene::variables::{STARTS, changed};
-    use scene::{Scene, ThermalBoundary};
+    use scene::{Body, Scene};
 
     /// Two pads on a disc of 12 mm.
     fn disc() -> (DiscHeat, Flash, Vec<f64>) {
@@ -354,19 +354,8 @@ mod tests {
         let scene = Scene::new(&changed(&STARTS, &changes).unwrap(), None).unwrap();
         let cells = Cells::graded(0.02, 5).unwrap();
         let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
-        let slab = Slab {
-            height: scene.strip.height,
-            conductivity: scene.strip.conductivity,
-            capacity: scene.strip.capacity(),
-            surface_transfer: scene.strip.convection * (1.0 - scene.coverage()),
-            volume_transfer: 0.0,
-            base: if scene.strip.far_thermal == ThermalBoundary::Held {
-                FarBoundary::Held
-            } else {
-                FarBoundary::Insulated
-            },
-            cooling: CoolingPort::Surface,
-        };
+        let Body { height, conductivity, .. } = scene.strip;
+        let slab = Slab::bare(height, [conductivity, scene.strip.capacity()], scene.strip.far_boundary());
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
         let flash = Flash::new(&source.spreading(Lateral::of(&scene)), scene.nominal_duration, scene.tolerance);
         let ratio = relative_radii(&scene, &cells);
@@ -375,7 +364,7 @@ mod tests {
 
     fn step(disc: &mut DiscHeat, state: &mut [f64], step: f64, velocity: [f64; 2], flux: &[f64]) -> Vec<f64> {
         let around = Surroundings::default();
-        disc.prepare(step, velocity);
+        disc.prepare(&Step::new(step, velocity));
         let (mut temperature, mut distortion) = (vec![0.0; 5], vec![0.0; 5]);
         disc.free_response(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
         let influence = disc.influence(Stage::End);
@@ -393,24 +382,9 @@ mod tests {
         for velocity in [0.3, -12.0] {
             let mut state = vec![0.0; disc.states()];
             let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
-            let mut ring = vec![0.0; 5];
-            disc.ring.temperature_at_frozen_state(
-                &FrozenState {
-                    state: disc.split(&state).0,
-                    surroundings: &Surroundings::default(),
-                    flux: &flux,
-                    velocity,
-                },
-                &mut ring,
-                &mut disc.workspace(),
-            );
-            let mut held = vec![0.0; 5];
-            let work = &mut disc.workspace();
-            disc.temperature_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity },
-                &mut held,
-                work,
-            );
+            let at = FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity };
+            let ring = FrozenState { state: disc.split(&state).0, ..at }.temperature(&disc.ring);
+            let held = at.temperature(&disc);
             for i in 0..5 {
                 let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
                 assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");

@@ -209,6 +209,41 @@ pub struct Account {
     pub far: f64,
 }
 
+/// How the cells of a body exchange heat over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exchange<'a> {
+    /// Through whole cells.
+    Whole,
+    /// Through these parts of the cells, at either stage: the fluxes enter there, and the influence matrices and the free response give
+    /// their mean temperatures. At frozen state a temperature remains that of the whole cell. A body that does not divide its cells takes
+    /// them as whole.
+    Parts([&'a ContactParts; 2]),
+    /// Not at all: influence matrices are not to be used, nor the responses of faces by cells.
+    None,
+}
+
+/// A step of one body, before it is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<'a> {
+    /// Length h, s.
+    pub length: f64,
+    /// Sliding velocities at start and end, m/s, linear between them. Signed: the material of the strip moves with -v in the punch's frame.
+    pub velocity: [f64; 2],
+    /// How the cells exchange heat.
+    pub exchange: Exchange<'a>,
+    /// Factors of the properties during the step; a body of constants has none ([`Observed::scales_at`]).
+    pub scales: Scales,
+    /// Absolute temperature of the reference, K.
+    pub reference: f64,
+}
+
+impl Step<'static> {
+    /// A step through whole cells, with the constants.
+    pub fn new(length: f64, velocity: [f64; 2]) -> Self {
+        Step { length, velocity, exchange: Exchange::Whole, scales: Scales::ONE, reference: 0.0 }
+    }
+}
+
 /// The free response of the first stage is evaluated. [`ThermalBody::first`] makes one, and [`ThermalBody::end`] takes it.
 #[derive(Debug)]
 #[non_exhaustive]
@@ -228,40 +263,16 @@ pub struct End {
 /// One heat-conducting body and its steps: [`prepare`](ThermalBody::prepare), [`first`](ThermalBody::first),
 /// [`end`](ThermalBody::end), [`advance`](ThermalBody::advance). Implementations share their operators (`Arc`) and own only what
 /// depends on the step size, so a clone is cheap. What a stage leaves for the next is in the caller's [`Workspace`], one for each
-/// body. No call allocates after the first `prepare`, except `workspace` and `boxed`.
+/// body. No call allocates after the first `prepare`, except `recur` and `boxed`.
 pub trait ThermalBody: Observed + Debug + Send + Sync {
-    /// Memory for steps and observations of this body.
-    fn workspace(&self) -> Workspace;
+    /// Computes weights and surface influence matrices of a step: a function of the step alone, never of earlier ones. That of the last
+    /// step again costs a comparison in a body of constants.
+    fn prepare(&mut self, step: &Step<'_>);
 
-    /// State of a body at the uniform temperature `rise` (K) above the reference.
-    fn uniform(&self, rise: f64, state: &mut [f64]);
-
-    /// Sets the parts of the cells through which the fluxes of both stages enter in the steps prepared from now on, and whose mean
-    /// temperatures the influence matrices and the free response give; at frozen state a temperature remains that of the whole cell. Without
-    /// effect on a body that does not divide its cells.
-    fn set_contact_parts(&mut self, _contact_parts: [&ContactParts; 2]) {}
-
-    /// Sets the mean temperature (K) for whose properties steps are prepared from now on, and the absolute temperature (K) of the
-    /// reference; returns the factors of the properties. Without effect on a body of constants.
-    fn set_temperature(&mut self, _mean: f64, _reference: f64) -> Scales {
-        Scales::ONE
-    }
-
-    /// Computes weights and surface influence matrices for a step of `step` s in which the sliding velocity changes linearly
-    /// between the two values (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments
-    /// cost a comparison. The result is a function of the arguments and the parts in contact alone, never of earlier preparations.
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]);
-
-    /// The same for a step in which no cell exchanges heat: its influence matrices are not to be used, nor the responses of faces by
-    /// cells.
-    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
-        self.prepare(step, velocity);
-    }
-
-    /// Surface influence matrices of `stage`.
+    /// Surface influence matrices of `stage` of the prepared step.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;
 
-    /// The same through whole cells, whatever parts of them are in contact.
+    /// The same through whole cells, whatever parts of them exchange heat.
     fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
         self.influence(stage)
     }
@@ -335,6 +346,28 @@ pub struct FrozenState<'a> {
     pub velocity: f64,
 }
 
+/// Observations with memory of their own, outside of a simulation.
+impl FrozenState<'_> {
+    /// Temperature of the N cells of `body`, K above the reference.
+    pub fn temperature(&self, body: &(impl Observed + ?Sized)) -> Vec<f64> {
+        let mut temperature = vec![0.0; body.cells()];
+        body.temperature_at_frozen_state(self, &mut temperature, &mut body.workspace());
+        temperature
+    }
+
+    /// Distortion of the N cells of `body`, m into it.
+    pub fn distortion(&self, body: &(impl Observed + ?Sized)) -> Vec<f64> {
+        let mut distortion = vec![0.0; body.cells()];
+        body.distortion_at_frozen_state(self, &mut distortion, &mut body.workspace());
+        distortion
+    }
+
+    /// Mean temperatures of the cooled faces of `body`, K above the reference.
+    pub fn faces(&self, body: &(impl Observed + ?Sized)) -> [f64; FACES] {
+        body.cooled_temperature(self, &mut body.workspace())
+    }
+}
+
 /// What is known of a body and seen of its state. At frozen state a flux acts through the direct feedthrough only, and surroundings
 /// are those of the end of a step.
 pub trait Observed {
@@ -348,8 +381,19 @@ pub trait Observed {
     /// the entries behind them are the heat account.
     fn decay_rates(&self, velocity: f64) -> Vec<f64>;
 
-    /// Validity radius of a linearization in the sliding velocity, m/s: a smaller difference hardly changes the direct
-    /// feedthrough.
+    /// State of the body at the uniform temperature `rise` (K) above the reference.
+    fn uniform(&self, rise: f64, state: &mut [f64]);
+
+    /// Memory for steps and observations, which the caller owns.
+    fn workspace(&self) -> Workspace;
+
+    /// Factors of the properties at the absolute mean temperature `mean` (K): 1 for a body of constants.
+    fn scales_at(&self, _mean: f64) -> Scales {
+        Scales::ONE
+    }
+
+    /// Validity radius of a linearization in the sliding velocity with the constants, m/s: a smaller difference hardly changes the direct
+    /// feedthrough. With other properties it is multiplied by their [`Scales::pace`].
     fn velocity_validity(&self) -> f64 {
         f64::INFINITY
     }

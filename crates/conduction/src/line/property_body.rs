@@ -10,11 +10,10 @@
 //!
 //! Theory: docs/theory.md, section 4.15.
 
-use super::contact_parts::ContactParts;
 use super::workspace::{Memory, Workspace};
 use super::{
-    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody,
+    Account, Boundary, End, Exchange, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step,
+    SurfaceInfluence, Surroundings, ThermalBody,
 };
 use crate::properties::{Properties, Scales};
 use nalgebra::DMatrix;
@@ -133,7 +132,7 @@ impl PropertyBody {
         if reference == 0.0 {
             return Scales::ONE;
         }
-        self.properties.at(self.properties.part(reference + self.constant.mean_temperature(own)).0)
+        self.scales_at(reference + self.constant.mean_temperature(own))
     }
 
     /// Scales the matrices of the prepared step.
@@ -176,37 +175,14 @@ impl PropertyBody {
 }
 
 impl ThermalBody for PropertyBody {
-    fn workspace(&self) -> Workspace {
-        let zeros = || vec![0.0; self.constant.cells()];
-        Workspace(Memory::Scaled(Box::new((self.constant.workspace(), [zeros(), zeros()]))))
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let count = state.len() - ENTRIES;
-        let (own, behind) = state.split_at_mut(count);
-        self.constant.uniform(rise, own);
-        behind.fill(0.0);
-    }
-
-    fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
-        self.constant.set_contact_parts(contact_parts);
-    }
-
-    fn set_temperature(&mut self, mean: f64, reference: f64) -> Scales {
-        self.reference = reference;
-        self.scales = self.properties.at(self.properties.part(mean).0);
-        self.scales
-    }
-
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+    fn prepare(&mut self, step: &Step<'_>) {
+        (self.scales, self.reference) = (step.scales, step.reference);
         let pace = self.scales.pace;
-        self.constant.prepare(step * pace, velocity.map(|velocity| velocity / pace));
-        self.take_influence();
-    }
-
-    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
-        let pace = self.scales.pace;
-        self.constant.prepare_open(step * pace, velocity.map(|velocity| velocity / pace));
+        let (length, velocity) = (step.length * pace, step.velocity.map(|velocity| velocity / pace));
+        self.constant.prepare(&Step { length, velocity, ..*step });
+        if step.exchange != Exchange::None {
+            self.take_influence();
+        }
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -277,6 +253,10 @@ impl ThermalBody for PropertyBody {
         self.constant.expect(velocity);
     }
 
+    fn recur(&mut self, steps: usize) {
+        self.constant.recur(steps);
+    }
+
     fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }
@@ -291,12 +271,28 @@ impl Observed for PropertyBody {
         self.constant.states() + ENTRIES
     }
 
+    fn workspace(&self) -> Workspace {
+        let zeros = || vec![0.0; self.constant.cells()];
+        Workspace(Memory::Scaled(Box::new((self.constant.workspace(), [zeros(), zeros()]))))
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let count = state.len() - ENTRIES;
+        let (own, behind) = state.split_at_mut(count);
+        self.constant.uniform(rise, own);
+        behind.fill(0.0);
+    }
+
     fn decay_rates(&self, velocity: f64) -> Vec<f64> {
         self.constant.decay_rates(velocity)
     }
 
+    fn scales_at(&self, mean: f64) -> Scales {
+        self.properties.at(self.properties.part(mean).0)
+    }
+
     fn velocity_validity(&self) -> f64 {
-        self.scales.pace * self.constant.velocity_validity()
+        self.constant.velocity_validity()
     }
 
     fn divides_cells(&self) -> bool {
@@ -362,14 +358,8 @@ mod tests {
     fn strip([conductivity, specific_heat]: [f64; 2], base: FarBoundary, cells: &Cells) -> Box<dyn ThermalBody> {
         let material = Material::new(2e11, 0.3).unwrap();
         let properties = StripProperties {
-            height: 0.01,
-            conductivity,
-            capacity: DENSITY * specific_heat,
-            convection: 0.0,
-            base,
-            path: SlidingPath::Closed(0.3),
             expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
-            lateral: None,
+            ..StripProperties::bare(0.01, [conductivity, DENSITY * specific_heat], base, SlidingPath::Closed(0.3))
         };
         let resolution = Resolution { duration: 50.0, shortest: 0.05, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap())
@@ -384,7 +374,8 @@ mod tests {
             let mut hot = strip(HOT, base, &cells);
             let uniform = Properties::uniform(HOT[0], HOT[1], COLD);
             let mut cold = PropertyBody::new(strip(COLD, base, &cells), uniform, held);
-            cold.set_temperature(500.0, 300.0);
+            cold.recur(4);
+            let scales = cold.scales_at(500.0);
             let mut states = [vec![0.0; hot.states()], vec![0.0; cold.states()]];
             let around = Surroundings::default();
             for step in 0..40 {
@@ -397,7 +388,7 @@ mod tests {
                 let [first, end] = [flux(GAMMA), flux(1.0)];
                 let found = [hot.as_mut(), &mut cold as &mut dyn ThermalBody].into_iter().zip(&mut states).map(
                     |(body, state)| {
-                        body.prepare(length, velocity);
+                        body.prepare(&Step { scales, reference: 300.0, ..Step::new(length, velocity) });
                         let found = at_stage(body, state, &around, (Stage::End, held), [&first, &end]);
                         body.step(state, &around, &first, &end);
                         found
@@ -429,13 +420,7 @@ mod tests {
             // What is seen between steps, under the flux and at the velocity of the last one.
             let flux: Vec<f64> = cells.centres().iter().map(|x| 1e6 * (1.0 + 30.0 * x + 0.02 * 40.0)).collect();
             let seen = |body: &dyn ThermalBody, state: &[f64]| {
-                let mut seen = vec![0.0; cells.count()];
-                body.temperature_at_frozen_state(
-                    &FrozenState { state, surroundings: &around, flux: &flux, velocity: 0.7 },
-                    &mut seen,
-                    &mut body.workspace(),
-                );
-                seen
+                FrozenState { state, surroundings: &around, flux: &flux, velocity: 0.7 }.temperature(body)
             };
             let [one, other] = [seen(hot.as_ref(), &states[0]), seen(&cold, &states[1])];
             let error = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / one[0];

@@ -19,11 +19,10 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::contact_parts::ContactParts;
 use super::workspace::Memory;
 use super::{
-    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, SurfaceInfluence,
-    Surroundings, ThermalBody, Workspace, cache_capacity,
+    Account, Boundary, End, Exchange, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, Step,
+    SurfaceInfluence, Surroundings, ThermalBody, Workspace, cache_capacity,
 };
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -313,28 +312,12 @@ impl ReducedHeat {
 }
 
 impl ThermalBody for ReducedHeat {
-    fn workspace(&self) -> Workspace {
-        let carried = vec![0.0; self.operators.states()];
-        Workspace(Memory::Reduced(Box::new(StepMemory { scratch: self.modes.scratch(), carried })))
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let (states, tallies) = state.split_at_mut(self.operators.states());
-        for (state, uniform) in states.iter_mut().zip(&self.operators.uniform) {
-            *state = rise * uniform;
+    fn prepare(&mut self, step: &Step<'_>) {
+        for (stage, patterns) in self.patterns.iter_mut().enumerate() {
+            let parts = if let Exchange::Parts(parts) = step.exchange { Some(parts[stage]) } else { None };
+            patterns.set_contact_parts(parts, &self.operators, &self.modes);
         }
-        tallies.fill(0.0);
-        tallies[Tally::FarTemperature as usize] = rise;
-    }
-
-    fn set_contact_parts(&mut self, contact_parts: [&ContactParts; 2]) {
-        for (patterns, contact_parts) in self.patterns.iter_mut().zip(contact_parts) {
-            patterns.set_contact_parts(contact_parts, &self.operators, &self.modes);
-        }
-    }
-
-    fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
-        self.select(step);
+        self.select(step.length);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -444,6 +427,20 @@ impl Observed for ReducedHeat {
 
     fn states(&self) -> usize {
         self.operators.states() + TALLIES
+    }
+
+    fn workspace(&self) -> Workspace {
+        let carried = vec![0.0; self.operators.states()];
+        Workspace(Memory::Reduced(Box::new(StepMemory { scratch: self.modes.scratch(), carried })))
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (states, tallies) = state.split_at_mut(self.operators.states());
+        for (state, uniform) in states.iter_mut().zip(&self.operators.uniform) {
+            *state = rise * uniform;
+        }
+        tallies.fill(0.0);
+        tallies[Tally::FarTemperature as usize] = rise;
     }
 
     fn decay_rates(&self, _velocity: f64) -> Vec<f64> {

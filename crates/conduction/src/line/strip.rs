@@ -54,8 +54,8 @@ pub use reduction::Reductions;
 
 use super::workspace::Memory;
 use super::{
-    Account, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, SurfaceInfluence, Surroundings,
-    ThermalBody, Workspace,
+    Account, End, Exchange, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step, SurfaceInfluence,
+    Surroundings, ThermalBody, Workspace,
 };
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
@@ -64,7 +64,7 @@ use operators::StripOperators;
 pub(super) use scratch::Scratch;
 use stage_response::RANK;
 use std::sync::Arc;
-use step::{Contact, OWN, StageWeights, Step};
+use step::{OWN, PreparedStep, StageWeights};
 
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
@@ -78,14 +78,14 @@ const TAIL: usize = 4;
 #[derive(Debug)]
 pub struct StripHeat {
     operators: Arc<StripOperators>,
-    step: Step,
+    step: PreparedStep,
 }
 
 impl Clone for StripHeat {
     fn clone(&self) -> Self {
         // Before the first step there is nothing to copy: zero pages of the operating system are not touched until they
         // are used.
-        let step = if self.step.length.is_nan() { Step::new(&self.operators) } else { self.step.clone() };
+        let step = if self.step.length.is_nan() { PreparedStep::new(&self.operators) } else { self.step.clone() };
         StripHeat { operators: self.operators.clone(), step }
     }
 }
@@ -110,7 +110,7 @@ impl StripHeat {
         resolution: &Resolution,
     ) -> Result<Self, OutOfRange> {
         let operators = StripOperators::new(properties, cells, resolution, known)?;
-        let step = Step::new(&operators);
+        let step = PreparedStep::new(&operators);
         Ok(StripHeat { operators: Arc::new(operators), step })
     }
 
@@ -231,30 +231,8 @@ fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
 }
 
 impl ThermalBody for StripHeat {
-    fn workspace(&self) -> Workspace {
-        Workspace(Memory::Strip(Box::new(Scratch::new(&self.operators))))
-    }
-
-    fn uniform(&self, rise: f64, state: &mut [f64]) {
-        state.fill(0.0);
-        let mean = &self.operators.mean;
-        for k in 0..self.operators.mean_states() {
-            state[k] = mean.uniform[k % mean.count] * rise;
-        }
-        // The heat balance starts from states of 0, so the initial heat is booked as received through the contact.
-        let tail = state.len() - TAIL;
-        if self.operators.held {
-            state[tail + 3] = rise;
-        }
-        state[tail] = self.account(state).stored;
-    }
-
-    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare(&self.operators, step, velocity, Contact::Closed);
-    }
-
-    fn prepare_open(&mut self, step: f64, velocity: [f64; 2]) {
-        self.step.prepare(&self.operators, step, velocity, Contact::Open);
+    fn prepare(&mut self, step: &Step<'_>) {
+        self.step.prepare(&self.operators, step.length, step.velocity, step.exchange == Exchange::None);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
@@ -317,7 +295,7 @@ impl ThermalBody for StripHeat {
     }
 
     fn recur(&mut self, steps: usize) {
-        self.step = Step::keeping(&self.operators, steps, true);
+        self.step = PreparedStep::keeping(&self.operators, steps, true);
     }
 
     fn boxed(&self) -> Box<dyn ThermalBody> {
@@ -332,6 +310,24 @@ impl Observed for StripHeat {
 
     fn states(&self) -> usize {
         self.operators.mean_states() + self.operators.stretches() + self.rates_given_back() + TAIL
+    }
+
+    fn workspace(&self) -> Workspace {
+        Workspace(Memory::Strip(Box::new(Scratch::new(&self.operators))))
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        state.fill(0.0);
+        let mean = &self.operators.mean;
+        for k in 0..self.operators.mean_states() {
+            state[k] = mean.uniform[k % mean.count] * rise;
+        }
+        // The heat balance starts from states of 0, so the initial heat is booked as received through the contact.
+        let tail = state.len() - TAIL;
+        if self.operators.held {
+            state[tail + 3] = rise;
+        }
+        state[tail] = self.account(state).stored;
     }
 
     fn decay_rates(&self, _velocity: f64) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use super::punch::mate::reduce_mate;
 use super::punch::reduce;
 use super::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Surroundings, ThermalBody};
+use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use nalgebra::DVector;
 use scene::variables::{STARTS, reference};
@@ -71,8 +71,8 @@ fn linear_surroundings_have_their_mean() {
 fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count: usize) -> [f64; 2] {
     let cells = bodies[0].cells();
     let (zeros, around) = (vec![0.0; cells], Surroundings::default());
-    bodies[0].prepare(step, [0.0; 2]);
-    bodies[1].prepare(step, [velocity; 2]);
+    bodies[0].prepare(&Step::new(step, [0.0; 2]));
+    bodies[1].prepare(&Step::new(step, [velocity; 2]));
     let mut states = bodies.each_ref().map(|body| vec![0.0; body.states()]);
     let mut sizes = [0.0; 2];
     for number in 0..count {
@@ -100,16 +100,7 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
 #[test]
 fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
-        let properties = StripProperties {
-            height: 0.05,
-            conductivity,
-            capacity,
-            convection: 0.0,
-            base: FarBoundary::Held,
-            path,
-            expansion: None,
-            lateral: None,
-        };
+        let properties = StripProperties::bare(0.05, [conductivity, capacity], FarBoundary::Held, path);
         let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
     };

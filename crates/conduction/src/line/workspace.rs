@@ -4,7 +4,7 @@
 
 use super::{FACES, Stage, Surroundings, ThermalBody, reduced, strip};
 
-/// Memory for the steps and observations of one body ([`ThermalBody::workspace`]): what a stage leaves for the next, and
+/// Memory for the steps and observations of one body ([`Observed::workspace`](super::Observed::workspace)): what a stage leaves for the next, and
 /// intermediate results. Observations and preparations leave the former as it is.
 #[derive(Clone, Debug)]
 pub struct Workspace(pub(super) Memory);

@@ -1,7 +1,6 @@
 //! The contact line: pressure, wear and the cases in which methods fail.
 
 mod contact;
-mod limits;
 mod wear;
 
 use ::contact::ContactState;

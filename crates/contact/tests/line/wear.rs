@@ -1,10 +1,11 @@
-//! Wear of the contact line: stages, steps of any length, the annulus. Galin's relaxation is a problem of `verification`.
+//! Wear of the contact line: stages, steps of any length, the annulus, extreme bodies. Galin's relaxation is a problem of `verification`;
+//! reversals, loads across zero and growing tilts are run by the component.
 
 use super::implicit_step;
 use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::{ContactSolver, Normal, Tilt, pair_operators};
-use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
+use elasticity::{Base, Cells, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
 use exact::annular_pressure;
 use test_support::Random;
 
@@ -172,4 +173,48 @@ fn light_loads_on_wide_gaps_are_solved_to_rounding() {
             }
         }
     }
+}
+
+#[test]
+fn nearly_incompressible_layers_and_wide_pads() {
+    // Every cell keeps finite positive pressure, the load is carried, and wear makes the pressure uniform.
+    for (nu, height, base) in [
+        (0.4999, 1.0, Base::Bonded),
+        (0.4999, 0.02, Base::Bonded),
+        (0.4999, 0.02, Base::Smooth),
+        (0.3, 0.02, Base::Bonded),
+        (0.3, 1e-4, Base::Smooth),
+    ] {
+        let cells = Cells::graded(1.0, 33).unwrap();
+        let strip = Strip::new(Material::new(1.0, nu).unwrap(), height, base, Extent::Straight).unwrap();
+        let mut contact = contact(&cells, &strip, 0.3, vec![0.0; 33]);
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), power_rate(1.0));
+        let fresh = contact.pressure(&[0.0; 33], &conditions).unwrap();
+        assert!((cells.integral(&fresh.pressure) - 2.0).abs() < 1e-9);
+        assert!(fresh.pressure.iter().all(|p| p.is_finite() && *p >= 0.0), "nu {nu} h {height}");
+        let mut worn = vec![0.0; 33];
+        for _ in 0..10 {
+            implicit_step(&mut contact, &mut worn, 1e3, &conditions);
+        }
+        let state = contact.pressure(&worn, &conditions).unwrap();
+        let error = state.pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-5, "nu {nu} h {height}: {error:e}");
+    }
+}
+
+#[test]
+fn one_cell_and_one_cell_in_contact() {
+    let single = Cells::graded(1.0, 1).unwrap();
+    let mut contact_of_one = contact(&single, &unit_half_plane(), 0.3, vec![0.0]);
+    let conditions = || Conditions { signed_friction: -1.0, ..unidirectional(2.0, Tilt::Fixed(0.0), power_rate(0.5)) };
+    let mut worn = vec![0.0];
+    implicit_step(&mut contact_of_one, &mut worn, 3.0, &conditions());
+    assert!((worn[0] - 3.0).abs() < 1e-12);
+    // A spike on one of 33 cells carries all the load until it is worn down to its neighbours.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let gap: Vec<f64> = (0..33).map(|i| if i == 20 { 0.0 } else { 1e4 }).collect();
+    let mut spike = contact(&cells, &unit_half_plane(), 0.3, gap);
+    let state = spike.pressure(&[0.0; 33], &conditions()).unwrap();
+    assert_eq!(state.pressure.iter().filter(|p| **p > 0.0).count(), 1);
+    assert!((state.pressure[20] * cells.widths()[20] - 2.0).abs() < 1e-12);
 }

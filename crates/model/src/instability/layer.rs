@@ -13,7 +13,7 @@
 //! Theory: docs/theory.md, sections 7.4, 3.6.
 
 use conduction::line::strip::{Depth, dilatation};
-use conduction::slab::{CoolingPort, Slab};
+use conduction::slab::Slab;
 pub use elasticity::kinds::FarFace;
 use elasticity::kinds::wave_compliance;
 use elasticity::{Base, antisymmetric};
@@ -49,19 +49,12 @@ impl Layer {
             (_, FarFace::Antisymmetric) => antisymmetric::dilatation(u),
             _ => dilatation(far.base(), nu, u),
         };
-        let slab = Slab {
-            height: body.height,
-            conductivity: body.conductivity,
-            capacity: body.capacity(),
-            surface_transfer: 0.0,
-            volume_transfer: 0.0,
-            base: match far {
-                FarFace::Symmetric => FarBoundary::Insulated,
-                FarFace::Antisymmetric => FarBoundary::Held,
-                FarFace::Held(_) => body.far_boundary(),
-            },
-            cooling: CoolingPort::Surface,
+        let base = match far {
+            FarFace::Symmetric => FarBoundary::Insulated,
+            FarFace::Antisymmetric => FarBoundary::Held,
+            FarFace::Held(_) => body.far_boundary(),
         };
+        let slab = Slab::bare(body.height, [body.conductivity, body.capacity()], base);
         let lifts = expands.then_some((coefficient * by_pressure.0, coefficient * by_pressure.1));
         let conduction = (body.conductivity > 0.0).then(|| Depth::with_dilatation(&slab, lifts, wave));
         Layer { conduction, expands, compliance }

@@ -30,7 +30,7 @@ use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{End, Surroundings, ThermalBody, Workspace};
+use conduction::line::{End, Step, Surroundings, ThermalBody, Workspace};
 use contact::wear::line::WearingContact;
 use faces::Faces;
 use growth_guard::GrowthGuard;
@@ -154,7 +154,7 @@ pub(crate) struct ThermalCoupling {
     /// Nothing touches in it: the bodies are prepared without the influence on cells.
     open: bool,
     /// Properties of the bodies.
-    frozen: FrozenProperties,
+    pub frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
@@ -196,7 +196,7 @@ impl ThermalCoupling {
         let before = bodies.states.map(|states| vec![0.0; states]);
         let mut bodies = bodies.prototypes.clone();
         // The first preparation allocates the weights, so that no step does.
-        bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(&Step::new(1.0, [0.0; 2])));
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
         let conducting = [&operators.scene.punch, strip].into_iter().filter(|body| body.conductivity > 0.0);
         let slowness = conducting.map(|body| (body.capacity() / body.conductivity, body.height));

@@ -433,13 +433,9 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
 pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
     let body = &scene.punch;
     Slab {
-        height: body.height,
-        conductivity: body.conductivity,
-        capacity: body.capacity(),
-        surface_transfer: 0.0,
         volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
-        base: body.far_boundary(),
         cooling: CoolingPort::Sides,
+        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
     }
 }
 
@@ -475,13 +471,8 @@ pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let slab = Slab {
-        height: body.height,
-        conductivity: body.conductivity,
-        capacity: body.capacity(),
         surface_transfer: body.convection * cooled / reference,
-        volume_transfer: 0.0,
-        base: body.far_boundary(),
-        cooling: CoolingPort::Surface,
+        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
     };
     (slab, coverage)
 }

@@ -4,7 +4,8 @@
 //! the rate of the last one, so that the step is of second order. The step tells the mean at its end before it is accepted; where
 //! the middle of both differs too much, it is repeated with that.
 //!
-//! Properties are constant over parts of the temperature ([`Properties::part`]), so that the propagators of a step stay cached.
+//! Properties are constant over parts of the temperature ([`conduction::properties::Properties::part`]), so that the propagators of a step
+//! stay cached.
 //!
 //! After the step the mean temperature is set to that by its enthalpy, with a uniform change of temperature that is of third order in the
 //! step: the body has taken up exactly the heat of its fluxes.

@@ -16,11 +16,7 @@ impl LumpedState {
             out.extend([body.external, body.lost, body.trend, body.depth, body.worn]);
         }
         write_row(&mut out, &self.flash);
-        out.extend([self.position, self.distance, self.dissipated, self.bristle, self.stiffness]);
-        out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
-        out.extend([self.end_temperature, self.end_force, self.growth]);
-        out.extend(self.far_start);
-        out.extend(self.far);
+        out.extend(self.clone().scalars().map(|scalar| *scalar));
         out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
         if let Some(track) = &self.track {
             out.push(1.0);
@@ -44,21 +40,8 @@ impl LumpedState {
         }
         read_row(numbers, &mut state.flash)?;
         let mut next = || numbers.next().copied();
-        state.position = next()?;
-        state.distance = next()?;
-        state.dissipated = next()?;
-        state.bristle = next()?;
-        state.stiffness = next()?;
-        state.peak_rise = next()?;
-        state.peak_flux = next()?;
-        state.peak_wear = next()?;
-        state.reference = next()?;
-        state.error = next()?;
-        state.end_temperature = next()?;
-        state.end_force = next()?;
-        state.growth = next()?;
-        for slot in state.far_start.iter_mut().chain(&mut state.far) {
-            *slot = next()?;
+        for scalar in state.scalars() {
+            *scalar = next()?;
         }
         state.limits = next()? as u8;
         state.refinement = next()? as u8;
@@ -72,9 +55,31 @@ impl LumpedState {
         let read = &all[..all.len() - numbers.as_slice().len()];
         all_finite(read).then_some(state)
     }
-}
 
-impl LumpedState {
+    /// The scalars, in the order in which they are saved.
+    fn scalars(&mut self) -> [&mut f64; 17] {
+        let ([punch_start, strip_start], [punch_far, strip_far]) = (&mut self.far_start, &mut self.far);
+        [
+            &mut self.position,
+            &mut self.distance,
+            &mut self.dissipated,
+            &mut self.bristle,
+            &mut self.stiffness,
+            &mut self.peak_rise,
+            &mut self.peak_flux,
+            &mut self.peak_wear,
+            &mut self.reference,
+            &mut self.error,
+            &mut self.end_temperature,
+            &mut self.end_force,
+            &mut self.growth,
+            punch_start,
+            strip_start,
+            punch_far,
+            strip_far,
+        ]
+    }
+
     /// Name and value of a number larger than `most` in magnitude, if any.
     pub(crate) fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
         let LumpedState { punch, strip, .. } = self;

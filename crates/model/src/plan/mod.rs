@@ -4,7 +4,7 @@
 //! 2. Otherwise `lumped` where one comparison over the nominal course ([`nominal`]) shows that it is enough: with d the distance of
 //!    two runs ([`distance`]), `e = d(lumped, 17 cells) + d(9 cells, 17 cells)` is at most the tolerance ([`comparison`]).
 //! 3. Otherwise, and where nothing can be compared, the contact line with its cells by the tolerance
-//!    ([`crate::line::operators::cells_of`]).
+//!    ([`crate::line::operators`]).
 //!
 //! The error of a run is measured on the run itself ([`crate::run_error`]).
 //!

@@ -33,7 +33,7 @@ use super::cycle;
 use super::partition::ActivePartition;
 use crate::states::{Sliding, SteadyState, depth_rate, steady_state};
 use crate::{CycleProblem, SteadyError};
-use conduction::line::Stage;
+use conduction::line::{Stage, Step};
 use elasticity::discretization::punch_block;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
@@ -159,7 +159,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let made = Bodies::new(&scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
     let mut bodies = made.prototypes.clone();
     let step = 1e8 * scene.nominal_duration;
-    bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));
+    bodies.iter_mut().flatten().for_each(|body| body.prepare(&Step::new(step, [0.0; 2])));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
     let mut partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     partition.set_active_set(influence, &vec![true; cells.count()]);

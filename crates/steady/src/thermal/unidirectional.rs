@@ -13,7 +13,7 @@ use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
 use conduction::line::{
-    BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Surroundings, ThermalBody,
+    BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Step, Surroundings, ThermalBody,
 };
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
@@ -77,7 +77,7 @@ pub(super) fn solve(
     let velocity = cold.strokes[0].velocity;
     // Length of the step over the longest time constant of the bodies: the steady response to 1e-8.
     let step = 1e8 * scene.nominal_duration;
-    bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [velocity; 2]));
+    bodies.iter_mut().flatten().for_each(|body| body.prepare(&Step::new(step, [velocity; 2])));
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
     let partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);

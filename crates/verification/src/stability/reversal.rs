@@ -13,7 +13,7 @@
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use conduction::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
@@ -43,16 +43,12 @@ pub const AGREEMENT: f64 = 1e-3;
 /// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
 pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
-    let properties = StripProperties {
-        height: path.height,
-        conductivity: path.conductivity,
-        capacity: path.conductivity / path.diffusivity,
-        convection: 0.0,
-        base: FarBoundary::Held,
-        path: SlidingPath::Closed(path.length),
-        expansion: None,
-        lateral: None,
-    };
+    let properties = StripProperties::bare(
+        path.height,
+        [path.conductivity, path.conductivity / path.diffusivity],
+        FarBoundary::Held,
+        SlidingPath::Closed(path.length),
+    );
     let resolution = Resolution { duration, shortest: step, travel: f64::INFINITY, tolerance: 0.2 * AGREEMENT };
     let strip = StripHeat::new(&properties, &cells, &resolution).map_err(|error| error.to_string())?;
     Ok((cells, strip))
@@ -70,7 +66,7 @@ pub(crate) fn steps(
     let air = Surroundings::default();
     let flux = vec![flux; cells.count()];
     let (mut base, mut distortion) = (flux.clone(), flux.clone());
-    strip.prepare(step, [velocity; 2]);
+    strip.prepare(&Step::new(step, [velocity; 2]));
     (0..count)
         .map(|_| {
             strip.free_response(state, &air, Stage::End, &flux, &mut base, &mut distortion);

@@ -11,7 +11,7 @@ use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, FmuState, Logger, Status};
 
 use super::invariants::name_of;
-use super::watchdog::{enter, tell};
+use super::watchdog::{call, enter, tell};
 
 /// Messages: status and text.
 pub(crate) type Log = Vec<(Status, String)>;
@@ -59,7 +59,6 @@ pub(crate) fn guid() -> CString {
 impl Importer {
     /// A new instance; `None` where the library gives none.
     pub(crate) fn new(debug: bool) -> Option<Self> {
-        enter("fmi2Instantiate");
         let log: Box<RefCell<Log>> = Box::default();
         let callbacks = CallbackFunctions {
             logger: Some(logger()),
@@ -72,7 +71,7 @@ impl Importer {
         // SAFETY: the strings and the structure live through the call.
         let component = unsafe {
             let name = c"fuzz".as_ptr();
-            fmi2Instantiate(name, types::CO_SIMULATION, guid.as_ptr(), ptr::null(), &callbacks, 0, debug.into())
+            call!(fmi2Instantiate(name, types::CO_SIMULATION, guid.as_ptr(), ptr::null(), &callbacks, 0, debug.into()))
         };
         (!component.is_null()).then_some(Self { component, log })
     }
@@ -105,41 +104,36 @@ impl Importer {
 
     /// `fmi2SetupExperiment`
     pub(crate) fn setup(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
-        enter("fmi2SetupExperiment");
         let (with_tolerance, with_stop) = (tolerance.is_some().into(), stop.is_some().into());
         // SAFETY: no pointers.
         unsafe {
             let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
-            fmi2SetupExperiment(self.component, with_tolerance, tolerance, start, with_stop, stop)
+            call!(fmi2SetupExperiment(self.component, with_tolerance, tolerance, start, with_stop, stop))
         }
     }
 
     /// `fmi2EnterInitializationMode`
     pub(crate) fn enter(&self) -> Status {
-        enter("fmi2EnterInitializationMode");
         // SAFETY: no pointers, here and below.
-        unsafe { fmi2EnterInitializationMode(self.component) }
+        unsafe { call!(fmi2EnterInitializationMode(self.component)) }
     }
 
     /// `fmi2ExitInitializationMode`
     pub(crate) fn exit(&self) -> Status {
-        enter("fmi2ExitInitializationMode");
         // SAFETY: as above.
-        unsafe { fmi2ExitInitializationMode(self.component) }
+        unsafe { call!(fmi2ExitInitializationMode(self.component)) }
     }
 
     /// `fmi2Terminate`
     pub(crate) fn terminate(&self) -> Status {
-        enter("fmi2Terminate");
         // SAFETY: as above.
-        unsafe { fmi2Terminate(self.component) }
+        unsafe { call!(fmi2Terminate(self.component)) }
     }
 
     /// `fmi2Reset`
     pub(crate) fn reset(&self) -> Status {
-        enter("fmi2Reset");
         // SAFETY: as above.
-        unsafe { fmi2Reset(self.component) }
+        unsafe { call!(fmi2Reset(self.component)) }
     }
 
     /// `fmi2DoStep`
@@ -187,11 +181,11 @@ impl Importer {
 
     /// `fmi2GetReal` into an array of exactly as many elements.
     pub(crate) fn get_reals(&self, references: &[ValueReference]) -> Result<Vec<f64>, Status> {
-        enter("fmi2GetReal");
         debug_assert!(references.len() <= COUNT);
         let mut values = vec![f64::NAN; references.len()];
         // SAFETY: as above.
-        let status = unsafe { fmi2GetReal(self.component, references.as_ptr(), references.len(), values.as_mut_ptr()) };
+        let status =
+            unsafe { call!(fmi2GetReal(self.component, references.as_ptr(), references.len(), values.as_mut_ptr())) };
         if status == Status::Ok { Ok(values) } else { Err(status) }
     }
 
@@ -205,23 +199,20 @@ impl Importer {
 
     /// `fmi2GetFMUstate`
     pub(crate) fn save(&self, state: &mut FmuState) -> Status {
-        enter("fmi2GetFMUstate");
         // SAFETY: the place is there, here and below.
-        unsafe { fmi2GetFMUstate(self.component, state) }
+        unsafe { call!(fmi2GetFMUstate(self.component, state)) }
     }
 
     /// `fmi2SetFMUstate`
     pub(crate) fn restore(&self, state: FmuState) -> Status {
-        enter("fmi2SetFMUstate");
         // SAFETY: as above.
-        unsafe { fmi2SetFMUstate(self.component, state) }
+        unsafe { call!(fmi2SetFMUstate(self.component, state)) }
     }
 
     /// `fmi2FreeFMUstate`
     pub(crate) fn free(&self, state: &mut FmuState) -> Status {
-        enter("fmi2FreeFMUstate");
         // SAFETY: as above.
-        unsafe { fmi2FreeFMUstate(self.component, state) }
+        unsafe { call!(fmi2FreeFMUstate(self.component, state)) }
     }
 
     /// `fmi2SerializedFMUstateSize` and `fmi2SerializeFMUstate`
@@ -241,10 +232,10 @@ impl Importer {
 
     /// `fmi2DeSerializeFMUstate`
     pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<FmuState, Status> {
-        enter("fmi2DeSerializeFMUstate");
         let mut state = ptr::null_mut();
         // SAFETY: the array is as long as told, the place is there.
-        let status = unsafe { fmi2DeSerializeFMUstate(self.component, bytes.as_ptr().cast(), bytes.len(), &mut state) };
+        let status =
+            unsafe { call!(fmi2DeSerializeFMUstate(self.component, bytes.as_ptr().cast(), bytes.len(), &mut state)) };
         if status == Status::Ok { Ok(state) } else { Err(status) }
     }
 
@@ -262,8 +253,7 @@ impl Importer {
 
 impl Drop for Importer {
     fn drop(&mut self) {
-        enter("fmi2FreeInstance");
-        fmi2FreeInstance(self.component);
+        call!(fmi2FreeInstance(self.component));
     }
 }
 

@@ -24,6 +24,15 @@ pub(crate) fn enter(function: &'static str) {
     }
 }
 
+/// Calls a function of the library, having noted its name.
+macro_rules! call {
+    ($function:ident($($argument:expr),* $(,)?)) => {{
+        $crate::fuzz::watchdog::enter(stringify!($function));
+        $function($($argument),*)
+    }};
+}
+pub(crate) use call;
+
 /// Number of calls so far.
 pub(crate) fn calls() -> u64 {
     CALLS.load(Ordering::Relaxed)

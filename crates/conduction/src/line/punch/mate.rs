@@ -75,7 +75,7 @@ pub fn reduce_mate(
 mod tests {
     use super::*;
     use crate::line::punch::tests::Run;
-    use crate::line::{Account, Boundary, GAMMA, Observed, Surroundings, ThermalBody};
+    use crate::line::{Account, Boundary, Observed, Surroundings};
     use scene::variables::{STARTS, reference};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.
@@ -140,19 +140,7 @@ mod tests {
             let start = run.heat.account(&run.state);
             let areas: Vec<f64> =
                 cells.centres().iter().zip(cells.widths()).map(|(x, c)| c * (1.0 + x / 0.0945)).collect();
-            let mut entered = 0.0;
-            for i in 0..200 {
-                let flux =
-                    |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
-                let (first, end) = (flux(i), flux(i + 1));
-                let far = if i % 50 < 25 { -10.0 } else { 4.0 };
-                let last = Boundary { cooling: -20.0, ambient: 3.0, far };
-                run.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
-                let step = [1e-3, 0.7, 40.0][i as usize % 3];
-                run.step(step, &first, &end);
-                let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
-                entered += step * both.zip(&areas).map(|(flux, area)| flux * area).sum::<f64>();
-            }
+            let entered = run.heat_unevenly(200, &areas, |_| None);
             let end = run.heat.account(&run.state);
             let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
             assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());

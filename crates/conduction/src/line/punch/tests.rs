@@ -3,7 +3,8 @@ mod parts;
 use super::super::contact_parts::ContactParts;
 use super::super::tests::{at_stage, in_two_parts};
 use super::super::{
-    Account, Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
+    Account, Boundary, Exchange, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Step, Surroundings,
+    ThermalBody,
 };
 use super::*;
 use across::Wave;
@@ -60,8 +61,36 @@ impl Run {
         Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
     }
 
+    fn frozen<'a>(&'a self, flux: &'a [f64]) -> FrozenState<'a> {
+        FrozenState { state: &self.state, surroundings: &self.surroundings, flux, velocity: 0.0 }
+    }
+
     pub(crate) fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
-        self.heat.prepare(step, [0.0; 2]);
+        self.step_through(Exchange::Whole, step, first, end);
+    }
+
+    /// Heat (J/m) that enters 9 cells of these areas per depth (m) in `count` steps of changing length, flux and surroundings, through
+    /// the parts in contact of each step.
+    pub(super) fn heat_unevenly(&mut self, count: i32, areas: &[f64], parts: fn(i32) -> Option<ContactParts>) -> f64 {
+        let mut entered = 0.0;
+        for i in 0..count {
+            let flux =
+                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
+            let (first, end) = (flux(i), flux(i + 1));
+            let far = if i % 50 < 25 { -10.0 } else { 4.0 };
+            let last = Boundary { cooling: -20.0, ambient: 3.0, far };
+            self.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
+            let step = [1e-3, 0.7, 40.0][i as usize % 3];
+            let contact_parts = parts(i).unwrap_or_else(|| ContactParts::whole(9));
+            self.step_through(Exchange::Parts([&contact_parts; 2]), step, &first, &end);
+            let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
+            entered += step * both.zip(areas).map(|(flux, area)| flux * area).sum::<f64>();
+        }
+        entered
+    }
+
+    fn step_through(&mut self, exchange: Exchange<'_>, step: f64, first: &[f64], end: &[f64]) {
+        self.heat.prepare(&Step { exchange, ..Step::new(step, [0.0; 2]) });
         let stage = (Stage::End, self.heat.holds_far_face());
         (self.temperature, self.distortion, _) =
             at_stage(&self.heat, &self.state, &self.surroundings, stage, [first, end]);
@@ -146,26 +175,14 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
         // The output map at frozen state between steps equals the result at the end of the step.
-        let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
-        run.heat.temperature_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
-            &mut held,
-            &mut run.heat.workspace(),
-        );
-        run.heat.distortion_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &spiked, velocity: 0.0 },
-            &mut distortion_at_frozen_state,
-            &mut run.heat.workspace(),
-        );
-        assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
-        assert!(
-            largest_difference(&distortion_at_frozen_state, &run.distortion)
-                < 1e-12 * largest(&distortion_at_frozen_state)
-        );
+        let end = run.frozen(&spiked);
+        let (shown, moved) = (end.temperature(&run.heat), end.distortion(&run.heat));
+        assert!(largest_difference(&shown, &run.temperature) < 1e-12 * largest(&shown));
+        assert!(largest_difference(&moved, &run.distortion) < 1e-12 * largest(&moved));
     }
     // The exact response, to which states and static corrections sum.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
-    exact.heat.prepare(1e12, [0.0; 2]);
+    exact.heat.prepare(&Step::new(1e12, [0.0; 2]));
     let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
     let depth = Depth {
         height: 0.1,
@@ -225,31 +242,14 @@ fn heat_is_accounted_for() {
             "{}",
             run.heat.mean_temperature(&run.state)
         );
-        let mut entered = 0.0;
-        for i in 0..300 {
-            let flux =
-                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
-            let (first, end) = (flux(i), flux(i + 1));
-            let far = if i % 50 < 25 { -10.0 } else { 4.0 };
-            let last = Boundary { cooling: -20.0, ambient: 3.0, far };
-            run.surroundings = Surroundings::linear(Boundary { cooling: -13.0, ..last }, last);
-            let step = [1e-3, 0.7, 40.0][i as usize % 3];
-            // Part of the time through parts of the cells.
-            let contact_parts = if i % 70 < 30 { in_part() } else { ContactParts::whole(9) };
-            run.heat.set_contact_parts([&contact_parts; 2]);
-            run.step(step, &first, &end);
-            entered += step
-                * (first.iter().zip(&end).zip(cells.widths()))
-                    .map(|((first, end), width)| ((1.0 - GAMMA) * first + GAMMA * end) * width)
-                    .sum::<f64>();
-        }
+        // Part of the time through parts of the cells.
+        let entered = run.heat_unevenly(300, cells.widths(), |i| (i % 70 < 30).then(in_part));
         let end = run.heat.account(&run.state);
         let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
         assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The heat account is the integral of the flows, which are those through whole cells.
-        run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
         run.surroundings = Surroundings::constant(run.surroundings.end);
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
@@ -300,10 +300,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
-        let [cooled, _] = run.heat.cooled_temperature(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-            &mut run.heat.workspace(),
-        );
+        let [cooled, _] = run.frozen(&[0.0; 9]).faces(&run.heat);
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
@@ -323,10 +320,7 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     run.step(50.0, &[0.0; 9], &[0.0; 9]);
     let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
-    let [cooled, _] = run.heat.cooled_temperature(
-        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-        &mut run.heat.workspace(),
-    );
+    let [cooled, _] = run.frozen(&[0.0; 9]).faces(&run.heat);
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
 }
 
@@ -341,7 +335,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let start = Boundary { cooling: -100.0, ambient: 8.0, far: 200.0 };
     let end = Boundary { cooling: -400.0, ambient: 3.0, far: 900.0 };
     run.surroundings = Surroundings::linear(start, end);
-    run.heat.prepare(step, [0.0; 2]);
+    run.heat.prepare(&Step::new(step, [0.0; 2]));
     // Reciprocity of the two faces, and of faces and cells.
     let areas = [0.2, 0.06];
     let mut influence = [FaceInfluence::new(9), FaceInfluence::new(9)];
@@ -362,7 +356,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let late = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
     run.heat.step(&mut run.state, &run.surroundings, &flux, &flux);
     for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
-        parts.heat.prepare(part * step, [0.0; 2]);
+        parts.heat.prepare(&Step::new(part * step, [0.0; 2]));
         let (temperature, distortion, faces) =
             at_stage(&parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
         parts.heat.step(&mut parts.state, &around, &flux, &flux);
@@ -372,10 +366,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!(largest_difference(&faces, others) < 1e-9, "{part}: {faces:?} {others:?}");
     }
     assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
-    let cooled = run.heat.cooled_temperature(
-        &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
-        &mut run.heat.workspace(),
-    );
+    let cooled = run.frozen(&flux).faces(&run.heat);
     assert!(largest_difference(&cooled, &late.2) < 1e-9, "{cooled:?} {late:?}");
 }
 
@@ -400,9 +391,9 @@ fn gains_do_not_depend_on_what_came_before() {
     let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
     let mut fresh = run.heat.boxed();
     for step in [1.0, 0.3, 7.0, 0.01, 2.0, 0.3] {
-        run.heat.prepare(step, [1.0, -1.0]);
+        run.heat.prepare(&Step::new(step, [1.0, -1.0]));
     }
-    fresh.prepare(0.3, [0.0; 2]);
+    fresh.prepare(&Step::new(0.3, [0.0; 2]));
     for stage in [Stage::First, Stage::End] {
         assert_eq!(run.heat.influence(stage), fresh.influence(stage));
     }
@@ -419,7 +410,7 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
         run.step(2.0, &flux, &[0.0; 9]);
     }
     let step = 5.0;
-    run.heat.prepare(step, [0.0; 2]);
+    run.heat.prepare(&Step::new(step, [0.0; 2]));
     let stage = (Stage::First, run.heat.holds_far_face());
     let (temperature, distortion, _) = at_stage(&run.heat, &run.state, &run.surroundings, stage, [&[0.0; 9], &flux]);
     short.step(GAMMA * step, &flux, &flux);
@@ -475,7 +466,7 @@ fn no_distortion_comes_at_once() {
         let scene = scene(changes);
         let distortion = |tolerance: f64, step: f64| {
             let mut heat = reduce(&scene, &cells, tolerance, 10.0).unwrap().unwrap();
-            heat.prepare(step, [0.0; 2]);
+            heat.prepare(&Step::new(step, [0.0; 2]));
             // A uniform displacement changes no pressure.
             let mut influence = heat.influence(Stage::First).distortion.clone();
             for mut column in influence.column_iter_mut() {

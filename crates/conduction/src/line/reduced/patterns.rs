@@ -85,17 +85,23 @@ impl Patterns {
         self.cells.is_empty()
     }
 
-    /// Makes the patterns of a contact_parts.
+    /// Makes the patterns of these parts in contact; `None`: whole cells.
     pub(crate) fn set_contact_parts(
         &mut self,
-        contact_parts: &ContactParts,
+        contact_parts: Option<&ContactParts>,
         operators: &ReducedOperators,
         modes: &Modes,
     ) {
-        if self.contact_parts == *contact_parts || operators.part_areas.is_empty() {
+        if contact_parts.map_or(self.is_empty(), |parts| self.contact_parts == *parts)
+            || operators.part_areas.is_empty()
+        {
             return;
         }
-        self.contact_parts.copy_from(contact_parts);
+        match contact_parts {
+            Some(parts) => self.contact_parts.copy_from(parts),
+            None => self.contact_parts.make_whole(),
+        }
+        let contact_parts = &self.contact_parts;
         self.cells.clear();
         self.integrals.clear();
         self.feedthrough.clear();

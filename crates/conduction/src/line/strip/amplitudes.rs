@@ -215,7 +215,7 @@ impl StripHeat {
         influence.mean = whole(&mean.mean_temperature);
         influence.faces = [self.beside(everywhere, temperature), base];
         let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
-        if self.step.is_open() {
+        if self.step.open {
             return by_cell.fill(0.0);
         }
         let columns = response.influence.temperature.as_slice().chunks_exact(operators.widths.len());

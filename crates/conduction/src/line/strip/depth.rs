@@ -331,7 +331,6 @@ pub fn dilatation(base: elasticity::Base, nu: f64, u: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slab::CoolingPort;
 
     #[test]
     fn long_waves_expand_uniformly_and_short_ones_like_a_half_plane() {
@@ -351,15 +350,7 @@ mod tests {
     fn reduced_wave_follows_impedance_and_distortion() {
         let material = Material::new(200e9, 0.3).unwrap();
         for base in [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(3e3)] {
-            let slab = Slab {
-                height: 0.02,
-                conductivity: 55.0,
-                capacity: 7800.0 * 460.0,
-                surface_transfer: 20.0,
-                volume_transfer: 0.0,
-                base,
-                cooling: CoolingPort::Surface,
-            };
+            let slab = Slab { surface_transfer: 20.0, ..Slab::bare(0.02, [55.0, 7800.0 * 460.0], base) };
             let expansion = Expansion { material, coefficient: 1.1e-5, base: elasticity::Base::Bonded };
             for number in [10.0, 100.0, 3000.0] {
                 let depth = Depth::new(&slab, Some(&expansion), number);

@@ -14,7 +14,7 @@ use super::static_correction::StaticCorrection;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave};
 use crate::reduced::ReducedBody;
-use crate::slab::{CoolingPort, Slab};
+use crate::slab::Slab;
 use elasticity::{self, Cells, OutOfRange};
 use numerics::dense;
 use scene::FarBoundary;
@@ -86,15 +86,7 @@ impl StripOperators {
         let resolution = &Resolution { tolerance, ..*resolution };
         let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
-        let bare = Slab {
-            height: properties.height,
-            conductivity: properties.conductivity,
-            capacity: properties.capacity,
-            surface_transfer: 0.0,
-            volume_transfer: 0.0,
-            base: properties.base,
-            cooling: CoolingPort::Surface,
-        };
+        let bare = Slab::bare(properties.height, [properties.conductivity, properties.capacity], properties.base);
         let convection = if full { 0.0 } else { properties.convection };
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();

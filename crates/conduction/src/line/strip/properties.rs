@@ -72,6 +72,12 @@ const RESOLVED_HARMONICS: f64 = 4000.0;
 const FLATTEST: f64 = 2000.0;
 
 impl StripProperties {
+    /// A strip of this height (m), conductivity (W/(m K)) and capacity (J/(m3 K)) that neither cools at its top nor expands.
+    pub fn bare(height: f64, [conductivity, capacity]: [f64; 2], base: FarBoundary, path: SlidingPath) -> Self {
+        let (convection, expansion, lateral) = (0.0, None, None);
+        StripProperties { height, conductivity, capacity, convection, base, path, expansion, lateral }
+    }
+
     pub(super) fn check(&self, width: f64) -> Result<(), OutOfRange> {
         for (quantity, value, requirement) in [
             ("strip height", self.height, "positive, in m"),

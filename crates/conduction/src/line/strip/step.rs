@@ -13,20 +13,14 @@ use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
 use numerics::dense;
 
-/// Whether cells exchange heat in a step: the influence on them is not made for an open contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Contact {
-    Closed,
-    Open,
-}
-
 /// The prepared step.
 #[derive(Clone, Debug)]
-pub(crate) struct Step {
+pub(crate) struct PreparedStep {
     /// Length, s, and velocities, m/s; not a number before the first step.
     pub length: f64,
     pub velocity: [f64; 2],
-    contact: Contact,
+    /// No cell exchanges heat: the influence on the cells is not there.
+    pub open: bool,
     pub first: StageWeights,
     pub end: StageWeights,
     /// Index of the cached responses after the first, by the bits of length and velocities.
@@ -88,17 +82,17 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
     [from, from + GAMMA * (to - from)]
 }
 
-impl Step {
-    pub(crate) fn new(operators: &StripOperators) -> Step {
+impl PreparedStep {
+    pub(crate) fn new(operators: &StripOperators) -> PreparedStep {
         Self::keeping(operators, cache_capacity(operators.widths.len()), false)
     }
 
     /// A step that keeps the responses of `cached` others, at a varying velocity too where that `recurs`.
-    pub(crate) fn keeping(operators: &StripOperators, cached: usize, recurs: bool) -> Step {
-        Step {
+    pub(crate) fn keeping(operators: &StripOperators, cached: usize, recurs: bool) -> PreparedStep {
+        PreparedStep {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
-            contact: Contact::Closed,
+            open: false,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             kept: KeyedCache::new(vec![(); cached]),
@@ -130,24 +124,19 @@ impl Step {
         (1 + known.unwrap_or_else(|| self.kept.insert(key)), known.is_some())
     }
 
-    /// Whether the influence on the cells is not there.
-    pub(crate) fn is_open(&self) -> bool {
-        self.contact == Contact::Open
-    }
-
-    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], contact: Contact) {
+    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], open: bool) {
         // Responses that are kept serve an open contact too.
-        let contact = if self.keeps(velocity) { Contact::Closed } else { contact };
-        if self.length == length && self.velocity == velocity && self.contact == contact {
+        let open = open && !self.keeps(velocity);
+        if self.length == length && self.velocity == velocity && self.open == open {
             return;
         }
-        (self.length, self.velocity, self.contact) = (length, velocity, contact);
+        (self.length, self.velocity, self.open) = (length, velocity, open);
         let (place, known) = self.response_place(length, velocity);
         (self.first.current, self.end.current) = (place, place);
         if known {
             self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
             self.end.resume(operators, length, velocity);
-        } else if self.is_open() {
+        } else if open {
             self.first.prepare_open(operators, GAMMA * length, to_first_stage(velocity), &mut self.workspace);
             self.end.prepare_open(operators, length, velocity, &mut self.workspace);
         } else {
@@ -158,7 +147,7 @@ impl Step {
     /// Computes the responses of both stages.
     fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
-        let Step { first, end, workspace, feedthrough, .. } = self;
+        let PreparedStep { first, end, workspace, feedthrough, .. } = self;
         let last = feedthrough.find(operators, velocity[1]);
         // Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
         let straight = (velocity[1] - velocity[0]).abs() <= 0.1 * operators.table.scale().hypot(middle);
@@ -178,7 +167,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::super::*;
-    use crate::line::{cache_capacity, strip};
+    use crate::line::{Step, cache_capacity, strip};
     use elasticity::Material;
     use scene::FarBoundary;
 
@@ -189,14 +178,14 @@ mod tests {
         let material = Material::new(2e11, 0.3).unwrap();
         let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
         let properties = StripProperties {
-            conductivity: 50.0,
-            capacity: 3.6e6,
-            height: 0.02,
-            base: FarBoundary::Held,
             convection: 30.0,
-            path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),
-            lateral: None,
+            ..StripProperties::bare(
+                0.02,
+                [50.0, 3.6e6],
+                FarBoundary::Held,
+                SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
+            )
         };
         let resolution = Resolution { duration: 10.0, shortest: 1e-3, travel: f64::INFINITY, tolerance: 1e-2 };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -207,7 +196,9 @@ mod tests {
             let length = 1e-3 * f64::from(1 << (phase % 6));
             let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
             let mut fresh = body.clone();
-            [&mut kept, &mut recurring, &mut fresh].into_iter().for_each(|own| own.prepare(length, velocity));
+            [&mut kept, &mut recurring, &mut fresh]
+                .into_iter()
+                .for_each(|own| own.prepare(&Step::new(length, velocity)));
             let [one, other, again] = [&kept, &fresh, &recurring].map(|own| [&own.step.first, &own.step.end]);
             for (one, other) in one.into_iter().chain(again).zip(other.into_iter().chain(other)) {
                 assert_eq!(one.current_response().influence, other.current_response().influence, "{phase}");

@@ -4,21 +4,12 @@ mod thresholds;
 mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::{self, Cells, Material};
 use scene::FarBoundary;
 
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties {
-        height,
-        conductivity: 1.0,
-        capacity: 1.0,
-        convection: 0.0,
-        base,
-        path,
-        expansion: None,
-        lateral: None,
-    }
+    StripProperties::bare(height, [1.0, 1.0], base, path)
 }
 
 pub(crate) fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {
@@ -52,7 +43,7 @@ fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, veloc
     let air = Surroundings::default();
     let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
     for index in 0..steps {
-        body.prepare(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]);
+        body.prepare(&Step::new(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]));
         if index + 1 == steps {
             body.free_response(state, &air, Stage::End, &flux, &mut temperature, &mut distortion);
             let influence = &body.influence(Stage::End).temperature;

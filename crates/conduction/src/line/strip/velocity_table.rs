@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::line::strip::tests::steel;
     use crate::line::strip::{Resolution, SlidingPath, StripHeat};
-    use crate::line::{Stage, ThermalBody};
+    use crate::line::{Stage, Step, ThermalBody};
     use elasticity::Cells;
     use scene::FarBoundary;
 
@@ -251,7 +251,7 @@ mod tests {
             let velocity = table.scale * ((k as f64 + 0.5) * table.spacing).sinh();
             let mut between = DMatrix::zeros(count, count);
             table.respond(0, velocity, &mut between);
-            body.prepare(1e9, [velocity; 2]);
+            body.prepare(&Step::new(1e9, [velocity; 2]));
             let whole = largest(uniform(&body.influence(Stage::End).temperature));
             let Unused { workspace, passive, .. } = &mut *table.unused.lock().unwrap();
             let mut exact = [(); 2].map(|()| DMatrix::zeros(count, count));

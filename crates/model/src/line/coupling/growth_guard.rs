@@ -30,7 +30,7 @@ use crate::line::heat::partition::{HeatPartition, PartitionKey};
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{GAMMA, Stage};
+use conduction::line::{Exchange, GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
 
@@ -160,18 +160,16 @@ impl ThermalCoupling {
         if !self.growth.partition.is_for(key, &self.contact_parts[0]) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
-            if let Some(punch) = &mut self.bodies[0] {
-                punch.prepare(step / (GAMMA * GROWTH), self.velocity);
-            }
+            let [first, end] = &self.contact_parts;
+            let of_punch = |length: f64| self.frozen.step(0, length, self.velocity, Exchange::Parts([first, end]));
+            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step / (GAMMA * GROWTH))));
             let [punch, strip] = &self.bodies;
             let influence = [
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
             self.growth.partition.build(key, &self.contact_parts[0], influence);
-            if let Some(punch) = &mut self.bodies[0] {
-                punch.prepare(step, self.velocity);
-            }
+            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step)));
         }
         // Friction that decreases with temperature only reduces growth.
         self.growth.partition.thermal_compliance(self.reference.per_pressure);

@@ -9,7 +9,7 @@ use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{Boundary, GAMMA, Stage, Surroundings};
+use conduction::line::{Boundary, Exchange, GAMMA, Stage, Surroundings};
 
 impl ThermalCoupling {
     /// Prepares bodies and heat partitions for a part of `step` (s) that begins at `start` (s from the start of the piece).
@@ -55,28 +55,29 @@ impl ThermalCoupling {
                 Boundary { ambient: at.ambient, far, cooling: 0.0 }
             };
             heat.surroundings[side] = Surroundings::linear(around(&from), around(&end));
-            match &mut heat.bodies[side] {
-                Some(own) if heat.open => own.prepare_open(step, velocity),
-                Some(own) => own.prepare(step, velocity),
-                None => {}
-            }
+        }
+        let [of_first, of_end] = &heat.contact_parts;
+        let exchange = if heat.open { Exchange::None } else { Exchange::Parts([of_first, of_end]) };
+        for (side, body) in heat.bodies.iter_mut().enumerate() {
+            body.iter_mut().for_each(|own| own.prepare(&heat.frozen.step(side, step, velocity, exchange)));
         }
         Prepared(heat)
     }
 
     /// Takes the heat partitions of this key with the current parts in contact, from the cache or built.
     fn take_partitions(&mut self, key: PartitionKey) {
-        let ThermalCoupling { partitions, bodies, contact_parts, edges, .. } = self;
+        let ThermalCoupling { partitions, bodies, contact_parts, edges, frozen, .. } = self;
         let known = partitions.take(key);
         if known && (0..2).all(|stage| partitions[stage].is_for(key, &contact_parts[stage])) {
             return;
         }
         let (step, velocity, _) = key;
         let updates = (0..2).all(|stage| partitions[stage].updates_for(&contact_parts[stage]));
-        if !(known && updates) {
-            bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [velocity; 2]));
-        } else if let Some(punch) = &mut bodies[0] {
-            punch.prepare(step, [velocity; 2]);
+        let exchange = Exchange::Parts([&contact_parts[0], &contact_parts[1]]);
+        // An update is one of the punch alone.
+        let made = if known && updates { 1 } else { 2 };
+        for (side, body) in bodies.iter_mut().enumerate().take(made) {
+            body.iter_mut().for_each(|own| own.prepare(&frozen.step(side, step, [velocity; 2], exchange)));
         }
         for stage in [Stage::First, Stage::End] {
             let (partition, contact_parts) = (&mut partitions[stage as usize], &contact_parts[stage as usize]);
@@ -108,8 +109,6 @@ impl ThermalCoupling {
         if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {
             return;
         }
-        let [first, end] = &self.contact_parts;
-        self.bodies[0].iter_mut().for_each(|own| own.set_contact_parts([first, end]));
         for (half, contact_parts) in self.half_resistance.iter_mut().zip(&self.contact_parts) {
             for (i, half) in half.iter_mut().enumerate() {
                 *half = self.parameters.half_resistance / contact_parts.fraction(i);
@@ -119,8 +118,9 @@ impl ThermalCoupling {
 
     /// Validity radius of the frozen operators in velocity (m/s), for a step of `step` s.
     fn validity_radius(&self, step: f64) -> f64 {
-        let velocity_radius =
-            self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
+        let bodies = self.bodies.iter().zip(&self.frozen.scales);
+        let radii = bodies.filter_map(|(body, scales)| Some(scales.pace * body.as_ref()?.velocity_validity()));
+        let velocity_radius = radii.fold(f64::INFINITY, f64::min);
         // Travel within which the frozen operators remain valid, in diffusion lengths over the step.
         velocity_radius.min(0.25 * (self.parameters.diffusivity / step).sqrt())
     }

@@ -9,7 +9,7 @@
 use super::stage::{Solved, state_of};
 use super::{ThermalCoupling, evaluation::largest};
 use crate::line::stages::StepData;
-use conduction::line::{GAMMA, ThermalBody};
+use conduction::line::{Exchange, GAMMA, Step, ThermalBody};
 use conduction::properties::Scales;
 use numerics::dense;
 use numerics::maximum::maximum;
@@ -21,7 +21,7 @@ const FARTHEST: f64 = 50.0;
 
 /// Properties of both bodies during the step under way.
 #[derive(Clone, Debug)]
-pub(super) struct FrozenProperties {
+pub(crate) struct FrozenProperties {
     /// Factors of the properties.
     pub(super) scales: [Scales; 2],
     /// Mean temperatures at the start and, as predicted, in the middle of the step, K.
@@ -33,6 +33,11 @@ pub(super) struct FrozenProperties {
 impl FrozenProperties {
     pub(super) fn new() -> FrozenProperties {
         FrozenProperties { scales: [Scales::ONE; 2], start: [0.0; 2], middle: [0.0; 2], reference: 0.0 }
+    }
+
+    /// A step of a body with them.
+    pub(crate) fn step<'a>(&self, side: usize, length: f64, velocity: [f64; 2], exchange: Exchange<'a>) -> Step<'a> {
+        Step { length, velocity, exchange, scales: self.scales[side], reference: self.reference }
     }
 
     /// Rate of the mean temperature of a body over a step (s) to the state `state`, K/s; 0 for constants.
@@ -56,7 +61,7 @@ impl ThermalCoupling {
                 let start = given.reference + own.mean_temperature(&state.bodies[side]);
                 let middle = start + (0.5 * step * state.trend[side]).clamp(-FARTHEST, FARTHEST);
                 (self.frozen.start[side], self.frozen.middle[side]) = (start, middle);
-                self.frozen.scales[side] = own.set_temperature(middle, given.reference);
+                self.frozen.scales[side] = own.scales_at(middle);
             }
         }
     }

@@ -16,8 +16,7 @@
 //! Theory: docs/theory.md, section 9.5.
 
 use crate::line::Line;
-use conduction::line::contact_parts::ContactParts;
-use conduction::line::{FrozenState, SingleStep, Surroundings};
+use conduction::line::{self, FrozenState, SingleStep, Surroundings};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 use numerics::interruption::checkpoint;
@@ -51,7 +50,6 @@ impl Exchange {
         }
         let period: f64 = strokes.iter().flat_map(|(_, steps)| steps).sum();
         let around = Surroundings::default();
-        heat.bodies[0].iter_mut().for_each(|punch| punch.set_contact_parts([&ContactParts::whole(count); 2]));
         let mut entering = sizes.map(|size| DMatrix::zeros(size, count));
         let mut within = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
         for (side, body) in heat.bodies.iter_mut().enumerate() {
@@ -62,7 +60,7 @@ impl Exchange {
             for (velocity, steps) in strokes {
                 for &step in steps {
                     checkpoint();
-                    body.prepare(step, [*velocity; 2]);
+                    body.prepare(&heat.frozen.step(side, step, [*velocity; 2], line::Exchange::Whole));
                     for (cell, state) in states.iter_mut().enumerate() {
                         flux.fill(0.0);
                         flux[cell] = 1.0;

@@ -248,35 +248,20 @@ impl CycleMap {
     /// Displacement of both surfaces (m into the bodies, N values) by the heat in a state, or in a change of one.
     pub(super) fn displacement(&self, heat: &[f64], target: &mut [f64]) {
         target.fill(0.0);
-        let mut part = vec![0.0; target.len()];
+        let (surroundings, flux) = (&Surroundings::default(), &vec![0.0; target.len()][..]);
         for (side, range) in self.heat_ranges().into_iter().enumerate() {
             let (Some(body), Some(state)) = (self.body(side), self.full(side, &heat[range])) else { continue };
-            body.distortion_at_frozen_state(
-                &FrozenState {
-                    state: &state,
-                    surroundings: &Surroundings::default(),
-                    flux: &vec![0.0; target.len()],
-                    velocity: 0.0,
-                },
-                &mut part,
-                &mut body.workspace(),
-            );
+            let part = FrozenState { state: &state, surroundings, flux, velocity: 0.0 }.distortion(body);
             target.iter_mut().zip(&part).for_each(|(sum, value)| *sum += value);
         }
     }
 
     /// Surface temperature (N values, K) by the entries of a body.
     pub(super) fn surface(&self, side: usize, entries: &[f64]) -> Vec<f64> {
-        let mut temperature = vec![0.0; self.operators().count()];
-        if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
-            let still = vec![0.0; temperature.len()];
-            body.temperature_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &still, velocity: 0.0 },
-                &mut temperature,
-                &mut body.workspace(),
-            );
-        }
-        temperature
+        let flux = vec![0.0; self.operators().count()];
+        let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) else { return flux };
+        FrozenState { state: &state, surroundings: &Surroundings::default(), flux: &flux, velocity: 0.0 }
+            .temperature(body)
     }
 
     /// Mean temperatures of the bodies (K above the reference) in a state.
@@ -295,11 +280,8 @@ impl CycleMap {
         for (side, values) in temperature.iter_mut().enumerate() {
             if let Some(body) = self.body(side) {
                 let (state, around) = (&heat.bodies[side], &own.surroundings[side]);
-                body.temperature_at_frozen_state(
-                    &FrozenState { state, surroundings: around, flux: &heat.flux[side], velocity: self.strokes[1].0 },
-                    values,
-                    &mut body.workspace(),
-                );
+                let (flux, velocity) = (&heat.flux[side], self.strokes[1].0);
+                *values = FrozenState { state, surroundings: around, flux, velocity }.temperature(body);
             }
         }
         temperature

@@ -138,17 +138,9 @@ impl HeatState {
             if let Some(heat) = &bodies.prototypes[body] {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
-                let mut moved = zeros();
-                heat.distortion_at_frozen_state(
-                    &FrozenState {
-                        state: &state.bodies[body],
-                        surroundings: &Default::default(),
-                        flux: &state.flux[body],
-                        velocity: 0.0,
-                    },
-                    &mut moved,
-                    &mut heat.workspace(),
-                );
+                let (own, surroundings) = (&state.bodies[body], &Default::default());
+                let moved = FrozenState { state: own, surroundings, flux: &state.flux[body], velocity: 0.0 };
+                let moved = moved.distortion(&**heat);
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }
@@ -225,6 +217,7 @@ impl HeatState {
         rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name)
     }
 
+    /// All numbers, in the order in which they are saved.
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let HeatState {
             bodies,
@@ -296,18 +289,8 @@ impl HeatState {
 
     /// Whether all numbers but the linearization point, which may not be known yet, are finite.
     pub(crate) fn is_finite(&self) -> bool {
-        let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
-        let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step, self.trend[0], self.trend[1]];
-        pairs
-            .chain([&self.pressure_slope, &self.distortion])
-            .chain(self.edges.vectors())
-            .all(|values| all_finite(values))
-            && [&scalars[..], &self.rejected_by_growth].iter().all(|values| all_finite(values))
-            && [&self.cooling, &self.cooling_slope, &self.external]
-                .into_iter()
-                .flatten()
-                .all(|values| all_finite(values))
-            && self.start.iter().all(|values| all_finite(values))
+        let known = LinearizationPoint { velocity: 0.0, last: 0.0, fade: 1.0, radius_factor: 1.0 };
+        HeatState { reference: known, ..self.clone() }.numbers().all(|number| number.is_finite())
     }
 
     /// Reads what [`HeatState::save`] wrote over a state of the same scene; `None` if there are too few numbers.

@@ -1,7 +1,7 @@
 //! Heat through parts of the cells.
 
 use super::super::super::contact_parts::{ContactParts, PARTS};
-use super::super::super::{FaceInfluence, FrozenState, Observed, Stage, ThermalBody};
+use super::super::super::{Exchange, FaceInfluence, FrozenState, Observed, Stage, Step, ThermalBody};
 use super::{Run, cells, largest, leaning, scene};
 
 /// Cells 2, 4 and 6 of nine are partly in contact, cell 4 with a fraction of a part.
@@ -39,7 +39,6 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         let scene = scene(changes);
         let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
         let mut divided = Run::new(&scene, &parts, 1e-3, 100.0);
-        run.heat.set_contact_parts(contact_parts.each_ref());
         let spread = |stage: Stage, flux: &[f64]| -> Vec<f64> {
             let density = |part: usize| flux[part / PARTS] / contact_parts[stage as usize].fraction(part / PARTS);
             (0..9 * PARTS).map(|part| fraction(stage, part) * density(part)).collect()
@@ -49,7 +48,7 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
             let flux = |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (1.0 + (0.2 * f64::from(k + j)).sin())).collect() };
             let (first, end) = (flux(i), flux(i + 1));
             let step = [0.03, 0.7, 4.0][i as usize % 3];
-            run.step(step, &first, &end);
+            run.step_through(Exchange::Parts(contact_parts.each_ref()), step, &first, &end);
             divided.step(step, &spread(Stage::First, &first), &spread(Stage::End, &end));
             let scale = largest(&divided.temperature);
             for cell in 0..9 {
@@ -64,12 +63,7 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
         assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
         // At frozen state a temperature is the mean of the whole cell.
-        let mut whole = [0.0; 9];
-        run.heat.temperature_at_frozen_state(
-            &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &[0.0; 9], velocity: 0.0 },
-            &mut whole,
-            &mut run.heat.workspace(),
-        );
+        let whole = run.frozen(&[0.0; 9]).temperature(&run.heat);
         let mean =
             |cell: usize| divided.temperature[cell * PARTS..(cell + 1) * PARTS].iter().sum::<f64>() / PARTS as f64;
         let scale = largest(&divided.temperature);
@@ -84,10 +78,11 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
 fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits() {
     let cells = cells(9);
     let mut run = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
-    run.heat.prepare(0.5, [0.0; 2]);
+    run.heat.prepare(&Step::new(0.5, [0.0; 2]));
     let whole = run.heat.influence(Stage::End).clone();
-    run.heat.set_contact_parts([&in_part(); 2]);
-    run.heat.prepare(0.5, [0.0; 2]);
+    let parts = in_part();
+    let in_part = |length: f64| Step { exchange: Exchange::Parts([&parts; 2]), ..Step::new(length, [0.0; 2]) };
+    run.heat.prepare(&in_part(0.5));
     let through_parts = run.heat.influence(Stage::End).clone();
     for i in 0..9 {
         for j in 0..9 {
@@ -98,11 +93,9 @@ fn influence_through_parts_is_reciprocal_and_that_of_whole_cells_keeps_its_bits(
     assert!(through_parts.temperature[(2, 2)] > 1.02 * whole.temperature[(2, 2)]);
     // The same parts on another copy, after other steps, and whole cells again.
     let mut other = Run::new(&scene(&[("punch.convection", 30.0)]), &cells, 1e-3, 100.0);
-    other.heat.set_contact_parts([&in_part(); 2]);
-    [0.1, 0.5].into_iter().for_each(|step| other.heat.prepare(step, [0.0; 2]));
+    [0.1, 0.5].into_iter().for_each(|step| other.heat.prepare(&in_part(step)));
     assert_eq!(other.heat.influence(Stage::End), &through_parts);
-    run.heat.set_contact_parts([&ContactParts::whole(9); 2]);
-    run.heat.prepare(0.5, [0.0; 2]);
+    run.heat.prepare(&Step::new(0.5, [0.0; 2]));
     assert_eq!(run.heat.influence(Stage::End), &whole);
 }
 
@@ -112,21 +105,19 @@ fn what_is_prepared_and_observed_between_a_free_response_and_its_step_leaves_the
     let flux: Vec<f64> = leaning(&cells).iter().map(|q| 1e4 * q).collect();
     let after = |between: bool| {
         let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
-        run.heat.set_contact_parts([&in_part(); 2]);
-        run.heat.prepare(0.5, [0.0; 2]);
+        let parts = in_part();
+        let in_part = |length: f64| Step { exchange: Exchange::Parts([&parts; 2]), ..Step::new(length, [0.0; 2]) };
+        run.heat.prepare(&in_part(0.5));
         let (temperature, distortion) = (&mut run.temperature, &mut run.distortion);
         let (state, around, work) = (&run.state, &run.surroundings, &mut run.heat.workspace());
         let first = run.heat.first(state, around, &[0.0; 9], [&mut *temperature, &mut *distortion], work);
         let end = run.heat.end(first, state, around, &flux, [temperature, distortion], work);
         if between {
-            run.heat.prepare(1.7, [0.0; 2]);
-            run.heat.prepare(0.5, [0.0; 2]);
+            run.heat.prepare(&in_part(1.7));
+            run.heat.prepare(&in_part(0.5));
             run.heat.face_influence(Stage::End, 0, &mut FaceInfluence::new(9), work);
-            run.heat.temperature_at_frozen_state(
-                &FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 },
-                &mut [0.0; 9],
-                work,
-            );
+            let at = FrozenState { state: &run.state, surroundings: &run.surroundings, flux: &flux, velocity: 0.0 };
+            run.heat.temperature_at_frozen_state(&at, &mut [0.0; 9], work);
         }
         let mut after = vec![0.0; run.state.len()];
         run.heat.advance(end, (&run.state, &mut after), &run.surroundings, [&flux; 2], work);

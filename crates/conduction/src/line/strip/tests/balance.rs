@@ -4,7 +4,7 @@ use super::{expanding, march, mean, steel, uneven};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::tests::{at_stage, in_two_parts};
 use crate::line::{
-    Boundary, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Surroundings, ThermalBody,
+    Boundary, Exchange, FaceInfluence, FrozenState, GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody,
 };
 use elasticity::Cells;
 use scene::FarBoundary;
@@ -30,35 +30,22 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             Boundary { cooling: 0.7 * cooling, ambient: 4.0, far: before },
             Boundary { cooling, ambient: 5.0, far },
         );
-        let (mut shown, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut received, mut largest) = (0.0, 0.0f64);
         for index in 0..40 {
             let velocity = [0.05 * (index as f64 * 0.3).sin(), 0.05 * (index as f64 * 0.3 + 0.3).sin()];
             let step = if index % 3 == 0 { 0.02 } else { 0.3 };
-            body.prepare(step, velocity);
+            body.prepare(&Step::new(step, velocity));
             let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
             let (temperature, distortion, faces) = at_stage(&body, &state, &air, (Stage::End, held), [&first, &end]);
             body.step(&mut state, &air, &first, &end);
             let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
-            body.temperature_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut shown,
-                &mut body.workspace(),
-            );
-            body.distortion_at_frozen_state(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut moved,
-                &mut body.workspace(),
-            );
+            let at = FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] };
+            let (shown, moved, cooled) = (at.temperature(&body), at.distortion(&body), at.faces(&body));
             for i in 0..12 {
                 largest = largest.max((temperature[i] - shown[i]).abs() / shown[i].abs());
                 largest = largest.max((distortion[i] - moved[i]).abs() / moved[i].abs());
             }
-            let cooled = body.cooled_temperature(
-                &FrozenState { state: &state, surroundings: &air, flux: &end, velocity: velocity[1] },
-                &mut body.workspace(),
-            );
             for face in 0..if held { 1 } else { 2 } {
                 largest = largest.max((faces[face] - cooled[face]).abs() / mean(&cells, &shown).abs());
             }
@@ -94,7 +81,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let start = Boundary { cooling: -1e4, ambient: 9.0, far: 2e3 };
         let end = Boundary { cooling: -4e4, ambient: 5.0, far: 9e3 };
         let air = Surroundings::linear(start, end);
-        body.prepare(step, velocity);
+        body.prepare(&Step::new(step, velocity));
         let early = at_stage(&body, &state, &air, (Stage::First, false), [&[0.0; 12], &flux]);
         let late = at_stage(&body, &state, &air, (Stage::End, false), [&flux; 2]);
         // The mean temperature of the surface beside the contact per flux there, over that per flux into the whole contact.
@@ -104,7 +91,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!(rise > 0.0 && influence.mean > 0.0, "{path:?}: {influence:?}");
         body.step(&mut state, &air, &flux, &flux);
         for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
-            body.prepare(part * step, velocity);
+            body.prepare(&Step::new(part * step, velocity));
             let (shown, _, faces) = at_stage(&body, &parts, &around, (Stage::End, false), [&flux; 2]);
             body.step(&mut parts, &around, &flux, &flux);
             let (other, _, others) = if part == GAMMA { &early } else { &late };
@@ -120,10 +107,8 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let tolerance = if convection > 0.0 { 1e-2 } else { 1e-9 };
         let other = body.account(&parts).ambient;
         assert!((other / lost - 1.0).abs() < tolerance, "{path:?}: {other} and {lost}");
-        let cooled = body.cooled_temperature(
-            &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity[1] },
-            &mut body.workspace(),
-        );
+        let end = FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: velocity[1] };
+        let cooled = end.faces(&body);
         let apart = (0..2).map(|face| (cooled[face] - late.2[face]).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-3 * 3e4 * rise, "{path:?}: {cooled:?} {late:?}");
     }
@@ -141,7 +126,7 @@ fn faces_and_cells_are_reciprocal_in_reversed_sliding() {
         let [mut forth, mut back] = [FaceInfluence::new(12), FaceInfluence::new(12)];
         for stage in [Stage::First, Stage::End] {
             for (velocity, influence) in [(0.003, &mut forth), (-0.003, &mut back)] {
-                body.prepare(3.0, [velocity; 2]);
+                body.prepare(&Step::new(3.0, [velocity; 2]));
                 body.face_influence(stage, 0, influence, &mut body.workspace());
             }
             let largest = forth.by_cell.iter().copied().fold(0.0, f64::max);
@@ -167,20 +152,13 @@ fn convection_acts_beside_the_contact_only() {
     march(&mut body, &mut state, 1e4, 20, |_| 0.3);
     let air = Surroundings::default();
     let flux = vec![1.0; 16];
-    let mut temperature = vec![0.0; 16];
-    body.temperature_at_frozen_state(
-        &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 },
-        &mut temperature,
-        &mut body.workspace(),
-    );
+    let end = FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 };
+    let temperature = end.temperature(&body);
     let exact = 0.2 / (400.0 * 0.1);
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
     assert!((ambient / 0.2 - 1.0).abs() < 1e-6 && far.abs() < 1e-6 * 0.2, "{ambient} {far}");
-    let [free, _] = body.cooled_temperature(
-        &FrozenState { state: &state, surroundings: &air, flux: &flux, velocity: 0.3 },
-        &mut body.workspace(),
-    );
+    let [free, _] = end.faces(&body);
     assert!((free * 400.0 * 0.1 / 0.2 - 1.0).abs() < 1e-6, "{free}");
 }
 
@@ -195,7 +173,7 @@ fn everything_at_one_temperature_stays_there() {
         body.uniform(10.0, &mut state);
         let far = if base == FarBoundary::Held { 10.0 } else { 0.0 };
         let air = Surroundings::constant(Boundary { ambient: 10.0, far, cooling: 0.0 });
-        body.prepare(5.0, [1.0, 1.0]);
+        body.prepare(&Step::new(5.0, [1.0, 1.0]));
         let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
         for _ in 0..5 {
             body.free_response(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
@@ -222,17 +200,14 @@ fn an_open_contact_is_one_without_fluxes_whatever_was_prepared_before() {
         let mut state = vec![0.0; body.states()];
         let (hot, none) = (uneven(&cells, 0), vec![0.0; 9]);
         let mut used = body.clone();
-        used.prepare(0.3, [0.4, 0.5]);
+        used.prepare(&Step::new(0.3, [0.4, 0.5]));
         used.step(&mut state, &Surroundings::default(), &hot, &hot);
         let at = |cooling: f64, ambient: f64| Boundary { cooling, ambient, far: 0.3 * cooling };
         let air = Surroundings::linear(at(-900.0, 4.0), at(-700.0, 5.0));
         let (step, velocity) = (0.2, [0.5, 0.7]);
         let mut found = [body.clone(), body.clone(), used].into_iter().enumerate().map(|(case, mut body)| {
-            if case == 0 {
-                body.prepare(step, velocity)
-            } else {
-                body.prepare_open(step, velocity)
-            }
+            let exchange = if case == 0 { Exchange::Whole } else { Exchange::None };
+            body.prepare(&Step { exchange, ..Step::new(step, velocity) });
             let seen = at_stage(&body, &state, &air, (Stage::End, held), [&none, &none]);
             let mut after = state.clone();
             body.step(&mut after, &air, &none, &none);

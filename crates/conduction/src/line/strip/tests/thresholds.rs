@@ -4,13 +4,13 @@ use super::{cooled_steel, uneven};
 use crate::line::strip::propagate::{LARGEST_DRIFT, LEAST_DRIFT};
 use crate::line::strip::step::stage::SHORT_ROTATION;
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
-use crate::line::{Observed, SingleStep, Stage, Surroundings, ThermalBody};
+use crate::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 
 /// Temperatures at the end of a step.
 fn temperatures(body: &mut StripHeat, state: &[f64], flux: &[f64], step: f64, velocity: [f64; 2]) -> Vec<f64> {
     let air = Surroundings::default();
-    body.prepare(step, velocity);
+    body.prepare(&Step::new(step, velocity));
     let (mut temperature, mut distortion) = (vec![0.0; flux.len()], vec![0.0; flux.len()]);
     body.free_response(state, &air, Stage::End, flux, &mut temperature, &mut distortion);
     let influence = &body.influence(Stage::End).temperature;

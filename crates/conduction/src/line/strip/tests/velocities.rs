@@ -2,7 +2,7 @@
 
 use super::{march, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Observed, Stage, ThermalBody};
+use crate::line::{Observed, Stage, Step, ThermalBody};
 use elasticity::Cells;
 use scene::FarBoundary;
 
@@ -14,7 +14,7 @@ fn responses_do_not_depend_on_which_velocities_came_before() {
         let properties = StripProperties { convection: 0.2, ..unit(0.5, FarBoundary::Held, path) };
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
         let influence = |body: &mut StripHeat, velocity: f64| {
-            body.prepare(0.3, [velocity; 2]);
+            body.prepare(&Step::new(0.3, [velocity; 2]));
             body.influence(Stage::End).clone()
         };
         let [mut planned, mut asked, mut fast] = [strip(), strip(), strip()];

@@ -10,7 +10,7 @@ use sliding_contact::fmi2::types::{self, CallbackFunctions, Status};
 use super::{Actor, INPUTS, SLOTS};
 use crate::fuzz::importer::guid;
 use crate::fuzz::invariants::{OUTPUTS, name_of};
-use crate::fuzz::watchdog::enter;
+use crate::fuzz::watchdog::{call, enter};
 
 /// Lengths that no array has, larger than every number of variables: refused before anything is read.
 const LENGTHS: [usize; 4] = [COUNT + 1, u32::MAX as usize, isize::MAX as usize, usize::MAX];
@@ -134,59 +134,39 @@ impl Actor {
         // before anything is read.
         unsafe {
             match which {
-                0 => {
-                    enter("fmi2GetInteger");
-                    fmi2GetInteger(component, arrays.references(), count, arrays.integers())
-                }
-                1 => {
-                    enter("fmi2GetBoolean");
-                    fmi2GetBoolean(component, arrays.references(), count, arrays.integers())
-                }
+                0 => call!(fmi2GetInteger(component, arrays.references(), count, arrays.integers())),
+                1 => call!(fmi2GetBoolean(component, arrays.references(), count, arrays.integers())),
                 2 => {
-                    enter("fmi2SetReal");
-                    let status = fmi2SetReal(component, arrays.references(), count, arrays.reals());
+                    let status = call!(fmi2SetReal(component, arrays.references(), count, arrays.reals()));
                     // Inputs may be among them.
                     self.inputs = [f64::NAN; INPUTS];
                     status
                 }
                 3 => {
-                    enter("fmi2SetInteger");
-                    let status = fmi2SetInteger(component, arrays.references(), count, arrays.integers());
+                    let status = call!(fmi2SetInteger(component, arrays.references(), count, arrays.integers()));
                     self.keep_cheap();
                     status
                 }
-                4 => {
-                    enter("fmi2SetBoolean");
-                    fmi2SetBoolean(component, arrays.references(), count, arrays.integers())
-                }
-                5 => {
-                    enter("fmi2GetString");
-                    fmi2GetString(component, arrays.references(), count, texts.as_mut_ptr())
-                }
-                6 => {
-                    enter("fmi2SetString");
-                    fmi2SetString(component, arrays.references(), count, texts.as_ptr())
-                }
-                7 => {
-                    enter("fmi2SetRealInputDerivatives");
-                    fmi2SetRealInputDerivatives(component, arrays.references(), count, orders.as_ptr(), arrays.reals())
-                }
-                8 => {
-                    enter("fmi2GetRealOutputDerivatives");
-                    fmi2GetRealOutputDerivatives(component, arrays.references(), count, orders.as_ptr(), arrays.reals())
-                }
-                9 => {
-                    enter("fmi2CancelStep");
-                    fmi2CancelStep(component)
-                }
-                10 => {
-                    enter("fmi2SetContinuousStates");
-                    fmi2SetContinuousStates(component, arrays.reals(), count)
-                }
-                _ => {
-                    enter("fmi2GetReal");
-                    fmi2GetReal(component, arrays.references(), count, arrays.reals())
-                }
+                4 => call!(fmi2SetBoolean(component, arrays.references(), count, arrays.integers())),
+                5 => call!(fmi2GetString(component, arrays.references(), count, texts.as_mut_ptr())),
+                6 => call!(fmi2SetString(component, arrays.references(), count, texts.as_ptr())),
+                7 => call!(fmi2SetRealInputDerivatives(
+                    component,
+                    arrays.references(),
+                    count,
+                    orders.as_ptr(),
+                    arrays.reals()
+                )),
+                8 => call!(fmi2GetRealOutputDerivatives(
+                    component,
+                    arrays.references(),
+                    count,
+                    orders.as_ptr(),
+                    arrays.reals()
+                )),
+                9 => call!(fmi2CancelStep(component)),
+                10 => call!(fmi2SetContinuousStates(component, arrays.reals(), count)),
+                _ => call!(fmi2GetReal(component, arrays.references(), count, arrays.reals())),
             }
         }
     }
@@ -203,11 +183,10 @@ impl Actor {
     }
 
     pub(super) fn set_slopes(&mut self, references: &[ValueReference], orders: &[i32], slopes: &[f64]) -> Status {
-        enter("fmi2SetRealInputDerivatives");
         // SAFETY: the arrays are as long as told.
         unsafe {
             let (start, count) = (references.as_ptr(), references.len());
-            fmi2SetRealInputDerivatives(self.importer.component, start, count, orders.as_ptr(), slopes.as_ptr())
+            call!(fmi2SetRealInputDerivatives(self.importer.component, start, count, orders.as_ptr(), slopes.as_ptr()))
         }
     }
 
@@ -216,13 +195,12 @@ impl Actor {
         let output = *self.random.pick(&OUTPUTS);
         let input = self.random.below(INPUTS) as ValueReference;
         let (mut along, mut rate) = (0.0, 0.0);
-        enter("fmi2GetRealOutputDerivatives");
         // SAFETY: one element each, here and below.
-        let other = unsafe { fmi2GetRealOutputDerivatives(self.importer.component, &output, 1, &1, &mut rate) };
+        let other = unsafe { call!(fmi2GetRealOutputDerivatives(self.importer.component, &output, 1, &1, &mut rate)) };
         self.note(other);
-        enter("fmi2GetDirectionalDerivative");
-        let status =
-            unsafe { fmi2GetDirectionalDerivative(self.importer.component, &output, 1, &input, 1, &1.0, &mut along) };
+        let status = unsafe {
+            call!(fmi2GetDirectionalDerivative(self.importer.component, &output, 1, &input, 1, &1.0, &mut along))
+        };
         if self.has_good_inputs() {
             let names = [output, input].map(name_of);
             if status == Status::Ok && !along.is_finite() {
@@ -238,7 +216,6 @@ impl Actor {
     }
 
     fn any_directional_derivative(&mut self, arrays: &Arrays) -> Status {
-        enter("fmi2GetDirectionalDerivative");
         let count = self.random.below(4);
         let knowns: Vec<ValueReference> = (0..count).map(|_| self.random.below(INPUTS + 2) as ValueReference).collect();
         let seeds: Vec<f64> = knowns.iter().map(|_| self.random.any()).collect();
@@ -246,7 +223,7 @@ impl Actor {
         let told = if self.random.one_in(8) { *self.random.pick(&LENGTHS) } else { knowns.len() };
         // SAFETY: as in `values`.
         unsafe {
-            fmi2GetDirectionalDerivative(
+            call!(fmi2GetDirectionalDerivative(
                 self.importer.component,
                 arrays.references(),
                 arrays.count,
@@ -254,12 +231,11 @@ impl Actor {
                 told,
                 seeds.as_ptr(),
                 result.as_mut_ptr(),
-            )
+            ))
         }
     }
 
     fn any_logging(&mut self) -> Status {
-        enter("fmi2SetDebugLogging");
         const NAMES: [&CStr; 5] = [c"logEvents", c"logStatusWarning", c"logStatusError", c"logAll", c""];
         let count = self.random.below(6);
         let mut names: Vec<_> = (0..count).map(|_| self.random.pick(&NAMES).as_ptr()).collect();
@@ -269,7 +245,7 @@ impl Actor {
         let told = if self.random.one_in(8) { *self.random.pick(&LENGTHS) } else { names.len() };
         let on = self.random.below(3) as i32 - 1;
         // SAFETY: as in `values`; the names are static.
-        unsafe { fmi2SetDebugLogging(self.importer.component, on, told, names.as_ptr()) }
+        unsafe { call!(fmi2SetDebugLogging(self.importer.component, on, told, names.as_ptr())) }
     }
 
     fn any_status(&mut self) -> Status {
