@@ -165,9 +165,6 @@ def _simulate(arguments: Arguments) -> None:
     if output is not None:
         _write(result, output)
     deviations = {} if arguments.measured is None else result.compare(arguments.measured, **reading)
-    if deviations and arguments.inputs is not None and os.path.samefile(arguments.inputs, arguments.measured):
-        # One file of a rig: its inputs were driven.
-        deviations = {name: own for name, own in deviations.items() if name not in scene.variables}
     if arguments.plot is not None:
         result.plot(arguments.plot, measured=arguments.measured, **reading)
     if arguments.json:
