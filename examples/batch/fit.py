@@ -7,7 +7,6 @@ import argparse
 import csv
 import json
 import sys
-import time
 import warnings
 from pathlib import Path
 
@@ -16,22 +15,9 @@ import matplotlib
 matplotlib.use("Agg")
 
 from sliding_contact import Interrupted, Scene, fit  # noqa: E402  (the backend is chosen first)
-from sliding_contact._commands import kind, said  # noqa: E402  (messages in the words of the command line)
+from sliding_contact._commands import Progress, kind, said  # noqa: E402  (messages in the words of the command line)
 
 HERE = Path(__file__).resolve().parent
-PAUSE = {True: 1.0, False: 60.0}  # s, between lines of progress, on a terminal and elsewhere
-
-
-class Progress:
-    """Lines on the error stream, the first after a second."""
-
-    def __init__(self):
-        self.next = time.monotonic() + 1.0
-
-    def __call__(self, text):
-        if time.monotonic() >= self.next:
-            self.next = time.monotonic() + PAUSE[sys.stderr.isatty()]
-            print(text, file=sys.stderr, flush=True)
 
 
 def arguments():
@@ -69,7 +55,8 @@ def main():
     scene = Scene.load(options.scene).set(dict(own.split("=", 1) for own in options.set))
     columns = dict(own.rsplit("=", 1) for own in options.column)
     records = [str(own) for own in options.records]
-    found = scene.fit(records, options.parameters, options.confidence, columns=columns, strict=options.strict, progress=Progress())
+    with Progress() as progress:
+        found = scene.fit(records, options.parameters, options.confidence, columns=columns, strict=options.strict, progress=progress)
     options.output.mkdir(parents=True, exist_ok=True)
     found.plot(picture)
     files = [picture, result]

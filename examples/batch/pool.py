@@ -4,12 +4,25 @@ import multiprocessing
 import signal
 import time
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 import dask
 import psutil
 from distributed import Client, KilledWorker, LocalCluster, as_completed, wait
+from distributed.utils import LoopRunner
 
 import parts
+
+
+@contextmanager
+def killed_at_ctrl_c():
+    """Kills the processes that this one has started: asked to end, they finish their blocks first."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for process in multiprocessing.active_children():
+            process.kill()
+        raise
 
 
 @contextmanager
@@ -20,17 +33,20 @@ def client(address, workers, folder):
     settings = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.profile.enabled": False}
     with dask.config.set(settings):
         if address is None:
-            # Its processes leave Ctrl-C to this one, which ends them.
-            own_way = signal.signal(signal.SIGINT, signal.SIG_IGN)
-            with LocalCluster(
+            # Threads and processes begin with the blocked signals of the thread that starts them: Ctrl-C reaches this one alone.
+            resource_tracker.ensure_running()
+            runner, own_mask = LoopRunner(), signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+            runner.start()
+            signal.pthread_sigmask(signal.SIG_SETMASK, own_mask)
+            with killed_at_ctrl_c(), LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
                 dashboard_address=None,
                 local_directory=str(folder),
                 silence_logs="ERROR",
-            ) as cluster, Client(cluster) as own:
-                signal.signal(signal.SIGINT, own_way)
+                loop=runner.loop,
+            ) as cluster, Client(cluster) as own, killed_at_ctrl_c():
                 yield own
         else:
             with Client(address) as own:

@@ -457,5 +457,6 @@ if __name__ == "__main__":
     except (ValueError, RuntimeError, OSError) as error:
         sys.exit(f"error: {error}")
     except KeyboardInterrupt:
-        print("stopped; the same command continues where it was", file=sys.stderr)
-        sys.exit(130)
+        print("stopped; the same command continues where it was", file=sys.stderr, flush=True)
+        # Dask would wait for a cluster whose start was cut short.
+        os._exit(130)

@@ -59,7 +59,7 @@ def engagement(run, level, path):
 
     def temperature(axis):
         axis.plot(time, run["contact_temperature_max"] - ZERO_CELSIUS, color=ORANGE)
-        axis.set_ylabel("contact, hotter side\n(°C)")
+        axis.set_ylabel("hottest point (°C)")
 
     def wear(axis):
         axis.plot(time, 1e9 * run["wear_depth_punch"], color=GREEN)

@@ -51,7 +51,7 @@ def speed_and_load(axis, recording, drive):
 
 def temperatures(axis, recording, _drive):
     for name, label, colour in (
-        ("contact_temperature_max", "contact, hotter side", RED),
+        ("contact_temperature_max", "hottest point", RED),
         ("strip.mean_temperature", "disc, mean", BLUE),
         ("punch.mean_temperature", "pad, mean", GREEN),
     ):

@@ -10,10 +10,11 @@ import csv
 import json
 import os
 import sys
+import time
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence, Union
 
 from ._errors import Error, Interrupted, SceneNote, writing
 from ._numbers import number
@@ -94,19 +95,38 @@ def _print(arguments: Arguments, result: Any) -> None:
     print(json.dumps(result.record, indent=2) if arguments.json else result)
 
 
-def _print_so_far(arguments: Arguments, work: Callable[[], Any]) -> Any:
+class Progress:
+    """What is done, on the error stream, after the first second: a line that changes on a terminal, elsewhere one a minute."""
+
+    def __init__(self) -> None:
+        self.is_terminal = sys.stderr.isatty()
+        self.next = time.monotonic() + 1.0
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self.is_terminal:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+    def __call__(self, done: Union[float, str]) -> None:
+        if time.monotonic() < self.next:
+            return
+        self.next = time.monotonic() + (0.1 if self.is_terminal else 60.0)
+        line = done if isinstance(done, str) else f"{100.0 * done:.0f} %"
+        print(f"\r\033[K{line}" if self.is_terminal else line, end="" if self.is_terminal else "\n", file=sys.stderr, flush=True)
+
+
+def _print_so_far(arguments: Arguments, work: Callable[[Progress], Any]) -> Any:
     """Prints the result of work and returns it, at Ctrl-C what there is of it."""
     try:
-        result = work()
+        with Progress() as progress:
+            result = work(progress)
     except Interrupted as stopped:
         _print(arguments, stopped.result)
         raise Interrupted(stopped.reason, None) from None
     _print(arguments, result)
     return result
-
-
-def _progress(part: float) -> None:
-    print(f"\r{100.0 * part:3.0f} %", end="", file=sys.stderr, flush=True)
 
 
 def said(text: object) -> str:
@@ -144,11 +164,11 @@ def _simulate(arguments: Arguments) -> None:
             if written is not None and read is not None and _is_same(written, read):
                 raise Error(f"{name} = {written!r} would replace a file that is read")
     times = [time for times in arguments.at for time in times.split(",")]
-    shown = _progress if sys.stderr.isatty() else None
     reading = _reading(arguments)
     scene = _scene(arguments)
     try:
-        result = scene.simulate(arguments.inputs, step=arguments.step, at=times, progress=shown, **reading)
+        with Progress() as progress:
+            result = scene.simulate(arguments.inputs, step=arguments.step, at=times, progress=progress, **reading)
     except StepFailed as failed:
         if output is None or failed.result is None:
             raise
@@ -159,15 +179,9 @@ def _simulate(arguments: Arguments) -> None:
             _write(stopped.result, output)
         rows = f"the rows up to there are in {output}" if output is not None else "--output keeps the rows"
         raise Interrupted(f"{stopped.reason}; {rows}", None) from None
-    finally:
-        if shown is not None:
-            print("\r     \r", end="", file=sys.stderr, flush=True)
     if output is not None:
         _write(result, output)
     deviations = {} if arguments.measured is None else result.compare(arguments.measured, **reading)
-    if deviations and arguments.inputs is not None and os.path.samefile(arguments.inputs, arguments.measured):
-        # One file of a rig: its inputs were driven.
-        deviations = {name: own for name, own in deviations.items() if name not in scene.variables}
     if arguments.plot is not None:
         result.plot(arguments.plot, measured=arguments.measured, **reading)
     if arguments.json:
@@ -180,7 +194,7 @@ def _simulate(arguments: Arguments) -> None:
 
 def _plan(arguments: Arguments) -> None:
     scene, reading = _scene(arguments), _reading(arguments)
-    result = _print_so_far(arguments, lambda: scene.plan(arguments.inputs, tolerance=arguments.tolerance, **reading))
+    result = _print_so_far(arguments, lambda progress: scene.plan(arguments.inputs, tolerance=arguments.tolerance, progress=progress, **reading))
     if getattr(result, "unmet", None) is not None:
         raise Error(result.unmet)
 
@@ -191,14 +205,16 @@ def _steady(arguments: Arguments) -> None:
 
 def _cycles(arguments: Arguments) -> None:
     scene = _scene(arguments)
-    _print_so_far(arguments, lambda: scene.cycles(arguments.cycles, tolerance=arguments.tolerance, cells=arguments.cells, cold=arguments.cold))
+    given = {"tolerance": arguments.tolerance, "cells": arguments.cells, "cold": arguments.cold}
+    _print_so_far(arguments, lambda progress: scene.cycles(arguments.cycles, progress=progress, **given))
 
 
 def _fit(arguments: Arguments) -> None:
     parameters = [name for name in arguments.parameters.split(",") if name]
     confidence = number("confidence", arguments.confidence)
     try:
-        fit = _scene(arguments).fit(arguments.records, parameters, confidence, progress=_told, **_reading(arguments))
+        with Progress() as progress:
+            fit = _scene(arguments).fit(arguments.records, parameters, confidence, progress=progress, **_reading(arguments))
     except Interrupted as stopped:
         raise Interrupted(f"{stopped}; as {' '.join(f'--set {name}={value:.6g}' for name, value in stopped.result.items())}", None) from None
     if arguments.plot is not None:

@@ -426,7 +426,8 @@ class _Problem:
         """Parameters whose effect at the scene's values is none, or that of others, with the reason; they are dropped."""
         start = self.residuals(self.point)
         if not np.all(np.isfinite(start)):
-            raise Error("the scene gives no wear where some was measured, so its logarithm cannot be fitted")
+            names = np.repeat([own.name for own in self.model.series], [own.values.size for own in self.model.series])
+            raise Error(f"the scene gives no {names[~np.isfinite(start)][0]} where some was measured, so its logarithm cannot be fitted")
         jacobian = self.jacobian(self.point)
         size = np.linalg.norm(jacobian, axis=0)
         kept: list[int] = []

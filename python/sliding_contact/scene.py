@@ -286,9 +286,16 @@ class Scene:
         return SteadyState(self._warn(_native.ask(request).record))
 
     def cycles(
-        self, cycles: float, *, tolerance: float = 1e-3, cells: Optional[int] = None, cold: bool = False
+        self,
+        cycles: float,
+        *,
+        tolerance: float = 1e-3,
+        cells: Optional[int] = None,
+        cold: bool = False,
+        progress: Optional[Callable[[float], object]] = None,
     ) -> Cycles:
-        """Reciprocating sliding over many cycles, in jumps with an error estimate each. Ctrl-C raises `Interrupted`, whose `result` has the jumps so far.
+        """Reciprocating sliding over many cycles, in jumps with an error estimate each. `progress` is called with the part that is done.
+        Ctrl-C raises `Interrupted`, whose `result` has the jumps so far.
 
         >>> worn = Scene.load("reciprocating_punch").cycles(1e6, cells=17, tolerance=1e-2, cold=True)
         >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
@@ -302,13 +309,19 @@ class Scene:
             passed = course.cycles[-1] if course.cycles.size else 0.0
             return Interrupted(f"interrupted after {passed:g} of {cycles:g} cycles", course, "the jumps so far")
 
-        return Cycles(self._warn(_native.ask(request, kept=kept).record))
+        return Cycles(self._warn(_native.ask(request, progress=progress, kept=kept).record))
 
     def plan(
-        self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None, columns: Optional[Columns] = None, strict: bool = False
+        self,
+        inputs: Optional[Table] = None,
+        *,
+        tolerance: Optional[float] = None,
+        columns: Optional[Columns] = None,
+        strict: bool = False,
+        progress: Optional[Callable[[float], object]] = None,
     ) -> Union[Plan, LevelComparison]:
         """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them; where none
-        does, its `level` is None. Ctrl-C raises `Interrupted`, whose `result` has the levels that were run.
+        does, its `level` is None. `progress` is called with the part that is done. Ctrl-C raises `Interrupted`, whose `result` has the levels that were run.
 
         >>> plan = Scene.load("reciprocating_punch").plan(tolerance=1e-1)
         >>> plan.settings["solver.fidelity"] in ("lumped", "line")
@@ -321,7 +334,7 @@ class Scene:
             levels = LevelComparison(answer.record)
             return Interrupted(f"interrupted after {len(levels.record['levels'])} levels", levels, "what is known of them")
 
-        record = self._warn(_native.ask(request, kept=None if inputs is None else kept).record)
+        record = self._warn(_native.ask(request, progress=progress, kept=None if inputs is None else kept).record)
         tell(record.pop("notes"))
         return Plan(record) if inputs is None else LevelComparison(record)
 

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -67,6 +68,15 @@ def test_a_fit_is_that_of_the_scene(tmp_path):
     assert run.stdout.rstrip() == str(own).rstrip() and "punch.wear_coefficient" in run.stdout
     run = ran(tmp_path, "fit", *arguments, "--confidence", "95")
     assert run.returncode == 1 and "confidence = 95" in run.stderr and "Traceback" not in run.stderr
+
+
+def test_progress_is_a_line_a_minute_where_there_is_no_terminal(monkeypatch, capsys):
+    now = [0.0]
+    monkeypatch.setattr(_commands, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    with _commands.Progress() as progress:
+        for now[0] in range(130):
+            progress(now[0] / 130)
+    assert capsys.readouterr().err == "1 %\n47 %\n93 %\n"
 
 
 def test_an_fmu_in_one_line(tmp_path):

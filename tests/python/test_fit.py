@@ -175,6 +175,7 @@ def test_a_wrong_fit_is_refused():
         (lambda: fit.Records([1.0, 2.0], [1.0], [1.0, 1.0], [1.0, 1.0]), "records: speed has 1 values, load 2"),
         (lambda: fit.Records([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]), "records: volume[1] = -1 must be a finite number above 0"),
         (lambda: pin().fit({"time [s]": [0, 1], "sliding_velocity [m/s]": 1.0}), "no measured value of an output"),
+        (lambda: pin().fit({"load [N]": [5, 9, 12], "speed [m/s]": 0.1, "distance [m]": 1e3, "wear_volume_strip [mm3]": 1}), "gives no wear_volume_strip where some"),
         (lambda: pin().fit("nothing.csv"), "nothing.csv"),
     ):
         with pytest.raises(Error) as raised:

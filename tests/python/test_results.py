@@ -164,3 +164,17 @@ def test_files_make_their_folder_and_say_why_they_cannot_be_written(tmp_path):
 def test_a_mistyped_name_of_a_result_is_told_with_those_like_it():
     with pytest.raises(Error, match="there is no input or output 'wear_depht'; did you mean wear_depth"):
         Scene.load("disc_brake").simulate()["wear_depht"]
+
+
+def test_one_table_of_a_rig_is_inputs_and_record():
+    """The inputs that were driven are no measurements, a load of another course is one."""
+    time = np.arange(0.0, 5.0, 0.5)
+    rig = {"time [s]": time, "sliding_velocity [m/s]": 8.0, "normal_load [N]": 2000.0 + 100.0 * time, "friction_force [N]": 800.0 + 30.0 * time}
+    rig = {name: np.where(time == 2.0, np.nan, values) if name != "time [s]" else values for name, values in rig.items()}
+    result = Scene.load("disc_brake").simulate(rig, step=0.3)
+    assert list(result.compare(rig)) == ["friction_force"]
+    drawn = {axis.get_ylabel(): len(axis.lines) for axis in result.plot(measured=rig).axes}
+    assert (drawn["normal load (N)"], drawn["friction force (N)"]) == (1, 2), drawn
+    assert list(result.compare({**rig, "normal_load [N]": 2000.0})) == ["normal_load", "friction_force"]
+    with pytest.raises(Error, match="has inputs only; compared are outputs of the FMU"):
+        result.compare({name: rig[name] for name in list(rig)[:3]})

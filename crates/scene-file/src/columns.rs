@@ -147,6 +147,12 @@ impl Reading {
         }
     }
 
+    /// How a user names this column.
+    fn naming(&self, header: &str, quantity: &str) -> String {
+        let spelled = self.spelled()[0];
+        spelled.replacen("HEADER", header, 1).replacen("VARIABLE", quantity, 1)
+    }
+
     /// What a header is read as.
     fn renamed(&self, header: &str) -> Option<String> {
         let (name, symbol) = headers::split(header);

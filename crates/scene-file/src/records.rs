@@ -51,16 +51,16 @@ impl Records {
             ..Column::optional(name, unit)
         });
         let volume = Column { unit_required: true, ..Column::optional(VOLUME, &CUBIC_METRE) };
-        let results = TABLE.iter().filter(|row| row.is_result() && row.name != WORN && row.name != "sliding_distance");
+        let results = TABLE.iter().filter(|row| row.is_result() && row.name != "sliding_distance");
         let results: Vec<Column> = results.filter_map(Column::of).collect();
         let known: Vec<&Column> = conditions.iter().chain([&volume]).chain(&results).collect();
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let read = columns::rows(content, path, &known, reading, &mut |cells| {
             for cell in cells {
-                let must_be_positive = cell.name == VOLUME || CONDITIONS.iter().any(|(name, _)| *name == cell.name);
+                let is_condition = CONDITIONS.iter().any(|(name, _)| *name == cell.name);
+                let must_be_positive = is_condition || [VOLUME, WORN].contains(&cell.name);
                 // A gap is no condition either.
-                let is_missing = cell.value.is_nan() && cell.name != VOLUME;
-                if must_be_positive && (is_missing || cell.value <= 0.0) {
+                if must_be_positive && (cell.value <= 0.0 || is_condition && cell.value.is_nan()) {
                     bail!("{}: a test has a {} above 0", cell.place(), cell.name);
                 }
             }
@@ -78,9 +78,13 @@ impl Records {
                 _ => records.values.push((name.clone(), values)),
             }
         }
+        let file = path.display();
         if records.values.is_empty() {
-            let file = path.display();
-            bail!("{file}: no column of a result, as volume [mm3] or contact_temperature [degC]");
+            let notes: String = records.notes.iter().map(|note| format!("; {note}")).collect();
+            bail!("{file}: no column of a result, as volume [mm3] or contact_temperature [degC]{notes}");
+        }
+        if [VOLUME, WORN].iter().all(|name| read.taken.iter().any(|own| own == name)) {
+            bail!("{file}: {VOLUME} is {WORN} too; one column has it");
         }
         Ok(records)
     }
@@ -186,6 +190,20 @@ mod tests {
         let (name, values) = &found.values[0];
         assert!(name == "contact_temperature" && values[0] == 303.15 && values[1].is_nan(), "{values:?}");
         assert_eq!((found.values[1].0.as_str(), found.values[1].1[1]), ("friction_coefficient", 0.45));
+    }
+
+    #[test]
+    fn a_worn_volume_is_of_a_body_that_the_file_names() {
+        let head = "Load [N],Speed [m/s],Distance [m],";
+        let found = records(&format!("{head}Pin wear [mm3]\n5,.1,300,2\n")).unwrap();
+        assert_eq!(found.values, [(WORN.to_owned(), vec![2e-9])]);
+        for (columns, told) in [
+            ("Wear volume [mm3]\n5,.1,300,2\n", "\"Wear volume [mm3]\" (wear_volume_punch or wear_volume_strip?)"),
+            ("volume [mm3],Pin wear [mm3]\n5,.1,300,2,2\n", "volume is wear_volume_punch too"),
+        ] {
+            let error = records(&format!("{head}{columns}")).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
     }
 
     #[test]

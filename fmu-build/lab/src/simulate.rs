@@ -156,32 +156,18 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Inputs and record, which may be one file: then its inputs are not compared.
+/// Inputs and record, which may be one file.
 fn read(arguments: &Arguments) -> Result<(Option<Table>, Option<Table>)> {
     let reading = arguments.columns.reading();
     let accepted = [Column::inputs(), vec![Column::trip()]].concat();
     let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &accepted, &reading)).transpose()?;
-    let mut record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
+    let record = arguments.measured.as_deref().map(|path| measured::read(path, &reading)).transpose()?;
     let tables: Vec<&Table> = inputs.iter().chain(&record).collect();
     reading.check(&tables.iter().map(|table| &table.headers[..]).collect::<Vec<_>>())?;
     let notes: Vec<&String> = tables.iter().flat_map(|table| &table.notes).collect();
     let first = |at: usize| !notes[..at].contains(&notes[at]);
     (0..notes.len()).filter(|at| first(*at)).for_each(|at| eprintln!("note: {}", notes[at]));
-    let is_one = arguments
-        .inputs
-        .as_ref()
-        .zip(arguments.measured.as_ref())
-        .is_some_and(|(inputs, measured)| output::would_replace(inputs, measured));
-    if let (true, Some(inputs), Some(measured)) = (is_one, &inputs, &record) {
-        let outputs = measured.without(&inputs.names.iter().map(String::as_str).collect::<Vec<_>>());
-        if outputs.names.is_empty() {
-            bail!(
-                "{} has inputs only; --measured compares outputs of the FMU, as wear_depth [um]",
-                inputs.path.display()
-            );
-        }
-        record = Some(outputs);
-    }
+    let record = record.map(|record| measured::beside(&record, inputs.as_ref())).transpose()?;
     Ok((inputs, record))
 }
 

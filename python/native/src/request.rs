@@ -197,6 +197,8 @@ pub enum Request {
 /// A run that figures and comparisons follow from.
 pub struct Run {
     scene: String,
+    /// What it was driven by.
+    inputs: Option<Table>,
     recording: Recording,
 }
 
@@ -233,12 +235,14 @@ impl Request {
                 return Ok(inputs_over_time(Trajectory::new(&file, table, None)?, &notes));
             }
             Self::Compare { measured } => {
-                let table = measured.measured()?;
-                json!({ "deviations": measured::compare(&table, &run()?.recording)?, "notes": table.notes })
+                let Run { inputs, recording, .. } = run()?;
+                let table = measured::beside(&measured.measured()?, inputs.as_ref())?;
+                json!({ "deviations": measured::compare(&table, recording)?, "notes": table.notes })
             }
             Self::Figure { measured } => {
-                let Run { scene, recording } = run()?;
-                let table = measured.as_ref().map(Source::measured).transpose()?;
+                let Run { scene, inputs, recording } = run()?;
+                let beside = |own: &Source| measured::beside(&own.measured()?, inputs.as_ref());
+                let table = measured.as_ref().map(beside).transpose()?;
                 let deviations = table.as_ref().map(|table| measured::compare(table, recording)).transpose()?;
                 let figure = Figure::new(scene, recording, &deviations.unwrap_or_default());
                 json!({ "content": figure, "notes": notes_of(table.as_ref()) })
@@ -361,7 +365,7 @@ fn simulate(
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
     let notes = notes_of(table.as_ref());
-    let trajectory = Trajectory::new(file, table, step)?;
+    let trajectory = Trajectory::new(file, table.clone(), step)?;
     let (first, last) = trajectory.span();
     let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
@@ -395,7 +399,7 @@ fn simulate(
         (None, true) => Status::Stopped,
         (Some(_), _) => Status::StepFailed,
     };
-    let run = Run { scene: name.clone(), recording };
+    let run = Run { scene: name.clone(), inputs: table, recording };
     Ok(Answer { status, text: c_text(&record.to_string()), arrays, run: Some(run) })
 }
 

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,29 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(brake, tmp_pat
         _, error = sweep(broken, *more, *change).communicate(timeout=60)
         assert f"error: {broken} holds another batch: " in error and told in error and "name another --output" in error, error
         assert error.count(" instead of ") == 1 or change[0] == "--fmu", error
+
+
+def test_ctrl_c_ends_a_sweep_within_a_second_while_it_starts_and_in_a_block(tmp_path):
+    table = tmp_path / "design.csv"
+    table.write_text("name,distribution,low,high\npunch.width,uniform,80 mm,110 mm\n")
+    more = ("--design", str(table), "--schedule", "stops", "--step", "0.0005", "--every", "10", "--scenes", "24", "--block", "4")
+    # A shell that runs the tests in the background has them ignore Ctrl-C.
+    own_way = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        for name, begun in (("starts", lambda folder: (folder / "batch.json").exists()), ("runs", parts_of)):
+            folder = tmp_path / name
+            process = sweep(folder, *more)
+            wait_for(lambda: begun(folder), process)
+            time.sleep(0.5)
+            begin = time.monotonic()
+            os.killpg(process.pid, signal.SIGINT)
+            _, error = process.communicate(timeout=60)
+            assert process.returncode == 130 and "the same command continues" in error, error
+            assert time.monotonic() - begin < 1.5 and "Traceback" not in error, error
+    finally:
+        signal.signal(signal.SIGINT, own_way)
+    done = 4 * len(parts_of(folder))
+    assert 0 < done < 24 and finish(sweep(folder, *more))["ran_now"] == 24 - done
 
 
 def test_a_batch_is_widened_and_says_what_failed(tmp_path):

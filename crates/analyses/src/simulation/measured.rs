@@ -58,6 +58,24 @@ fn check(table: columns::Table) -> Result<columns::Table> {
     Ok(table)
 }
 
+/// A record without the inputs that were driven from it: one file of a rig has both.
+///
+/// # Errors
+/// Where nothing is left.
+pub fn beside(record: &columns::Table, inputs: Option<&columns::Table>) -> Result<columns::Table> {
+    let was_driven = |name: &&str| {
+        inputs.filter(|inputs| inputs.times == record.times).is_some_and(|inputs| {
+            let mut pairs = inputs.column(name).into_iter().flatten().zip(record.column(name).into_iter().flatten());
+            inputs.names.iter().any(|own| own == name) && pairs.all(|(given, own)| own.is_nan() || own == given)
+        })
+    };
+    let driven: Vec<&str> = record.names.iter().map(String::as_str).filter(was_driven).collect();
+    if driven.len() == record.names.len() {
+        bail!("{} has inputs only; compared are outputs of the FMU, as wear_depth [um]", record.path.display());
+    }
+    Ok(record.without(&driven))
+}
+
 /// Deviations of a run from a record, whose times the run is interpolated to linearly.
 pub fn compare(table: &columns::Table, recording: &Recording) -> Result<Vec<Measured>> {
     let (first, last) = (recording.times[0], recording.times[recording.times.len() - 1]);

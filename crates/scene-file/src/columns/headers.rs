@@ -5,6 +5,7 @@ use crate::unit_names::canonical;
 use crate::{nearest, quantity};
 use scene::message::Quoted;
 use scene::variables::TABLE;
+use scene::variables::units::ONE;
 use std::borrow::Cow;
 
 /// Most columns that a message lists.
@@ -29,6 +30,9 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("ball", "punch"),
     ("block", "punch"),
     ("loss", "wear"),
+    ("verschlei\u{df}", "wear"),
+    ("verschleiss", "wear"),
+    ("temperatur", "temperature"),
     ("worn", "wear"),
     ("weight", "mass"),
     ("braking", "brake"),
@@ -36,17 +40,30 @@ const SYNONYMS: &[(&str, &str)] = &[
 
 /// Names of rigs, their words written together, and the quantities that they may be; the unit decides between these.
 const NAMES: &[(&[&str], &[&str])] = &[
-    (&["t", "elapsedtime", "testtime", "timestamp", "runtime"], &["time"]),
+    (&["t", "zeit", "elapsedtime", "testtime", "timestamp", "runtime"], &["time"]),
     (
-        &["speed", "stripspeed", "surfacespeed", "rotationalspeed", "rotationspeed", "shaftspeed"],
+        &[
+            "speed",
+            "stripspeed",
+            "surfacespeed",
+            "rotationalspeed",
+            "rotationspeed",
+            "shaftspeed",
+            "geschwindigkeit",
+            "gleitgeschwindigkeit",
+            "drehzahl",
+        ],
         &["sliding_velocity", "angular_velocity"],
     ),
     (&["rpm"], &["angular_velocity"]),
-    (&["load", "normalforce", "fn", "fz", "appliedload", "clampingforce"], &["normal_load"]),
+    (&["load", "normalforce", "fn", "fz", "appliedload", "clampingforce", "normalkraft"], &["normal_load"]),
     (&["friction"], &["friction_force", "friction_torque", "friction_coefficient"]),
-    (&["ff"], &["friction_force"]),
-    (&["torque", "braketorque"], &["friction_torque"]),
-    (&["coefficientoffriction", "cof", "mu", "\u{b5}", "\u{3bc}"], &["friction_coefficient"]),
+    (&["ff", "reibkraft", "reibungskraft"], &["friction_force"]),
+    (&["torque", "braketorque", "reibmoment", "bremsmoment"], &["friction_torque"]),
+    (
+        &["coefficientoffriction", "cof", "mu", "\u{b5}", "\u{3bc}", "reibwert", "reibungszahl"],
+        &["friction_coefficient"],
+    ),
     (
         &["wear", "linearwear", "totalwear", "wearvolume", "volumewear", "volume", "wearmass", "masswear"],
         &["wear_depth", "wear_volume_punch", "wear_volume_strip", "wear_mass_punch", "wear_mass_strip"],
@@ -118,7 +135,7 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
         ([], []) if TABLE.iter().any(|row| row.name == name) => {
             Ok(Match::Unknown(" (a parameter, which the scene sets)".into()))
         }
-        ([], []) => Ok(Match::Unknown(String::new())),
+        ([], []) => Ok(Match::Unknown(symbol.map_or_else(String::new, |symbol| of_unit(symbol, known)))),
         ([], [first, ..]) => Ok(Match::Unknown(match symbol {
             Some(symbol) => format!(" ({} is no known unit of {})", Quoted(symbol), first.with_units()),
             None => format!(" (with a unit it may be {})", first.with_units()),
@@ -128,6 +145,17 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
             Ok(Match::Unknown(format!(" ({}?)", names.join(" or "))))
         }
     }
+}
+
+/// The quantities of rigs that have this unit, for a name that says nothing.
+fn of_unit(symbol: &str, known: &[&Column]) -> String {
+    let fits = |column: &&&Column| {
+        column.unit.name != ONE.name
+            && NAMES.iter().any(|(_, quantities)| quantities.contains(&column.name.as_str()))
+            && quantity::in_si(0.0, symbol, column.unit, column.absolute).is_ok()
+    };
+    let names: Vec<&str> = known.iter().filter(fits).map(|column| column.name.as_str()).collect();
+    if names.is_empty() { String::new() } else { format!(" ({}?)", names.join(" or ")) }
 }
 
 /// Name and unit of a header: `Force [N]`, `Force (N)`, `Force / N`.
@@ -259,6 +287,14 @@ mod tests {
             ("Speed [rpm]", "angular_velocity rpm"),
             ("Speed (m/s)", "sliding_velocity m/s"),
             ("Normal Load [N]", "normal_load N"),
+            ("Zeit [s]", "time s"),
+            ("Geschwindigkeit [m/s]", "sliding_velocity m/s"),
+            ("Drehzahl [1/min]", "angular_velocity 1/min"),
+            ("Normalkraft [kN]", "normal_load kN"),
+            ("Reibkraft [N]", "friction_force N"),
+            ("Reibwert", "friction_coefficient 1"),
+            ("Verschlei\u{df} [\u{b5}m]", "wear_depth \u{b5}m"),
+            ("Temperatur [\u{b0}C]", "contact_temperature \u{b0}C"),
             ("Fn [N]", "normal_load N"),
             ("friction_force_kN", "friction_force kN"),
         ] {
@@ -269,7 +305,8 @@ mod tests {
     #[test]
     fn what_is_not_sure_is_left_with_its_candidates_and_a_slip_is_refused() {
         assert_eq!(meant("Humidity [%]"), "-");
-        assert_eq!(meant("Force [N]"), "-");
+        assert_eq!(meant("Force [N]"), "- (normal_load or friction_force?)");
+        assert_eq!(meant("Bremsdruck [bar]"), "-");
         assert_eq!(meant("Wear [mg]"), "- (wear_mass_punch or wear_mass_strip?)");
         assert_eq!(meant("Load"), "- (with a unit it may be normal_load [N or kN or mN])");
         assert_eq!(meant("ambient_temperature [K]"), "- (a parameter, which the scene sets)");

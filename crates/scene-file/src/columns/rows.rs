@@ -126,8 +126,8 @@ pub(crate) fn rows(
         let names = listed(headers.iter().map(String::as_str));
         let mut text = format!("{file}, line {line}: no column {}; found are {names}", missing.headers());
         if !candidates.is_empty() {
-            let [name, _] = reading.spelled();
-            text.push_str(&format!("; {name} names {}, which has its unit", candidates.join(" or ")));
+            let named: Vec<String> = candidates.iter().map(|header| reading.naming(header, &missing.name)).collect();
+            text.push_str(&format!("; {} names one that has its unit", named.join(" or ")));
         }
         bail!(MissingColumn { text, has_candidate: !candidates.is_empty() });
     }

@@ -159,8 +159,8 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
         ),
         (
             "missing",
-            "Zeit [s],sliding_velocity [m/s]\n0,1\n",
-            "Zeit [s], sliding_velocity [m/s]; --column \"HEADER=VARIABLE\" names Zeit [s], which has its unit",
+            "Dauer [s],sliding_velocity [m/s]\n0,1\n",
+            "Dauer [s], sliding_velocity [m/s]; --column \"Dauer [s]=time\" names one that has its unit",
         ),
         ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s or m/min or cm/s]"),
         ("unknown", "time,slope\n0,1\n", "no column speed [m/s or km/h"),
@@ -202,7 +202,7 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
             "time,speed_m_per_s,outside [degC]\n0,1,-999\n",
             "\"-999\" is below absolute zero; a gap is an empty cell",
         ),
-        ("preamble", "Rig;3\nZeit;v [m/s];Kraft\n0;1;2\n", "line 2: no column time or time [s"),
+        ("preamble", "Rig;3\nDauer;v [m/s];Kraft\n0;1;2\n", "line 2: no column time or time [s"),
         ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line 3: 1 cells, and the header has 2"),
         ("comma", "time,speed_m_per_s\n0,5,1\n", "line 2: 3 cells, and the header has 2; numbers have a decimal point"),
     ] {
