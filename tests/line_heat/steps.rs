@@ -237,3 +237,20 @@ fn cells_that_alternate_are_passed_in_steps_of_what_their_marks_last() {
     let run = Application::read("saw_blade_guide").run(&changes).unwrap();
     assert!(run.steps < 20_000, "{}", run.steps);
 }
+
+/// The pads of a brake touch for the first time in a step of a millisecond, which a thousandth of `nominal.duration` does not resolve.
+#[test]
+fn a_first_touch_at_a_kilohertz_is_no_longer_step_than_others() {
+    let own =
+        [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-2), ("nominal.duration", 1369.0)];
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &own);
+    drive.set("sliding_velocity", 9.0).slope("normal_load", 5e3);
+    let mut most = 0;
+    for step in 0..1000 {
+        let before = drive.0.work();
+        drive.set("normal_load", 5.0 * f64::from(step)).step(1e-3);
+        let now = drive.0.work();
+        most = most.max(now.0 + now.1 - before.0 - before.1);
+    }
+    assert!(most <= 8, "{most} internal steps in a millisecond");
+}

@@ -3,7 +3,6 @@
 //! Theory: docs/theory.md, section 7.3.
 
 use super::StepFailure;
-use numerics::maximum::maximum;
 
 /// Largest number of internal steps tried in a communication step.
 pub(crate) const MOST_STEPS: u32 = 200_000;
@@ -38,13 +37,6 @@ impl Budget {
     /// Resets the counters at the start of a communication step.
     pub(crate) fn start(&mut self) {
         (self.steps, self.solutions) = (0, 0);
-    }
-
-    /// Factor on the least part of an error that controls a step: 1 up to a 32nd of the budget, then doubled with each 128th. Cells that open
-    /// hot and close cold have no state of rest, and alternate in the shortest steps that they are given.
-    pub(crate) fn relaxation(&self) -> f64 {
-        let spent = maximum(f64::from(self.steps) / f64::from(MOST_STEPS), self.solutions as f64 / self.most as f64);
-        (128.0 * maximum(spent - 1.0 / 32.0, 0.0)).exp2()
     }
 
     /// Counts an internal step that is about to be tried.

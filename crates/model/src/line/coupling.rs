@@ -68,8 +68,7 @@ struct Parameters {
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
     /// Shortest time to be resolved, at most that of diffusion through either body, and time of diffusion across a cell, s.
-    resolved: f64,
-    across: f64,
+    times: [f64; 2],
 }
 
 /// Iterate of the stage under way, N values each, and workspace of the iteration.
@@ -211,8 +210,7 @@ impl ThermalCoupling {
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
-                resolved: through.fold(shortest(&operators.scene), f64::min),
-                across,
+                times: [through.fold(shortest(&operators.scene), f64::min), across],
             },
             work: bodies.each_ref().map(|body| body.as_ref().map(|own| own.workspace())),
             bodies,

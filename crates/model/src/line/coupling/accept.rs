@@ -2,9 +2,9 @@
 //!
 //! Theory: docs/theory.md, sections 7.1, 5.3.
 
+use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, state_of, weighted};
-use super::{Parameters, ThermalCoupling};
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
@@ -56,27 +56,29 @@ fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], hidden: impl Fn(usize
 }
 
 impl Solved<'_> {
-    /// Part of a temperature error in this step that is left after the shortest time to be resolved, and where a cell closes after the time
-    /// of diffusion across it.
+    /// Part of the shortest time to be resolved that the step takes, by which its thermal error counts: the errors within that time add up
+    /// to one tolerance.
     ///
-    /// What a wrong flux over a step h has heated decays as `h t^(-1/2)` until it has spread through the body. The error relative to the
-    /// rise since a jump of the flux, or since bodies of two temperatures have met, is the same in a first step of any length.
-    fn left(&self, state: &HeatState) -> f64 {
-        let Parameters { resolved, across, .. } = self.0.parameters;
-        let time = if self.closes(state) { maximum(resolved, across) } else { resolved };
-        (self.0.step / time).sqrt().min(1.0)
+    /// A flux that jumps, or begins as `t^(-1/2)` where bodies of two temperatures meet, has the same error in a first step of any length,
+    /// relative to the rise since then. What lasts of it is heat, and goes with the length of the step; where a cell closes beside
+    /// others, for no longer than heat takes across it.
+    fn part(&self, state: &HeatState) -> f64 {
+        let [shortest, across] = self.0.parameters.times;
+        self.0.step / if self.closes(state) { maximum(shortest, across) } else { shortest }
     }
 
-    /// Whether more than `least` of a temperature error in this step is left.
-    pub(crate) fn leaves(&self, given: &StepData<'_>, least: f64) -> bool {
-        self.left(state_of(given)) > least
+    /// Whether the thermal error of the step counts for more than `least`.
+    pub(crate) fn is_controlled(&self, given: &StepData<'_>, least: f64) -> bool {
+        self.part(state_of(given)) > least
     }
 
-    /// Whether a cell that exchanged no heat at the start of the step does so at one of its stages.
+    /// Whether a cell that exchanged no heat at the start of the step, where others did, does so at one of its stages.
     fn closes(&self, state: &HeatState) -> bool {
+        let before = &state.flux[0];
         let [first, end] = self.0.flux.each_ref().map(|flux| &flux[0]);
-        let mut cells = state.flux[0].iter().zip(first.iter().zip(end));
+        let mut cells = before.iter().zip(first.iter().zip(end));
         cells.any(|(before, (first, end))| *before == 0.0 && (*first != 0.0 || *end != 0.0))
+            && before.iter().any(|before| *before != 0.0)
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
@@ -84,8 +86,8 @@ impl Solved<'_> {
     pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64) -> f64 {
         let operators = given.operators;
         let state = state_of(given);
-        let left = self.left(state);
-        let faces = left * self.error_of_faces(operators, state, bound);
+        let part = self.part(state).min(1.0);
+        let faces = part * self.error_of_faces(operators, state, bound);
         if self.0.open {
             return faces;
         }
@@ -125,7 +127,7 @@ impl Solved<'_> {
         }
         let moved = (moved_square / width).sqrt();
         let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.whole * rise));
-        maximum(left * cells, faces)
+        maximum(part * cells, faces)
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
