@@ -45,31 +45,40 @@ pub(super) fn deviation_from_line([before, first, end]: [f64; 3], hidden: f64) -
 /// [`deviation_from_line`] of the fluxes of a body before the step, at its first stage and at its end, W/m2, by cells.
 ///
 /// A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the step more or less than it should, and deviates by
-/// half of its flux. One that closes counts as smooth: its flux jumps by the difference of both temperatures over the square root of the
-/// step, whose effect no shorter step makes smaller.
-fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], hidden: impl Fn(usize) -> f64, defect: &mut [f64]) {
+/// half of its flux. Where the flux has jumped, as in a cell that closes, `hidden` of a jump is not seen, and `part` of the deviation lasts.
+fn flux_defect(
+    closed: [&[bool]; 2],
+    flux: [&Vec<f64>; 3],
+    jumped: impl Fn(usize) -> bool,
+    [hidden, part]: [f64; 2],
+    defect: &mut [f64],
+) {
     for (i, defect) in defect.iter_mut().enumerate() {
         let [before, first, end] = flux.map(|flux| flux[i]);
         let opens = closed[0][i] && !closed[1][i];
-        *defect = if opens { 0.5 * (end - first) } else { deviation_from_line([before, first, end], hidden(i)) };
+        *defect = match (opens, jumped(i)) {
+            (true, _) => 0.5 * (end - first),
+            (false, true) => part * deviation_from_line([before, first, end], hidden),
+            (false, false) => deviation_from_line([before, first, end], 0.0),
+        };
     }
 }
 
 impl Solved<'_> {
-    /// Part of the shortest time to be resolved that the step takes, by which its thermal error counts: the errors within that time add up
-    /// to one tolerance.
-    ///
-    /// A flux that jumps, or begins as `t^(-1/2)` where bodies of two temperatures meet, has the same error in a first step of any length,
-    /// relative to the rise since then. What lasts of it is heat, and goes with the length of the step; where a cell closes beside
-    /// others, for no longer than heat takes across it.
-    fn part(&self, state: &HeatState) -> f64 {
-        let [shortest, across] = self.0.parameters.times;
-        self.0.step / if self.closes(state) { maximum(shortest, across) } else { shortest }
+    /// Whether the step is long enough for its thermal error to be controlled: longer than a tolerance of the shortest time to be resolved.
+    pub(crate) fn is_controlled(&self, tolerance: f64) -> bool {
+        self.0.step > tolerance * self.0.parameters.times[0]
     }
 
-    /// Whether the thermal error of the step counts for more than `least`.
-    pub(crate) fn is_controlled(&self, given: &StepData<'_>, least: f64) -> bool {
-        self.part(state_of(given)) > least
+    /// Part of the error by a flux that jumps at the start of the step that lasts for the shortest time to be resolved, and where a cell closes
+    /// beside others for the time of diffusion across it.
+    ///
+    /// A flux that jumps, or begins as `t^(-1/2)` where bodies of two temperatures meet, has the same error in a first step of any length,
+    /// relative to the rise since then; what it has heated decays as `h t^(-1/2)`.
+    fn lasting(&self, state: &HeatState) -> f64 {
+        let [shortest, across] = self.0.parameters.times;
+        let time = if self.closes(state) { maximum(shortest, across) } else { shortest };
+        (self.0.step / time).sqrt().min(1.0)
     }
 
     /// Whether a cell that exchanged no heat at the start of the step, where others did, does so at one of its stages.
@@ -86,8 +95,8 @@ impl Solved<'_> {
     pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64) -> f64 {
         let operators = given.operators;
         let state = state_of(given);
-        let part = self.part(state).min(1.0);
-        let faces = part * self.error_of_faces(operators, state, bound);
+        let lasting = self.lasting(state);
+        let faces = self.error_of_faces(operators, state, bound);
         if self.0.open {
             return faces;
         }
@@ -99,14 +108,15 @@ impl Solved<'_> {
         let mut rise = LEAST_RISE;
         heat.iterate.sums[1].fill(0.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
-        let both = heat.bodies.iter().all(Option::is_some);
+        // A body alone takes all the heat at once.
+        let hidden = if heat.bodies.iter().all(Option::is_some) { HIDDEN } else { 0.0 };
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
             let flux = [&state.flux[side], &heat.flux[0][side], &heat.flux[1][side]];
-            // The slope is 0 after a jump, and a body alone takes all the heat at once.
-            let hidden = |i: usize| if both && state.slope[side][i] == 0.0 { HIDDEN } else { 0.0 };
-            flux_defect(closed, flux, hidden, &mut heat.iterate.difference);
+            // The slope is 0 after a jump.
+            let jumped = |i: usize| state.slope[side][i] == 0.0;
+            flux_defect(closed, flux, jumped, [hidden, lasting], &mut heat.iterate.difference);
             heat.iterate.sums[0].fill(0.0);
             dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {
@@ -127,7 +137,7 @@ impl Solved<'_> {
         }
         let moved = (moved_square / width).sqrt();
         let cells = maximum(moved / bound, temperature_error / (operators.budget.steps.whole * rise));
-        maximum(part * cells, faces)
+        maximum(cells, faces)
     }
 
     /// The same from the fluxes into the cooled faces, whether or not there is contact.
