@@ -292,7 +292,9 @@ mod tests {
     #[test]
     fn the_cheapest_level_on_a_short_stop_meets_the_tolerance() {
         let (file, trajectory) = (stock(), stop(STOP).unwrap());
+        let begin = std::time::Instant::now();
         let levels = compare(&file, &trajectory, 1e-2, &mut |_, _| ()).unwrap();
+        let whole = begin.elapsed().as_secs_f64();
         let cheapest = levels.cheapest().unwrap();
         let on = |level: ModelLevel, tolerance: f64| {
             let mut file = file.clone();
@@ -305,6 +307,9 @@ mod tests {
             }
             history(&run(&file, &trajectory, &[], &mut |_| ()).unwrap(), 293.15)
         };
+        // Times are those of the runs, not of a part of them that was multiplied.
+        let seconds: f64 = levels.candidates.iter().map(|known| known.seconds).sum();
+        assert!(seconds > 0.02 * whole && seconds < whole, "{seconds} of {whole} s: {levels:?}");
         let error = largest(Distance::of(&on(ModelLevel::Line(49), 5e-4), &on(cheapest.level, 1e-2)).relative());
         let stated = largest(cheapest.errors);
         assert!(error <= 1e-2, "{error}: {levels:?}");
