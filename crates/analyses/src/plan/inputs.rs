@@ -319,6 +319,23 @@ mod tests {
         }
     }
 
+    /// Two rows of a stop say what its 41 rows say: what happens between them counts, and every level has an error.
+    #[test]
+    fn sparse_rows_are_divided_and_every_level_has_an_error() {
+        let header = "time [s],sliding_velocity [m/s],normal_load [N]";
+        let dense: String =
+            (0..=40).map(|k| format!("{},{},3000\n", 0.1 * f64::from(k), 5.0 - 0.125 * f64::from(k))).collect();
+        let [sparse, dense] = [format!("{header}\n0,5,3000\n4,0,3000\n"), format!("{header}\n{dense}")].map(|text| {
+            let levels = compare(&stock(), &stop(&text).unwrap(), 0.1, &mut |_, _| ()).unwrap();
+            levels.candidates.iter().map(|known| known.errors).collect::<Vec<_>>()
+        });
+        println!("{sparse:?} {dense:?}");
+        assert!(sparse.len() >= 3 && sparse.as_flattened().iter().all(|error| error.is_finite()), "{sparse:?}");
+        for (one, other) in sparse.as_flattened().iter().zip(dense.as_flattened()) {
+            assert!((one - other).abs() < 0.2 * other + 1e-3, "{sparse:?} {dense:?}");
+        }
+    }
+
     #[test]
     fn where_no_level_meets_the_tolerance_the_smallest_error_is_named() {
         let known = |level, error| Candidate { level, errors: [error; 3], steps: 1, seconds: 1.0 };
