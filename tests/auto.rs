@@ -65,3 +65,20 @@ fn tolerances_are_met_and_errors_are_stated_on_machine_elements() {
     assert!(stated.iter().all(|ratio| *ratio > 0.1), "{stated:?}");
     assert!(10 * within(5.0) >= 7 * stated.len(), "{stated:?}");
 }
+
+/// What starts and stops is not taken for `lumped` for its sliding alone, in which both levels agree.
+#[test]
+fn standing_tells_the_levels_apart() {
+    for name in ["duty_cycle", "saw_blade_guide"] {
+        let scene = Application::read(name);
+        let run = |level: f64, tolerance: f64| {
+            scene.run(&[("solver.fidelity", level), ("solver.tolerance", tolerance)]).unwrap()
+        };
+        let truth = run(3.0, 1e-3);
+        let (lumped, auto) = (run(2.0, 1e-3), run(1.0, 1e-2));
+        let [wrong, error] = [lumped, auto.clone()].map(|run| run.error(&truth));
+        println!("{name}: lumped {wrong:.1e}; auto {error:.1e} on {} cells, {:.1e}", auto.cells, auto.estimated_error);
+        assert!(wrong > 5e-2 && auto.cells == 17, "{name}: {wrong}, {} cells", auto.cells);
+        assert!(error < 1e-2 || auto.estimated_error > 1e-2, "{name}: {error}, {}", auto.estimated_error);
+    }
+}

@@ -304,6 +304,42 @@ fn slab_with_path(
     [t[0] + heat * 0.5 * dx / k, t.iter().sum::<f64>() / CELLS as f64, given]
 }
 
+/// A pad of 800 K without load, its top beside a neighbour of 293 K through 1 and 1,000 W/K, where the pad itself limits the flow.
+#[test]
+fn a_hot_pad_without_load_cools_through_its_heat_path_as_finite_volumes_say() {
+    let (k, capacity, height, area) = (2.0, 2500.0 * 1000.0, 0.012, 0.06 * 0.05);
+    for (level, changes) in LEVELS {
+        for (time, conductance) in [1.0, 10.0, 100.0].into_iter().flat_map(|time| [(time, 1.0), (time, 1e3)]) {
+            let scene = [
+                ("punch.width", 0.06),
+                ("depth", 0.05),
+                ("punch.height", height),
+                ("punch.conductivity", k),
+                ("punch.density", 2500.0),
+                ("punch.specific_heat", 1000.0),
+                ("punch.convection", 0.0),
+                ("punch.convection_forced", 0.0),
+                ("punch.emissivity", 0.0),
+                ("punch.count", 1.0),
+                ("contact.faces", 1.0),
+                ("punch.top_thermal", INSULATED),
+                ("punch.external_conductance", conductance),
+                ("punch.external_temperature", 293.15),
+                ("punch.initial_at_ambient", 0.0),
+                ("punch.initial_temperature", 800.0),
+                ("solver.tolerance", 1e-3),
+            ];
+            let mut drive = Drive::stock(&[&scene[..], changes].concat());
+            drive.step(time);
+            let [punch, ..] = temperatures(&mut drive);
+            let through = [0.0, conductance / area];
+            let [_, exact, _] = slab_with_path([800.0, 293.15], [k, capacity, height], through, time);
+            let text = format!("{level}, {conductance} W/K, {time} s: {punch} K for {exact} K");
+            assert!((punch - exact).abs() < 4e-3 * (800.0 - 293.15), "{text}");
+        }
+    }
+}
+
 #[test]
 fn a_heat_path_of_the_strip_acts_as_finite_volumes_say() {
     // A ring that slides on its whole path heats the strip evenly; its base has a path to a neighbour that is hotter.

@@ -151,3 +151,27 @@ fn a_path_that_opens_is_the_path_from_the_start() {
         }
     }
 }
+
+/// Heat from a far face takes milliseconds to the contact of a pin and of a pad, however far the air has jumped.
+#[test]
+fn air_a_million_kelvin_hotter_moves_no_contact_at_once() {
+    for name in ["pin_on_disk", "disc_brake"] {
+        for (level, changes) in LEVELS {
+            for (far, jump) in [(CONVECTING, 1e6), (HELD, 1e5)] {
+                let own = [
+                    ("punch.top_thermal", far),
+                    ("strip.base_thermal", far),
+                    ("punch.emissivity", 0.0),
+                    ("strip.emissivity", 0.0),
+                    ("strip.property_table.points", 0.0),
+                ];
+                let mut drive = Drive::from_starts(&scene(name), &[changes, &own].concat());
+                drive.set("normal_load", 10.0).step(1.0);
+                let before = drive.get("contact_temperature");
+                drive.set("ambient_temperature_offset", jump).step(1e-6);
+                let moved = (drive.get("contact_temperature") - before) / jump;
+                assert!(moved.abs() < 1e-4, "{name}, {level}, face {far}: {moved}");
+            }
+        }
+    }
+}

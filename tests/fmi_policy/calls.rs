@@ -337,6 +337,38 @@ fn every_phase_is_reached_and_distinct() {
     }
 }
 
+/// Wear that no step can be taken with is refused before the first one, whatever the level and the nominal duration; what is
+/// initialised also steps.
+#[test]
+fn an_accelerated_scene_that_auto_takes_can_be_stepped() {
+    for duration in [10.0, 1e4] {
+        for acceleration in [1.0, 1e3] {
+            let importer = Importer::new();
+            assert_eq!(importer.set_integer("solver.fidelity", 1), Status::Ok);
+            let values = [duration, acceleration];
+            assert_eq!(importer.set_real(&["nominal.duration", "wear_acceleration"], &values), Status::Ok);
+            assert_eq!(importer.setup(Some(1e-2), 0.0, None), Status::Ok);
+            assert_eq!(importer.enter(), Status::Ok);
+            let status = importer.exit();
+            let log = importer.take_log();
+            let text = log.last().map(|entry| entry.2.clone()).unwrap_or_default();
+            if status != Status::Ok {
+                assert!(acceleration > 1.0 && text.contains("the limit is 0.5"), "{values:?}: {text}");
+                continue;
+            }
+            assert_eq!(importer.set_real(&["sliding_velocity", "normal_load"], &[1.0, 1e3]), Status::Ok);
+            for step in 0..3 {
+                assert_eq!(
+                    importer.step(0.1 * f64::from(step), 0.1),
+                    Status::Ok,
+                    "{values:?}: {:?}",
+                    importer.take_log()
+                );
+            }
+        }
+    }
+}
+
 /// What would make every later step fail is refused where it is set.
 #[test]
 fn wear_accelerated_against_growth_is_refused_at_initialisation_and_while_stepping() {

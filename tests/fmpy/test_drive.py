@@ -107,6 +107,8 @@ def test_the_command_writes_what_it_says(tmp_path):
     # The printed table names its level and has the results of the contact line beside it.
     assert result["level"] == "lumped" and list(result["levels"]) == ["lumped", "line, 17 cells", "line, 9 cells"]
     lumped, line, _ = result["levels"].values()
+    # At the tolerance that the page says, which 1e-2 missed by a factor of two.
+    assert all(simulation.line(cells)["solver.tolerance"] == 1e-3 for cells in simulation.LINE_CELLS)
     assert lumped["contact_temperature_peak_degC"] == result["contact_temperature_peak_degC"]
     assert line["contact_temperature_peak_degC"] > lumped["contact_temperature_peak_degC"] + 1.0
     assert line["friction_torque_peak_N_m"] == pytest.approx(lumped["friction_torque_peak_N_m"], rel=0.02)

@@ -229,6 +229,23 @@ fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
     }
 }
 
+/// The same to the tolerance where it is fine: one step of 200 s has nothing that step control does not see.
+#[test]
+fn hot_spots_in_one_step_are_those_of_seconds_at_a_fine_tolerance() {
+    let run = |step: f64| {
+        let changes = [("solver.cells", 32.0), ("solver.tolerance", 1e-4)];
+        let mut drive = Drive::from_starts(&scene("hot_spots"), &changes);
+        let cold = drive.get("contact_temperature_max");
+        drive.set("sliding_velocity", 0.2).set("normal_load", 200.0).steps((200.0 / step).round() as u32, step);
+        assert!(drive.get("contact_fraction") < 0.2);
+        [drive.get("contact_temperature_max") - cold, drive.get("pressure_max")]
+    };
+    let [one, parts] = [200.0, 1.0].map(run);
+    let apart = [0, 1].map(|k| (one[k] / parts[k] - 1.0).abs());
+    println!("{one:?} {parts:?} {apart:?}");
+    assert!(apart[0] < 2e-4 && apart[1] < 3e-3, "{one:?} {parts:?}");
+}
+
 /// Cells at the edge that open hot and close cold alternate; stepped in a 256th of the time of diffusion across a cell of steel, not in what
 /// their marks on the phenolic last, they took four times the steps.
 #[test]

@@ -49,6 +49,35 @@ fn worn_volume_is_the_integral_of_the_law() {
     }
 }
 
+/// The first rate of wear under a sharp flat punch, p = P/(pi sqrt(a2 - x2)): over the mean pressure's it is
+/// (1/2) (2/pi)^b B(1/2, 1 - b/2), and for b = 1.5 cells come near it with order 1/2. A run that measures its error says so.
+#[test]
+fn an_unworn_sharp_edge_wears_with_the_order_and_the_error_that_are_stated() {
+    // B(1/2, 1/4) and B(1/2, 3/4).
+    for (exponent, beta, order) in [(1.5, 5.244_115_108_584_24, 0.5), (0.5, 2.396_280_469_471_18, 1.5)] {
+        let exact = 0.5 * f64::powf(2.0 / std::f64::consts::PI, exponent) * beta;
+        let found = [33.0, 129.0].map(|cells| {
+            let mut drive = line(&[
+                ("solver.cells", cells),
+                ("solver.tolerance", 1e-4),
+                ("solver.error_estimate", 3.0),
+                ("solver.heat", 1.0),
+                ("contact.shear_coupling", 0.0),
+                ("punch.wear_pressure_exponent", exponent),
+                ("punch.wear_coefficient", 1e-20),
+            ]);
+            drive.set("normal_load", 1e4).set("sliding_velocity", 0.01).step(1.0);
+            let mean = 1e-20 * 0.01 * 1e6 * f64::powf(MEAN / 1e6, exponent);
+            (drive.get("wear_depth") / mean / exact - 1.0, drive.get("estimated_error"))
+        });
+        println!("b = {exponent}: {found:?}");
+        let [(coarse, stated), (fine, _)] = found;
+        let observed = (coarse / fine).ln() / (129.0_f64 / 33.0).ln();
+        assert!((observed - order).abs() < 0.1, "b = {exponent}: order {observed}, {found:?}");
+        assert!((0.2..5.0).contains(&(stated / coarse.abs())), "b = {exponent}: {found:?}");
+    }
+}
+
 #[test]
 fn the_taper_is_that_of_the_profile() {
     // Sliding one way, from the flat shape: uneven pressure wears a wedge.

@@ -232,6 +232,17 @@ def test_a_fit_runs_the_scene_as_it_is():
         assert settings["solver.fidelity"] in str(model)
 
 
+def test_the_hottest_temperature_of_a_fit_stands_beside_that_on_half_the_cells():
+    scene = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 9, "solver.tolerance": 1e-2})
+    inputs = {"time [s]": [0.0, 20.0], "sliding_velocity [m/s]": 12.0, "normal_load [kN]": 4.0}
+    found = scene.fit({**inputs, "friction_force [N]": 3000.0}, "contact.friction_coefficient")
+    scene.set(dict(zip(found.names, found.values)))
+    highest = [scene.set("solver.cells", cells).simulate(inputs)["contact_temperature_max [degC]"].max() for cells in (9, 5)]
+    assert highest[1] != pytest.approx(highest[0], abs=1.0)
+    said = f"highest contact temperature, degC: {highest[0]:.0f} (5 cells: {highest[1]:.0f}"
+    assert said in str(found), (said, str(found))
+
+
 def test_an_interrupted_fit_has_what_it_found_and_goes_on_from_there():
     lines = []
 

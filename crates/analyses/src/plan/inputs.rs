@@ -292,7 +292,9 @@ mod tests {
     #[test]
     fn the_cheapest_level_on_a_short_stop_meets_the_tolerance() {
         let (file, trajectory) = (stock(), stop(STOP).unwrap());
+        let begin = std::time::Instant::now();
         let levels = compare(&file, &trajectory, 1e-2, &mut |_, _| ()).unwrap();
+        let whole = begin.elapsed().as_secs_f64();
         let cheapest = levels.cheapest().unwrap();
         let on = |level: ModelLevel, tolerance: f64| {
             let mut file = file.clone();
@@ -305,12 +307,32 @@ mod tests {
             }
             history(&run(&file, &trajectory, &[], &mut |_| ()).unwrap(), 293.15)
         };
+        // Times are those of the runs, not of a part of them that was multiplied.
+        let seconds: f64 = levels.candidates.iter().map(|known| known.seconds).sum();
+        assert!(seconds > 0.02 * whole && seconds < whole, "{seconds} of {whole} s: {levels:?}");
         let error = largest(Distance::of(&on(ModelLevel::Line(49), 5e-4), &on(cheapest.level, 1e-2)).relative());
         let stated = largest(cheapest.errors);
         assert!(error <= 1e-2, "{error}: {levels:?}");
         assert!(error <= 2.0 * stated && stated <= 5.0 * error.max(1e-3), "{error} {stated}: {levels:?}");
         for known in levels.candidates.iter().take_while(|known| known.level != cheapest.level) {
             assert!(largest(known.errors) > 1e-2, "{known:?}");
+        }
+    }
+
+    /// Two rows of a stop say what its 41 rows say: what happens between them counts, and every level has an error.
+    #[test]
+    fn sparse_rows_are_divided_and_every_level_has_an_error() {
+        let header = "time [s],sliding_velocity [m/s],normal_load [N]";
+        let dense: String =
+            (0..=40).map(|k| format!("{},{},3000\n", 0.1 * f64::from(k), 5.0 - 0.125 * f64::from(k))).collect();
+        let [sparse, dense] = [format!("{header}\n0,5,3000\n4,0,3000\n"), format!("{header}\n{dense}")].map(|text| {
+            let levels = compare(&stock(), &stop(&text).unwrap(), 0.1, &mut |_, _| ()).unwrap();
+            levels.candidates.iter().map(|known| known.errors).collect::<Vec<_>>()
+        });
+        println!("{sparse:?} {dense:?}");
+        assert!(sparse.len() >= 3 && sparse.as_flattened().iter().all(|error| error.is_finite()), "{sparse:?}");
+        for (one, other) in sparse.as_flattened().iter().zip(dense.as_flattened()) {
+            assert!((one - other).abs() < 0.2 * other + 1e-3, "{sparse:?} {dense:?}");
         }
     }
 
