@@ -176,6 +176,33 @@ fn one_communication_step_ten_and_a_hundred_give_the_same() {
     }
 }
 
+/// A hot pin on a cold disc opens and closes while its load falls: a communication step ends the steps that step control knows, no more.
+#[test]
+fn the_work_does_not_depend_on_how_a_run_is_cut() {
+    let work = |steps: usize| {
+        let hot =
+            [("punch.initial_at_ambient", 0.0), ("punch.initial_temperature", 730.0), ("solver.tolerance", TOLERANCE)];
+        let mut drive = Drive::from_starts(&scene("pin_on_disk"), &[LEVELS[1].1, &hot].concat());
+        let (load, velocity) = (0.2 * drive.get("nominal.load"), drive.get("nominal.velocity"));
+        let still = ("cooling_velocity", [0.0; 2]);
+        let ramps = [
+            ("normal_load", [load, 0.0]),
+            ("sliding_velocity", [0.01 * velocity, 0.004 * velocity]),
+            still,
+            still,
+            still,
+        ];
+        run(&mut drive, &ramps, 0.4, steps).unwrap();
+        let (accepted, rejected) = drive.0.work();
+        (accepted + rejected) as usize
+    };
+    let works = [1, 10, 100].map(|steps| (steps, work(steps)));
+    println!("{works:?}");
+    for (steps, work) in works {
+        assert!(work < 2 * works[0].1 + 4 * steps, "{works:?}");
+    }
+}
+
 /// A ramp of the load to 0 ends beside it by rounding. The contact is open then, also behind a caliper: bodies of different temperatures
 /// exchange no heat.
 #[test]

@@ -229,6 +229,23 @@ fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
     }
 }
 
+/// The same to the tolerance where it is fine: one step of 200 s has nothing that step control does not see.
+#[test]
+fn hot_spots_in_one_step_are_those_of_seconds_at_a_fine_tolerance() {
+    let run = |step: f64| {
+        let changes = [("solver.cells", 32.0), ("solver.tolerance", 1e-4)];
+        let mut drive = Drive::from_starts(&scene("hot_spots"), &changes);
+        let cold = drive.get("contact_temperature_max");
+        drive.set("sliding_velocity", 0.2).set("normal_load", 200.0).steps((200.0 / step).round() as u32, step);
+        assert!(drive.get("contact_fraction") < 0.2);
+        [drive.get("contact_temperature_max") - cold, drive.get("pressure_max")]
+    };
+    let [one, parts] = [200.0, 1.0].map(run);
+    let apart = [0, 1].map(|k| (one[k] / parts[k] - 1.0).abs());
+    println!("{one:?} {parts:?} {apart:?}");
+    assert!(apart[0] < 2e-4 && apart[1] < 3e-3, "{one:?} {parts:?}");
+}
+
 /// Cells at the edge that open hot and close cold alternate; stepped in a 256th of the time of diffusion across a cell of steel, not in what
 /// their marks on the phenolic last, they took four times the steps.
 #[test]
@@ -236,4 +253,21 @@ fn cells_that_alternate_are_passed_in_steps_of_what_their_marks_last() {
     let changes = [("solver.fidelity", 3.0), ("solver.cells", 33.0), ("solver.tolerance", 1e-3)];
     let run = Application::read("saw_blade_guide").run(&changes).unwrap();
     assert!(run.steps < 20_000, "{}", run.steps);
+}
+
+/// The pads of a brake touch for the first time in a step of a millisecond, which a thousandth of `nominal.duration` does not resolve.
+#[test]
+fn a_first_touch_at_a_kilohertz_is_no_longer_step_than_others() {
+    let own =
+        [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-2), ("nominal.duration", 1369.0)];
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &own);
+    drive.set("sliding_velocity", 9.0).slope("normal_load", 5e3);
+    let mut most = 0;
+    for step in 0..1000 {
+        let before = drive.0.work();
+        drive.set("normal_load", 5.0 * f64::from(step)).step(1e-3);
+        let now = drive.0.work();
+        most = most.max(now.0 + now.1 - before.0 - before.1);
+    }
+    assert!(most <= 8, "{most} internal steps in a millisecond");
 }

@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, section 7.3.
 
 use super::StepFailure;
+use numerics::maximum::maximum;
 
 /// Largest number of internal steps tried in a communication step.
 pub(crate) const MOST_STEPS: u32 = 200_000;
@@ -39,6 +40,13 @@ impl Budget {
         (self.steps, self.solutions) = (0, 0);
     }
 
+    /// Factor on the shortest step whose thermal error is controlled: 1 up to a quarter of the budget, then doubled with each 128th. Cells that
+    /// open hot and close cold have no state of rest, and alternate in the shortest steps that they are given.
+    pub(crate) fn relaxation(&self) -> f64 {
+        let spent = maximum(f64::from(self.steps) / f64::from(MOST_STEPS), self.solutions as f64 / self.most as f64);
+        (128.0 * maximum(spent - 0.25, 0.0)).exp2()
+    }
+
     /// Counts an internal step that is about to be tried.
     ///
     /// # Errors
@@ -73,6 +81,11 @@ mod tests {
         }
         let text = budget.spend(|| "here".into()).unwrap_err().to_string();
         assert!(text.contains("after 200000 internal steps (at most 200000) here"), "{text}");
+        budget.start();
+        budget.steps = MOST_STEPS / 4;
+        assert_eq!(budget.relaxation(), 1.0);
+        budget.steps = MOST_STEPS / 32 * 9;
+        assert_eq!(budget.relaxation(), 16.0);
         budget.start();
         let most = (1_u64 << 30) / (33 * 33);
         budget.solutions = most - 1;

@@ -23,13 +23,12 @@ mod properties;
 mod stage;
 mod start;
 
-use super::heat::bodies::Bodies;
+use super::heat::bodies::{Bodies, shortest};
 use super::heat::edges::Edges;
 use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
-use accept::LEAST_PART;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{End, Step, Surroundings, ThermalBody, Workspace};
 use contact::wear::line::WearingContact;
@@ -37,7 +36,6 @@ use faces::Faces;
 use growth_guard::GrowthGuard;
 use numerics::acceleration::Anderson;
 use properties::FrozenProperties;
-use scene::Body;
 
 /// Differences stored for the Anderson acceleration of a stage.
 const ACCELERATION_DEPTH: usize = 8;
@@ -69,23 +67,8 @@ struct Parameters {
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
-    /// Shortest length of a step with thermal control, and longest time for which the bodies are reduced, s.
+    /// Shortest time to be resolved, at most that of diffusion through either body, and time of diffusion across a cell, s.
     times: [f64; 2],
-    /// Shortest length of a step with thermal control in which a cell closes, s.
-    closing: f64,
-}
-
-/// Time (s) within which a cell of `width` (m) that closes exchanges no more than a sixteenth of the heat by which a depth of its
-/// width differs between the bodies.
-///
-/// At a difference `T` the flux begins as `h_c T` and falls to `T e_1 e_2/(e_1 + e_2) t^(-1/2)` with the effusivities `e_i`: what
-/// is left after the time of diffusion across the cell is the heat over `rho c` times the width, largest in the body of the smaller
-/// heat capacity.
-fn closing_time(bodies: [&Body; 2], conductance: f64, width: f64) -> f64 {
-    let [punch, strip] = bodies.map(|body| (body.conductivity * body.capacity()).sqrt());
-    let effusivity = punch * strip / (punch + strip);
-    let heat = LEAST_PART.sqrt() * width * bodies[0].capacity().min(bodies[1].capacity());
-    (heat / conductance).max((heat / effusivity).powi(2))
 }
 
 /// Iterate of the stage under way, N values each, and workspace of the iteration.
@@ -214,11 +197,12 @@ impl ThermalCoupling {
         // The first preparation allocates the weights, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(&Step::new(1.0, [0.0; 2])));
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
-        let (duration, width) = (operators.scene.nominal_duration, 2.0 * operators.cells.half_width() / count as f64);
-        let across = [&operators.scene.punch, strip].map(|body| width * width * body.capacity() / body.conductivity);
-        let shortest = (operators.scene.tolerance.powi(2) * duration).max(LEAST_PART * across[0].min(across[1]));
+        let conducting = [&operators.scene.punch, strip].into_iter().filter(|body| body.conductivity > 0.0);
+        let slowness = conducting.map(|body| (body.capacity() / body.conductivity, body.height));
+        let through = slowness.clone().map(|(slowness, height)| slowness * height.powi(2));
+        let width = 2.0 * operators.cells.half_width() / count as f64;
+        let across = slowness.map(|(slowness, _)| slowness * width.powi(2)).fold(f64::INFINITY, f64::min);
         let exchanges = conductance > 0.0 && bodies.iter().all(Option::is_some);
-        let closing = if exchanges { closing_time([&operators.scene.punch, strip], conductance, width) } else { 0.0 };
         let divides = exchanges && bodies[0].as_ref().is_some_and(|punch| punch.divides_cells());
         ThermalCoupling {
             parameters: Parameters {
@@ -226,8 +210,7 @@ impl ThermalCoupling {
                 diffusivity: strip.conductivity / strip.capacity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
-                times: [shortest, duration],
-                closing: closing.max(shortest),
+                times: [through.fold(shortest(&operators.scene), f64::min), across],
             },
             work: bodies.each_ref().map(|body| body.as_ref().map(|own| own.workspace())),
             bodies,

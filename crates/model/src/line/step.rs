@@ -247,13 +247,13 @@ impl Line {
         let bound = operators.budget.steps.whole * operators.displacement_scale * mean;
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
-            Some(mut solved) if solved.is_controlled(path.length()) => {
+            Some(mut solved) if solved.is_controlled(scene.tolerance * stages.budget.relaxation()) => {
                 let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }
                 let of_properties = solved.error_of_properties(&given);
-                Outcome::Tried(maximum(wear, solved.error(&given, bound, path.length())).max(of_properties))
+                Outcome::Tried(maximum(wear, solved.error(&given, bound)).max(of_properties))
             }
             _ => Outcome::Tried(wear),
         }

@@ -14,11 +14,6 @@ use contact::friction::FrictionLaw;
 use numerics::dense;
 use numerics::maximum::maximum;
 
-/// Part of a communication step down to which thermal errors are controlled in any case, and of the time of diffusion across a
-/// cell. Its square is the limit in all cases, so that a contact that opens and closes all the time does not exhaust the number of
-/// internal steps.
-pub(super) const LEAST_PART: f64 = 1.0 / 256.0;
-
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
 pub(in crate::line) const LEAST_RISE: f64 = 0.1;
@@ -50,50 +45,59 @@ pub(super) fn deviation_from_line([before, first, end]: [f64; 3], hidden: f64) -
 /// [`deviation_from_line`] of the fluxes of a body before the step, at its first stage and at its end, W/m2, by cells.
 ///
 /// A cell that opens between the stages exchanges heat for up to (1 - 2 gamma) of the step more or less than it should, and deviates by
-/// half of its flux. One that closes counts as smooth: its flux jumps by the difference of both temperatures over the square root of the
-/// step, whose effect no shorter step makes smaller.
-fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 3], hidden: impl Fn(usize) -> f64, defect: &mut [f64]) {
+/// half of its flux. Where the flux has jumped, as in a cell that closes, `hidden` of a jump is not seen, and `part` of the deviation lasts.
+fn flux_defect(
+    closed: [&[bool]; 2],
+    flux: [&Vec<f64>; 3],
+    jumped: impl Fn(usize) -> bool,
+    [hidden, part]: [f64; 2],
+    defect: &mut [f64],
+) {
     for (i, defect) in defect.iter_mut().enumerate() {
         let [before, first, end] = flux.map(|flux| flux[i]);
         let opens = closed[0][i] && !closed[1][i];
-        *defect = if opens { 0.5 * (end - first) } else { deviation_from_line([before, first, end], hidden(i)) };
+        *defect = match (opens, jumped(i)) {
+            (true, _) => 0.5 * (end - first),
+            (false, true) => part * deviation_from_line([before, first, end], hidden),
+            (false, false) => deviation_from_line([before, first, end], 0.0),
+        };
     }
 }
 
 impl Solved<'_> {
-    /// Whether the step, part of a communication step of the length `whole` (s), is long enough for its thermal error to be
-    /// controlled.
+    /// Whether the step is long enough for its thermal error to be controlled: longer than a tolerance of the shortest time to be resolved.
+    pub(crate) fn is_controlled(&self, tolerance: f64) -> bool {
+        self.0.step > tolerance * self.0.parameters.times[0]
+    }
+
+    /// Part of the error by a flux that jumps at the start of the step that lasts for the shortest time to be resolved, and where a cell closes
+    /// beside others for the time of diffusion across it.
     ///
-    /// The flux through a cell that closes begins as `t^(-1/2)`: no shorter step reduces the relative error of its first one, and
-    /// what lasts of it goes with the root of the step over the time of diffusion across a cell. The bodies are reduced for the
-    /// nominal duration, over which a step of tolerance^2 of it has the impedance of one tolerance; not for longer communication
-    /// steps.
-    pub(crate) fn is_controlled(&self, whole: f64) -> bool {
-        self.is_longer(self.0.parameters.times[0], whole)
+    /// A flux that jumps, or begins as `t^(-1/2)` where bodies of two temperatures meet, has the same error in a first step of any length,
+    /// relative to the rise since then; what it has heated decays as `h t^(-1/2)`.
+    fn lasting(&self, state: &HeatState) -> f64 {
+        let [shortest, across] = self.0.parameters.times;
+        let time = if self.closes(state) { maximum(shortest, across) } else { shortest };
+        (self.0.step / time).sqrt().min(1.0)
     }
 
-    /// Whether the step is longer than `shortest` (s), within what a communication step of the length `whole` (s) admits.
-    fn is_longer(&self, shortest: f64, whole: f64) -> bool {
-        let part = LEAST_PART * whole;
-        self.0.step > if whole > self.0.parameters.times[1] { part } else { part.min(shortest.max(LEAST_PART * part)) }
-    }
-
-    /// Whether a cell that exchanged no heat at the start of the step does so at one of its stages.
+    /// Whether a cell that exchanged no heat at the start of the step, where others did, does so at one of its stages.
     fn closes(&self, state: &HeatState) -> bool {
+        let before = &state.flux[0];
         let [first, end] = self.0.flux.each_ref().map(|flux| &flux[0]);
-        let mut cells = state.flux[0].iter().zip(first.iter().zip(end));
+        let mut cells = before.iter().zip(first.iter().zip(end));
         cells.any(|(before, (first, end))| *before == 0.0 && (*first != 0.0 || *end != 0.0))
+            && before.iter().any(|before| *before != 0.0)
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of their part of the tolerance;
-    /// `bound` is that of the displacement, in m. Where surfaces meet at two temperatures in less than [`closing_time`](super::closing_time),
-    /// that of the faces alone: a cell that opens hot and closes cold has no state of rest, and alternates in the shortest steps that it is given.
-    pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64, whole: f64) -> f64 {
+    /// `bound` is that of the displacement, in m.
+    pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64) -> f64 {
         let operators = given.operators;
         let state = state_of(given);
+        let lasting = self.lasting(state);
         let faces = self.error_of_faces(operators, state, bound);
-        let meets = self.closes(state) && !self.is_longer(self.0.parameters.closing, whole);
-        if self.0.open || meets {
+        if self.0.open {
             return faces;
         }
         let heat = &mut *self.0;
@@ -104,14 +108,15 @@ impl Solved<'_> {
         let mut rise = LEAST_RISE;
         heat.iterate.sums[1].fill(0.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
-        let both = heat.bodies.iter().all(Option::is_some);
+        // A body alone takes all the heat at once.
+        let hidden = if heat.bodies.iter().all(Option::is_some) { HIDDEN } else { 0.0 };
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
             let flux = [&state.flux[side], &heat.flux[0][side], &heat.flux[1][side]];
-            // The slope is 0 after a jump, and a body alone takes all the heat at once.
-            let hidden = |i: usize| if both && state.slope[side][i] == 0.0 { HIDDEN } else { 0.0 };
-            flux_defect(closed, flux, hidden, &mut heat.iterate.difference);
+            // The slope is 0 after a jump.
+            let jumped = |i: usize| state.slope[side][i] == 0.0;
+            flux_defect(closed, flux, jumped, [hidden, lasting], &mut heat.iterate.difference);
             heat.iterate.sums[0].fill(0.0);
             dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {

@@ -122,6 +122,7 @@ fn path_of(scene: &Scene) -> SlidingPath {
 }
 
 /// Shortest time to be resolved, s: a thousandth of the nominal duration, in reciprocating sliding at most a 60th of the cycle.
+/// Bodies are reduced for it, and of an error by a jump what lasts for it counts.
 pub(crate) fn shortest(scene: &Scene) -> f64 {
     let cycle = match path_of(scene) {
         SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
