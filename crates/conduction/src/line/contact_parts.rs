@@ -14,70 +14,66 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
+use numerics::maximum::maximum;
+
 /// Number of parts of a cell.
 pub const PARTS: usize = 4;
 
-/// Multiples of 1/`LEVELS` are the fractions of a part: operators change where one does. With whole parts an edge jumped by a
-/// quarter of a cell, and which way it went could change a run by up to a hundredth, whatever the step.
-const LEVELS: u8 = 16;
+/// Least fraction in contact of one part of a cell in contact, with which heat enters a width that does not vanish.
+const LEAST: f64 = 1.0 / 16.0;
 
 /// All of every part.
-const WHOLE: [u8; PARTS] = [LEVELS; PARTS];
+const WHOLE: [f64; PARTS] = [1.0; PARTS];
 
 /// Parts in contact of every cell. Cells that do not exchange heat count as whole.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactParts {
-    /// From the -x edge of the cell to its +x edge, in units of 1/[`LEVELS`]; not all 0.
-    touching: Vec<[u8; PARTS]>,
+    /// From the -x edge of the cell to its +x edge; not all 0.
+    fractions: Vec<[f64; PARTS]>,
 }
 
 impl ContactParts {
     /// Whole cells.
     pub fn whole(count: usize) -> ContactParts {
-        ContactParts { touching: vec![WHOLE; count] }
+        ContactParts { fractions: vec![WHOLE; count] }
     }
 
     /// Makes all cells whole.
     pub fn make_whole(&mut self) {
-        self.touching.fill(WHOLE);
+        self.fractions.fill(WHOLE);
     }
 
     /// Takes those of as many other cells.
     pub fn copy_from(&mut self, other: &ContactParts) {
-        self.touching.copy_from_slice(&other.touching);
+        self.fractions.copy_from_slice(&other.fractions);
     }
 
-    /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the least contact as 1/[`LEVELS`] of
-    /// a part.
+    /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the part of the most contact as at
+    /// least [`LEAST`] in contact.
     pub fn set(&mut self, cell: usize, fractions: [f64; PARTS]) {
-        let most = fractions.iter().copied().fold(0.0, f64::max);
-        if most == 0.0 {
-            self.touching[cell] = WHOLE;
-            return;
-        }
-        let least = if most < 0.5 / f64::from(LEVELS) { most } else { f64::INFINITY };
-        self.touching[cell] =
-            fractions.map(|fraction| if fraction >= least { 1 } else { (f64::from(LEVELS) * fraction).round() as u8 });
+        let most = fractions.iter().copied().fold(0.0, maximum);
+        let raised = |fraction: f64| if fraction == most { maximum(fraction, LEAST) } else { fraction };
+        self.fractions[cell] = if most == 0.0 { WHOLE } else { fractions.map(raised) };
     }
 
     /// Fraction in contact of a part of the cell.
     pub(crate) fn of_part(&self, cell: usize, part: usize) -> f64 {
-        f64::from(self.touching[cell][part]) / f64::from(LEVELS)
+        self.fractions[cell][part]
     }
 
     /// Whether only some parts of the cell are in contact.
     pub fn is_partial(&self, cell: usize) -> bool {
-        self.touching[cell] != WHOLE
+        self.fractions[cell] != WHOLE
     }
 
     /// Whether all cells are whole.
     pub fn is_whole(&self) -> bool {
-        self.touching.iter().all(|touching| *touching == WHOLE)
+        self.fractions.iter().all(|fractions| *fractions == WHOLE)
     }
 
     /// Fraction in contact of the width of a cell.
     pub fn fraction(&self, cell: usize) -> f64 {
-        self.touching[cell].iter().map(|part| f64::from(*part)).sum::<f64>() / (f64::from(LEVELS) * PARTS as f64)
+        self.fractions[cell].iter().sum::<f64>() / PARTS as f64
     }
 }
 
@@ -94,12 +90,12 @@ mod tests {
         contact_parts.set(2, [1.0, 0.0, 0.0, 0.47]);
         contact_parts.set(3, [1.0, 0.98, 1.0, 1.0]);
         let of_parts = |cell: usize| [0, 1, 2, 3].map(|part| contact_parts.of_part(cell, part));
-        assert_eq!([0, 2].map(of_parts), [[0.0, 0.25, 1.0, 1.0], [1.0, 0.0, 0.0, 0.5]]);
-        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.fraction(cell)), [0.5625, 1.0 / 64.0, 0.375, 1.0]);
+        assert_eq!([0, 2].map(of_parts), [[0.0, 0.25, 1.0, 1.0], [1.0, 0.0, 0.0, 0.47]]);
+        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.fraction(cell)), [0.5625, 1.0 / 64.0, 0.3675, 0.995]);
         contact_parts.set(0, [0.0; PARTS]);
         assert_eq!(contact_parts.fraction(0), 1.0);
         contact_parts.set(0, [0.0, 0.25, 1.0, 1.0]);
-        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, true, false]);
+        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, true, true]);
         contact_parts.make_whole();
         assert_eq!(contact_parts, ContactParts::whole(4));
     }

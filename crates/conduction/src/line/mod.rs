@@ -210,7 +210,7 @@ pub struct Account {
 }
 
 /// How the cells of a body exchange heat over a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exchange<'a> {
     /// Through whole cells.
     Whole,

@@ -269,6 +269,24 @@ mod tests {
         (0..count).map(|cell| contact_parts.fraction(cell)).collect()
     }
 
+    /// With fractions in steps of a 64th of a cell the fluxes jumped at each of them, and hot bands took nine times the steps.
+    #[test]
+    fn the_width_in_contact_follows_the_edge_without_steps() {
+        let edges = edges(false);
+        // From 0.2 to 0.9 of the way between the centres of cells 3 and 4, of which the second counts as whole without contact.
+        let width = |number: i32| {
+            let mut state = EdgeState::new(6);
+            let steady = contact(&[4.0, 3.0, 2.0, 1.0, -4.0 + 3.9e-3 * f64::from(number), -9.0]);
+            edges.follow([&steady, &steady], 1.0, worn(&[0.0; 6]), &mut state);
+            let fractions = fractions(&edges, &state, 0.0);
+            fractions[3] + fractions[4] % 1.0
+        };
+        let changes = (0..999).map(|number| width(number + 1) - width(number));
+        let jumps: Vec<f64> = changes.filter(|change| !(0.0..4e-3).contains(change)).collect();
+        // The least contact of the cell that begins to touch.
+        assert!(matches!(jumps[..], [jump] if (0.0..0.02).contains(&jump)), "{jumps:?}");
+    }
+
     fn worn(punch: &[f64]) -> Worn<'_> {
         Worn { punch, strip: None }
     }
