@@ -71,7 +71,8 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
         let costs = runs().fold((f64::INFINITY, 0.0_f64), |(low, high), run| (low.min(run.0), high.max(run.0)));
         let (low, high) = (0.6 * costs.0, 1.6 * costs.1);
         let least = runs().map(|run| run.1).fold(1e-3, f64::min).max(LEAST_SHOWN);
-        let bound = if runs().any(|run| run.1 < LEAST_SHOWN) { format!(", {LEAST_SHOWN:e} at least") } else { String::new() };
+        let bound =
+            if runs().any(|run| run.1 < LEAST_SHOWN) { format!(", {LEAST_SHOWN:e} at least") } else { String::new() };
         let mut series: Vec<Series> = Vec::new();
         for Curve { name, runs, colour, mark } in curves {
             if panels.is_empty() {
