@@ -209,7 +209,7 @@ def over_time(part: Any, courses: list[dict[str, Any]]) -> None:
 def strokes(axis: Axes, panel: dict[str, Any], told: bool) -> None:
     """The last two strokes in full, `told` with their duration."""
     for series in panel["strokes"]:
-        look: Any = MARKER if series["measured"] else {"linewidth": 0.9}
+        look: Any = MARKER | {"markersize": 1.6} if series["measured"] else {"linewidth": 0.9}
         axis.plot(series["x"], series["y"], color=COLOURS[series["colour"] % len(COLOURS)], **look)
     first = panel["strokes"][0]["x"]
     axis.set_xlim(first[0], first[-1])
