@@ -367,6 +367,30 @@ def charts():
     yield "docs/accuracy.md", "an error of {} % in wear, {} % in temperature and {} % in force", *stop[:3]
 
 
+@check("stability maps")
+def stability_maps():
+    page = "docs/stability/README.md"
+    with tempfile.TemporaryDirectory() as folder:
+        maps = {one["map"]: one["findings"] for one in result("stability", "--output", folder)}
+    of = {name: [list(map(float, re.findall(NUMBER, finding))) for finding in findings] for name, findings in maps.items()}
+    split, hidden, _, default = of["growth-step"]
+    yield page, "speed and step | {} of {} runs; growth hidden in {} |", *default[:3]
+    yield page, "hides growth in {} of {} runs above", *hidden[:2]
+    yield page, "right sign in all {}, rate wrong by more than a tenth in {} |", split[0], split[3]
+    default, thresholds, *_ = of["wear-speed"]
+    yield page, "under wear | {} of {}; thresholds within {} of the critical speed", *default[:2], thresholds[0]
+    rings, default = of["reversal"]
+    yield page, "thermal times | {} of {}; error at most {} | Crank-Nicolson rings in {} |", *default[:2], default[-1], rings[0]
+    for name, passage in (("conductance", "conductance of 0 to 1e12 W/(m² K)"), ("conductivity", "1e-8 to 1, insulator")):
+        (right, runs, *_, last), *_ = of[name]
+        largest = last if name == "conductivity" else float(re.search(f"largest error ({NUMBER.pattern})", maps[name][0])[1])
+        yield page, f"{passage} | {{}} of {{}}; error at most {{}} of the heat", right, runs, largest
+    right, runs, _, _, largest, implicit, crank = of["peclet"][0]
+    yield page, "0 to 1e6 | {} of {}; error at most {} | implicit Euler right in {}, Crank-Nicolson in {} |", right, runs, largest, implicit, crank
+    explicit, _, default = of["wear-step"]
+    yield page, "explicit bound | {} of {}; error at most {} | explicit Euler grows in all {} runs", *default[:2], default[-1], explicit[0]
+
+
 @check("run published")
 def published():
     """Model and deviation in a row of the table are the nearest results of its case."""
