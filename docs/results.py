@@ -141,16 +141,25 @@ def disc_brake():
         ("wear of the pad, µm", "pad_wear_um"),
     ):
         yield page, f"| {what} | {{}} | {{}} | {{}} | {{}} |", *(level[key] for case in ("stop", "fade") for level in run[case].values())
+    lumped, line = run["stop"].values()
+    yield page, "leading edge of the pad to {} times the mean", line["pressure_peak_MPa"] / lumped["pressure_peak_MPa"]
+    lumped, line = (level["contact_temperature_peak_degC"] for level in run["fade"].values())
+    yield page, "levels then differ by {} %", 100.0 * (line / lumped - 1.0)
+    constants = (f"--set=strip.{name}" for name in ("property_table.points=0", "conductivity=49.3", "specific_heat=455.5"))
+    discs = [own["fade"]["lumped"]["disc_temperature_peak_degC"] for own in (ran("disc_brake", *constants), run)]
+    yield page, "end the fade run {} K too hot", discs[0] - discs[1]
 
 
 @check("drive cycles")
 def drive_cycles():
+    page, more = "examples/disc_brake/README.md", []
     for cycle, name in (("udds", "UDDS"), ("hwfet", "HWFET"), ("us06", "US06 (`--cycle us06`)"), ("wltc_3b", "WLTC class 3b (`--cycle wltc_3b`)")):
         lumped, line, *_ = ran("--cycle", cycle)["levels"].values()
         masses = [lumped[mass] / lumped["distance_km"] for mass in ("worn_mass_mg", "airborne_mass_mg")]
         hottest = [level["contact_temperature_peak_degC"] for level in (lumped, line)]
-        passage = f"| {name} | {{}} | {{}} | {{}} | {{}}, {{}} °C |"
-        yield "examples/disc_brake/README.md", passage, *masses, lumped["worn_mass_mg"] / lumped["stops"], *hottest
+        yield page, f"| {name} | {{}} | {{}} | {{}} | {{}}, {{}} °C |", *masses, lumped["worn_mass_mg"] / lumped["stops"], *hottest
+        more.append(100.0 * (line["worn_mass_mg"] / lumped["worn_mass_mg"] - 1.0))
+    yield page, "line gives {} to {} % more mass", min(more), max(more)
 
 
 @check("simulate")
@@ -160,7 +169,9 @@ def simulate():
     yield page, "hottest point reaches {} °C, the pad", max(run["contact_temperature_max"]) - 273.15
     yield page, "the pad loses {} µm, and", 1e6 * run["wear_depth_punch"][-1]
     yield page, "{} % of {} kJ go into the disc", 100.0 * run["heat_received_strip"][-1] / heat, 1e-3 * heat
-    yield "docs/usage.md", "Above {} m/s the contact is thermoelastically unstable", simulated("disc_brake")["critical_speed"][-1]
+    critical = simulated("disc_brake")["critical_speed"][-1]
+    yield "docs/usage.md", "Above {} m/s the contact is thermoelastically unstable", critical
+    yield "examples/disc_brake/README.md", "above the critical speed of {} m/s", critical
 
 
 def told(text, label):
@@ -187,6 +198,10 @@ def paper():
     yield page, "| to {}, by time stepping", worst("reciprocating, by 400")
     power = told(hot, "wear dissipation power, W") + told(hot, "friction power, W") + told(hot, "into punch, strip, W")[:1]
     yield page, "| {} W of wear dissipation, {} W of friction, {} W of it into the punch", *power
+    page = "examples/reciprocating_punch/README.md"
+    yield page, "generates {} W; of this {} W leave through the punch", *told(hot, "friction power, W"), told(hot, "out of the punch's top")[0]
+    yield page, "in the steady state {} %", 100.0 * told(hot, "difference of the pressures, rms over the mean")[0]
+    page = "docs/paper.md"
     jumps = result("cycles", punch, "--cycles", "1000000")["jumps"][-1]
     yield page, "a million cycles from {} computed ones, the edge pressure to {} of the mean", jumps["cycles_computed"], jumps["pressure_max"] * 6e-8
     heated = [told(part, "range of the punch's shape, µm")[0] for part in reversed(hot.split("with heat"))]
@@ -298,6 +313,7 @@ def hot_spots():
     yield page, "growth of the longest wave | {} 1/s | {} 1/s |", above["its growth in theory, 1/s"], above["its growth measured, 1/s"]
     yield page, "| below {} of the energy in |", Below(max(run["energy balance error"] for run in (below, above)))
     yield page, "unstable above {} m/s, because", above["critical speed, m/s"]
+    yield page, "one patch of {} % of the ring carries the load at up to {} times", 100.0 * above["least contact fraction"], above["highest pressure over its mean"]
 
 
 @check("run vehicle_brake")
@@ -332,13 +348,55 @@ def reciprocating_punch():
     jumps = [abs(values[name]) for values in cold for name in ("jump of the tilt at reversal, urad", "the same, direct, urad")]
     yield page, "at reversal; direct | {}; {} | {}; {} urad |", *jumps
     yield page, "by {} microradians", jumps[2]
+    yield page, "line down to {} of the", run["translate, accelerated"][distance]
+    yield page, "contact warms by {} K", run["translate, hot"]["contact temperature at the end, hottest station, degC"] - 20.0
     yield page, "The difference is {} % of the mean pressure for the translating and {} % for the rotating", *(100.0 * value for value in of(distance, hot))
+
+
+@check("charts")
+def charts():
+    """Errors of 33 cells at 1e-3 in the tables of the charts."""
+    found = {}
+    for scene in ("unidirectional_pin", "reciprocating_punch", "brake_stop"):
+        with open(ROOT / "docs" / "accuracy" / f"{scene}.csv", newline="", encoding="utf-8") as file:
+            rows = csv.DictReader(line for line in file if not line.startswith("#"))
+            run = next(row for row in rows if row["family"] == "line, tolerance" and "33 cells, tolerance 1e-3" in row["setting"])
+        found[scene] = [100.0 * float(run[f"error_{name}"]) for name in ("wear_depth", "contact_temperature", "friction_force", "peak_pressure")]
+    pin, strokes, stop = found.values()
+    yield "docs/accuracy.md", "33 cells at 1e-3 give the peak pressure to {} % (pin) and {} % (strokes)", pin[3], strokes[3]
+    yield "docs/accuracy.md", "an error of {} % in wear, {} % in temperature and {} % in force", *stop[:3]
+
+
+@check("stability maps")
+def stability_maps():
+    page = "docs/stability/README.md"
+    with tempfile.TemporaryDirectory() as folder:
+        maps = {one["map"]: one["findings"] for one in result("stability", "--output", folder)}
+    of = {name: [list(map(float, re.findall(NUMBER, finding))) for finding in findings] for name, findings in maps.items()}
+    split, hidden, _, default = of["growth-step"]
+    yield page, "speed and step | {} of {} runs; growth hidden in {} |", *default[:3]
+    yield page, "hides growth in {} of {} runs above", *hidden[:2]
+    yield page, "right sign in all {}, rate wrong by more than a tenth in {} |", split[0], split[3]
+    default, thresholds, *_ = of["wear-speed"]
+    yield page, "under wear | {} of {}; thresholds within {} of the critical speed", *default[:2], thresholds[0]
+    rings, default = of["reversal"]
+    yield page, "thermal times | {} of {}; error at most {} | Crank-Nicolson rings in {} |", *default[:2], default[-1], rings[0]
+    for name, passage in (("conductance", "conductance of 0 to 1e12 W/(m² K)"), ("conductivity", "1e-8 to 1, insulator")):
+        (right, runs, *_, last), *_ = of[name]
+        largest = last if name == "conductivity" else float(re.search(f"largest error ({NUMBER.pattern})", maps[name][0])[1])
+        yield page, f"{passage} | {{}} of {{}}; error at most {{}} of the heat", right, runs, largest
+    right, runs, _, _, largest, implicit, crank = of["peclet"][0]
+    yield page, "0 to 1e6 | {} of {}; error at most {} | implicit Euler right in {}, Crank-Nicolson in {} |", right, runs, largest, implicit, crank
+    explicit, _, default = of["wear-step"]
+    yield page, "explicit bound | {} of {}; error at most {} | explicit Euler grows in all {} runs", *default[:2], default[-1], explicit[0]
 
 
 @check("run published")
 def published():
     """Model and deviation in a row of the table are the nearest results of its case."""
     page, results, case = "examples/published/README.md", ran("published"), ""
+    averaged = [result["model"] for result in results if result["case"] == "wear_dissipation"]
+    yield "docs/paper.md", "both strokes {} of the minimum", *averaged
     for row in (ROOT / page).read_text(encoding="utf-8").splitlines():
         cells = row.split("|")
         if len(cells) != 9 or not re.search(r"\d", cells[5] + cells[6]):

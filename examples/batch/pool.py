@@ -26,6 +26,20 @@ def killed_at_ctrl_c():
 
 
 @contextmanager
+def ctrl_c_blocked():
+    """Threads and processes that begin here never see Ctrl-C: it reaches this thread alone. Windows has no such mask."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()
+    own_mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, own_mask)
+
+
+@contextmanager
 def client(address, workers, folder):
     """A client of the scheduler at `address`, or of a local cluster of `workers` processes of one thread each."""
     # A worker may be lost through no fault of its block, on a cluster that takes machines back all the time.
@@ -33,11 +47,9 @@ def client(address, workers, folder):
     settings = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.profile.enabled": False}
     with dask.config.set(settings):
         if address is None:
-            # Threads and processes begin with the blocked signals of the thread that starts them: Ctrl-C reaches this one alone.
-            resource_tracker.ensure_running()
-            runner, own_mask = LoopRunner(), signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-            runner.start()
-            signal.pthread_sigmask(signal.SIG_SETMASK, own_mask)
+            runner = LoopRunner()
+            with ctrl_c_blocked():
+                runner.start()
             with killed_at_ctrl_c(), LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,

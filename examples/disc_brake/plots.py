@@ -58,7 +58,8 @@ def temperatures(axis, recording, _drive):
         axis.plot(recording["time"], recording[name] - ZERO_CELSIUS, color=colour, label=label)
     axis.set_ylabel("temperature (°C)")
     axis.legend(loc="upper right", ncols=3)
-    axis.margins(y=0.25)
+    low, high = axis.get_ylim()
+    axis.set_ylim(low, high + 0.2 * (high - low))
 
 
 def wear(axis, recording, _drive):

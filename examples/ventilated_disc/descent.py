@@ -110,7 +110,7 @@ def draw(descents, path):
             temperature.plot(minutes, own.result["strip.mean_temperature [degC]"], color=colour, label=f"{name} disc")
             if np.ptp(own.hub) > 0.0:
                 temperature.plot(own.time / 60.0, own.hub - 273.15, color=colour, linestyle="--", label=f"hub behind the {name} disc")
-            braking = own.result["pressure_mean"] > 0.0
+            braking = own.result.time <= LENGTH / SPEED
             friction.plot(minutes[braking], own.result["friction_coefficient"][braking], color=colour, label=f"{name} disc")
         temperature.set_ylabel("mean temperature (°C)")
         friction.set_ylabel("friction coefficient")

@@ -47,6 +47,8 @@ const fn fine(pixels: i32) -> i32 {
 pub enum Mark {
     /// A line through the points.
     Line,
+    /// A thin line through them: a limit that curves are held against.
+    Thin,
     /// A dashed line through them.
     Dashes,
     /// The points alone.
@@ -57,6 +59,13 @@ pub enum Mark {
     DashesAndSquares,
     /// Crosses at the points alone.
     Crosses,
+}
+
+impl Mark {
+    /// Width of its line.
+    fn width(self) -> u32 {
+        if self == Self::Thin { FINE } else { 2 * FINE }
+    }
 }
 
 /// One curve of a panel.
@@ -275,11 +284,11 @@ impl Series {
         let (left, middle) = (fine(place.0), fine(place.1));
         let stroke = |from: i32, to: i32| {
             let ends = vec![(left + fine(from), middle), (left + fine(to), middle)];
-            area.draw(&PathElement::new(ends, colour.stroke_width(2 * FINE))).map_err(failed)
+            area.draw(&PathElement::new(ends, colour.stroke_width(self.mark.width()))).map_err(failed)
         };
         let centre = (left + fine(12), middle);
         match self.mark {
-            Mark::Line => stroke(0, 24)?,
+            Mark::Line | Mark::Thin => stroke(0, 24)?,
             Mark::Dashes => [(0, 9), (15, 24)].iter().try_for_each(|&(from, to)| stroke(from, to))?,
             Mark::Points => {}
             Mark::LineAndPoints => stroke(0, 24)?,
@@ -292,7 +301,7 @@ impl Series {
             }
             Mark::DashesAndSquares => area.draw(&square(centre, colour)).map_err(failed),
             Mark::Crosses => area.draw(&Cross::new(centre, fine(4), colour.stroke_width(2 * FINE))).map_err(failed),
-            Mark::Line | Mark::Dashes => Ok(()),
+            Mark::Line | Mark::Thin | Mark::Dashes => Ok(()),
         }
     }
 }
@@ -363,7 +372,7 @@ impl Panel {
             .map_err(failed)?;
         for (index, series) in self.series.iter().enumerate() {
             let colour = COLOURS[series.colour.unwrap_or(index) % COLOURS.len()];
-            let stroke = colour.stroke_width(2 * FINE);
+            let stroke = colour.stroke_width(series.mark.width());
             let shown = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
             let lines = !matches!(series.mark, Mark::Points | Mark::Crosses);
             for part in series.points.split(|point| !shown(point)).filter(|part| lines && part.len() > 1) {

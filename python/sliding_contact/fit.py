@@ -516,12 +516,16 @@ def _excess(residuals: np.ndarray) -> float:
     return min((1.0 + correlation) / (1.0 - correlation), float(count))
 
 
+def _shown(change: float) -> str:
+    return f"{change:+.1g}" if abs(change) >= 1e-3 else "less than 0.001"
+
+
 def _compare(problem: _Problem, solved: Any, half: np.ndarray, found: Mapping[str, float]) -> str:
     """What the companion's results change: one line, and a warning where it is more than the intervals tell."""
     model, coarse = problem.model, problem.model.companion()
     moved = np.linalg.lstsq(solved.jac, solved.fun - problem.weighted(coarse.predict(found)), rcond=None)[0]
     model.runs += coarse.runs
-    changes = [f"{name} by {own:+.1g}" if is_exponent(name) else f"{name} by {100 * np.expm1(own):+.1g} %" for name, own in zip(problem.names, moved)]
+    changes = [f"{name} by {_shown(own)}" if is_exponent(name) else f"{name} by {_shown(100 * np.expm1(own))} %" for name, own in zip(problem.names, moved)]
     rise = model.highest - float(model.scene["ambient_temperature"])
     highest = _native.ask(
         {"analysis": "convergence", "value": model.highest, "coarser": coarse.highest, "cells": model.cells, "coarser_cells": coarse.cells,

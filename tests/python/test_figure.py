@@ -100,12 +100,28 @@ def test_the_last_two_of_hundreds_of_strokes_are_drawn_beside_their_range():
     steps = 4000
     course = {"x": [float(step) for step in range(steps)], "y": [(1.0, 0.0, -1.0, 0.0)[step % 4] for step in range(steps)], "name": "", "colour": 0, "measured": False}
     last = {**course, "x": course["x"][-9:], "y": course["y"][-9:]}
-    own = content([([""], False)] * 2)
-    own["courses"][0] |= {"series": [course], "strokes": [last]}
+    record = {**last, "measured": True}
+    own = content([([""], False)] * 4)
+    own["courses"][0] |= {"series": [course], "strokes": [last, record]}
+    own["courses"][1] |= {"series": [course | {"name": name} for name in ENERGY], "strokes": [last]}
     with _figure.plt.rc_context(_figure.STYLE):
         figure = _figure.figure_of(own)
-    beside = [axis for axis in figure.get_axes() if any(text.get_text() == "last two strokes" for text in axis.texts)]
-    assert len(beside) == 1 and list(beside[0].lines[0].get_ydata()) == last["y"]
+        figure.canvas.draw()
+    texts = [(axis, text) for axis in figure.get_axes() for text in axis.texts]
+    assert [text.get_text() for _, text in texts] == ["last two strokes: 8 s"]
+    assert [list(line.get_ydata()) for line in texts[0][0].lines] == [last["y"], last["y"]]
+    # It stands beside every legend of the column.
+    legends = [axis.get_legend().get_window_extent() for axis in figure.get_axes() if axis.get_legend()]
+    assert len(legends) > 1 and not any(box.overlaps(texts[0][1].get_window_extent()) for box in legends)
+    _figure.plt.close("all")
+
+
+def test_a_loop_has_room_on_both_sides():
+    own = panel([0.0, 1.0, 2.0, 3.0])
+    own["series"][0] |= {"x": [-1.0, 1.0, 1.0, -1.0]}
+    axis = _figure.plt.figure().subplots()
+    _figure.draw(axis, own)
+    assert axis.get_xlim() == pytest.approx((-1.06, 1.06))
     _figure.plt.close("all")
 
 

@@ -193,6 +193,19 @@ mod tests {
     }
 
     #[test]
+    fn conditions_and_results_have_the_names_of_rigs() {
+        for (header, wear) in [
+            ("Normal load [N];Sliding speed (m/s);Sliding distance [m];Pin wear [\u{b5}m]", "wear_depth_punch"),
+            ("Normalkraft [N];Gleitgeschwindigkeit [m/s];Gleitweg [m];Stiftverschlei\u{df} [mm\u{b3}]", WORN),
+            ("Fn [N];v / m/s;Weg [m];Verschlei\u{df} Scheibe [mg]", "wear_mass_strip"),
+        ] {
+            let found = records(&format!("{header}\n8;0,12;500;1,5\n16;0,12;500;NaN\n")).unwrap();
+            assert_eq!((found.load[1], found.speed[0], found.distance[0]), (16.0, 0.12, 500.0), "{header}");
+            assert_eq!(found.values[0].0, wear, "{header}");
+        }
+    }
+
+    #[test]
     fn a_worn_volume_is_of_a_body_that_the_file_names() {
         let head = "Load [N],Speed [m/s],Distance [m],";
         let found = records(&format!("{head}Pin wear [mm3]\n5,.1,300,2\n")).unwrap();

@@ -65,6 +65,15 @@ const WORDS: &[(&str, &str)] = &[
     ("kJ/kg.K", "kJ/(kg.K)"),
     ("kJ/kg/K", "kJ/(kg.K)"),
     ("-", "1"),
+    ("C", "degC"),
+    ("deg.C", "degC"),
+    ("Celsius", "degC"),
+    ("sec", "s"),
+    ("seconds", "s"),
+    ("hours", "h"),
+    ("micron", "um"),
+    ("microns", "um"),
+    ("m.s-1", "m/s"),
 ];
 
 /// Units beside the SI unit; those with an offset only where `absolute`.
@@ -121,6 +130,12 @@ mod tests {
         for (symbol, name) in [
             ("°C", "degC"),
             ("℃", "degC"),
+            ("C", "degC"),
+            ("deg C", "degC"),
+            ("sec", "s"),
+            ("seconds", "s"),
+            ("microns", "um"),
+            ("m s-1", "m/s"),
             ("rpm", "rev/min"),
             ("1/min", "rev/min"),
             ("µm", "um"),

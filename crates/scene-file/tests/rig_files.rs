@@ -109,3 +109,11 @@ fn what_pandas_writes_as_parquet_and_with_decimal_commas_is_the_same_table() {
     assert!(parquet.notes[0].contains("\"note\""), "{:?}", parquet.notes);
     assert_eq!(inputs("drive.parquet").names, ["sliding_velocity", "normal_load"]);
 }
+
+/// pandas keeps an index of nanoseconds as such.
+#[test]
+fn dates_in_parquet_are_times() {
+    let table = record("dated.parquet");
+    assert_eq!(table.times, [0.0, 0.5, 0.5, 600.75]);
+    assert_eq!(values(&table, "friction_force"), [Some(4.1), None, Some(8.2), Some(8.3)]);
+}

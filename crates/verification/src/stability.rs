@@ -88,7 +88,7 @@ pub struct Point {
     pub y: f64,
     /// Verdict.
     pub verdict: Verdict,
-    /// Its error, in the measure given in the map's header; NaN where it was refused.
+    /// Its error, in the measure of the map; NaN where it was refused.
     pub error: f64,
 }
 
@@ -134,8 +134,8 @@ pub struct Panel {
 pub struct Map {
     /// Headline.
     pub title: &'static str,
-    /// Computed quantity, meaning of the verdicts, and scale of the error.
-    pub header: Vec<String>,
+    /// What is computed; the page of the maps has the meaning of the verdicts.
+    pub problem: String,
     /// Findings: sentences with the numbers of these runs.
     pub findings: Vec<String>,
     /// Panels, row by row.

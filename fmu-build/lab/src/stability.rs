@@ -139,8 +139,7 @@ fn figure(map: &Map) -> Figure {
         let series: Vec<Series> = judged.chain(runs).chain(theory).collect();
         Panel::new(panel.title.clone(), axis(&panel.x), axis(&panel.y), series)
     });
-    let mut header: Vec<String> = map.header.iter().flat_map(|line| wrapped(line, 74 * map.columns)).collect();
-    header.push(format!("Computed on {} {}.", std::env::consts::ARCH, std::env::consts::OS));
+    let header = wrapped(&map.problem, 74 * map.columns);
     let columns = map.columns;
     Figure { columns, ..Figure::new(map.title, panels.collect()).with_header(header) }
 }
@@ -213,7 +212,7 @@ fn record(name: &str, map: &Map) -> Value {
         })
     });
     let findings = &map.findings;
-    json!({ "map": name, "title": map.title, "header": map.header, "findings": findings, "panels": panels.collect::<Vec<_>>() })
+    json!({ "map": name, "title": map.title, "problem": map.problem, "findings": findings, "panels": panels.collect::<Vec<_>>() })
 }
 
 #[cfg(test)]
@@ -226,7 +225,7 @@ mod tests {
         let point = |y, verdict, error| Point { x: 1.0, y, verdict, error };
         Map {
             title: "A map",
-            header: vec!["what it shows".into()],
+            problem: "what it shows".into(),
             findings: vec!["what is seen".into()],
             panels: vec![stability::Panel {
                 title: "a method".into(),

@@ -390,7 +390,16 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
             "time [s],Tours [rpm],normal_load [N]\n0,5,1\n1,5,1\n",
             &["neither a column sliding_velocity", "found are time [s], Tours [rpm], normal_load [N]"],
         ),
-        ("unloaded", "time [s],sliding_velocity [m/s]\n0,1\n1,1\n", &["no column normal_load [N]", "0 N"]),
+        (
+            "unloaded",
+            "time [s],sliding_velocity [m/s],Force [N]\n0,1,1\n1,1,1\n",
+            &[
+                "no column normal_load [N]",
+                "0 N",
+                "found are time [s], sliding_velocity [m/s], Force [N]",
+                "force=normal_load",
+            ],
+        ),
     ] {
         let name = format!("{name}.csv");
         folder.file(&name, text);

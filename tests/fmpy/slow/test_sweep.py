@@ -138,6 +138,24 @@ def test_ctrl_c_ends_a_sweep_within_a_second_while_it_starts_and_in_a_block(tmp_
     assert 0 < done < 24 and finish(sweep(folder, *more))["ran_now"] == 24 - done
 
 
+def test_a_local_cluster_starts_where_signals_have_no_mask(tmp_path):
+    """As on Windows."""
+    code = """
+import signal, sys
+del signal.pthread_sigmask
+from multiprocessing import resource_tracker
+resource_tracker.ensure_running = None
+sys.path.insert(0, sys.argv[1])
+import pool
+if __name__ == "__main__":
+    with pool.client(None, 1, sys.argv[2]) as own:
+        print(own.submit(sum, [1, 2]).result())
+"""
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), "-c", code]
+    run = subprocess.run([*command, str(BATCH), str(tmp_path)], env=clean_environment(), capture_output=True, text=True, timeout=120)
+    assert run.stdout == "3\n", run.stderr
+
+
 def test_a_batch_is_widened_and_says_what_failed(tmp_path):
     table, folder = tmp_path / "design.csv", tmp_path / "wide"
     table.write_text("name,distribution,low,high\npunch.width,uniform,80 mm,110 mm\n")

@@ -53,7 +53,7 @@ pub struct Panel {
     pub y: String,
     /// Curves.
     pub series: Vec<Series>,
-    /// Of a run over many strokes: the last two strokes of the curves that are not measured, in full.
+    /// Of a run over many strokes: the last two strokes in full.
     pub strokes: Vec<Series>,
 }
 
@@ -209,11 +209,12 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
     }
     let shown = Shown::of(first.name, first.unit, most);
     let rows = last_strokes(recording);
-    let (mut series, mut strokes) = (Vec::new(), Vec::new());
+    let (mut series, mut strokes, mut twins) = (Vec::new(), Vec::new(), false);
     for (colour, (channel, legend, own)) in found.iter().enumerate() {
         let visible = colour == 0 || sizes[colour] > VISIBLE * most;
         // Curves that lie on each other are one.
         let twin = found[..colour].iter().any(|(before, ..)| before.values == channel.values);
+        twins |= twin;
         if own.is_none() && (!visible || twin) {
             continue;
         }
@@ -227,17 +228,31 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         if let Some(own) = own {
             let (x, y): (Vec<f64>, Vec<f64>) =
                 own.points.iter().map(|(time, value)| (*time, shown.value(*value))).unzip();
-            let (x, y) = sampled(&x, &y, MARKERS);
-            series.push(Series { name: String::new(), colour, measured: true, x, y });
+            let points = |x: &[f64], y: &[f64]| {
+                let (x, y) = sampled(x, y, MARKERS);
+                Series { name: String::new(), colour, measured: true, x, y }
+            };
+            if let Some(rows) = &rows {
+                let from = x.partition_point(|time| *time < recording.times[rows.start]);
+                let to = x.partition_point(|time| *time < recording.times[rows.end]);
+                strokes.push(points(&x[from..to], &y[from..to]));
+            }
+            series.push(points(&x, &y));
         }
     }
-    // The label of the axis says what a single curve is.
+    // The label of the axis says what a single curve is, unless it is of several that coincide.
+    let mut label = label.to_owned();
     match &mut series[..] {
-        [only] => only.name.clear(),
+        [only] => {
+            let name = std::mem::take(&mut only.name);
+            if !name.is_empty() && !twins {
+                label = format!("{label}, {name}");
+            }
+        }
         [simulated, measured] if measured.measured && simulated.name.is_empty() => simulated.name = "simulated".into(),
         _ => {}
     }
-    Some(Panel { x: "time (s)".into(), y: shown.label(label), series, strokes })
+    Some(Panel { x: "time (s)".into(), y: shown.label(&label), series, strokes })
 }
 
 /// Worn volume over distance with the end of running-in, and the friction loop; of a run that is one of a rig.
@@ -469,7 +484,7 @@ mod tests {
             "{measured:?}"
         );
         assert_eq!(panel("tilt").series[0].name, "simulated");
-        assert!(panel("worn depth").series[0].name.is_empty() && panel("energy").strokes.is_empty());
+        assert!(panel("worn depth, punch (").series[0].name.is_empty() && panel("energy").strokes.is_empty());
         // Heat through the base of the disc is nothing.
         let energies: Vec<&str> = panel("energy").series.iter().map(|series| series.name.as_str()).collect();
         assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");

@@ -86,7 +86,11 @@ impl Trajectory {
         }
         let load = value!(starts, "normal_load");
         if !has("normal_load") && load == 0.0 {
-            bail!("{file} has no column normal_load [N], and the scene's own start value is {load} N");
+            bail!(
+                "{file} has no column normal_load [N], and the scene's own start value is {load} N; found are {}; --column or columns \
+                 names another one, as \"force=normal_load\"",
+                listed(table.headers.iter().map(String::as_str))
+            );
         }
         let mut inputs = Vec::new();
         for name in &table.names {

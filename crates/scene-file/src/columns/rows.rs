@@ -5,7 +5,7 @@ use super::sheet::{COMMAS, Sheet};
 use super::{Column, Reading, TIME};
 use crate::{nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
-use chrono::{Days, NaiveDateTime, NaiveTime, TimeDelta};
+use chrono::{DateTime, Days, NaiveDateTime, NaiveTime, TimeDelta};
 use scene::message::{Clipped, Quoted, listed};
 use scene::variables::units::{KELVIN, ONE, Unit};
 use std::io::Read;
@@ -191,8 +191,14 @@ struct Clock {
 impl Clock {
     fn seconds(&mut self, text: &str) -> Option<f64> {
         let text = text.trim_end_matches('Z').replace(',', ".");
-        let dated = ["%Y-%m-%d %H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f", "%d.%m.%Y %H:%M:%S%.f"];
-        let dated = dated.iter().find_map(|format| NaiveDateTime::parse_from_str(&text, format).ok());
+        // A T between date and time counts as the blank; a zone may follow.
+        let text = text.replacen('T', " ", 1);
+        let formats = ["%Y-%m-%d %H:%M", "%Y/%m/%d %H:%M", "%d.%m.%Y %H:%M"];
+        let dated =
+            formats.iter().flat_map(|format| [format!("{format}:%S%.f"), (*format).to_owned()]).find_map(|format| {
+                let zoned = DateTime::parse_from_str(&text, &format!("{format}%#z")).map(|own| own.naive_utc());
+                NaiveDateTime::parse_from_str(&text, &format).or(zoned).ok()
+            });
         let now = dated.or_else(|| {
             let times = ["%H:%M:%S%.f", "%H:%M"].iter();
             let time = times.filter_map(|format| NaiveTime::parse_from_str(&text, format).ok()).next()?;

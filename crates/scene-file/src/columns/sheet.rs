@@ -7,9 +7,12 @@
 
 use super::rows::is_gap;
 use anyhow::{Context, Result, anyhow, bail};
+use chrono::DateTime;
 use csv::StringRecord;
+use parquet::basic::{LogicalType, TimeUnit};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
+use parquet::schema::types::Type;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::path::Path;
@@ -156,9 +159,15 @@ fn of_parquet(path: &Path) -> Result<String> {
     let schema = reader.metadata().file_metadata().schema_descr();
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(schema.root_schema().get_fields().iter().map(|field| field.name()))?;
+    let has_nanoseconds = |own: &Type| {
+        let time = own.get_basic_info().logical_type_ref();
+        matches!(time, Some(LogicalType::Timestamp(own)) if own.unit == TimeUnit::NANOS)
+    };
+    let nanoseconds: Vec<bool> = schema.root_schema().get_fields().iter().map(|own| has_nanoseconds(own)).collect();
     for row in reader.get_row_iter(None)? {
         let row = row?;
-        writer.write_record(row.get_column_iter().map(|(_, field)| match field {
+        writer.write_record(row.get_column_iter().zip(&nanoseconds).map(|((_, field), is_time)| match field {
+            Field::Long(time) if *is_time => DateTime::from_timestamp_nanos(*time).naive_utc().to_string(),
             Field::Null => String::new(),
             Field::Bool(truth) => u8::from(*truth).to_string(),
             Field::Str(text) => text.clone(),

@@ -144,6 +144,10 @@ fn times_of_day_count_from_the_first_row() {
             "time,speed_m_per_s\n2026-02-28T23:00:00Z,1\n2026-03-01 00:00:00,1\n01.03.2026 00:00:01,1\n",
             [0.0, 3600.0, 3601.0],
         ),
+        (
+            "time,speed_m_per_s\n2026-02-28 23:00:00 +00:00,1\n2026-03-01T01:00:00.5+02:00,1\n2026/02/28 23:01,1\n",
+            [0.0, 0.5, 60.0],
+        ),
     ] {
         assert_eq!(table("clock", text).unwrap().times, times);
     }

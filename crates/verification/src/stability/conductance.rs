@@ -99,13 +99,10 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     };
     Map {
         title: "Contact conductance",
-        header: vec![
-            format!(
-                "Two half-spaces, conductivity of the punch {RATIO} of the strip's, heated by friction from rest; line level, \
+        problem: format!(
+            "Two half-spaces, conductivity of the punch {RATIO} of the strip's, heated by friction from rest; line level, \
                  solver.tolerance = 1e-3, ten communication steps, against the closed form."
-            ),
-            format!("right: part of the heat, and its sum over both bodies, within {AGREEMENT}. inexact: beyond it."),
-        ],
+        ),
         findings,
         panels: vec![judged, split],
         columns: 2,

@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, section 2.4.
 
-use super::conductance::{AGREEMENT, run};
+use super::conductance::run;
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
@@ -77,12 +77,9 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
     };
     Map {
         title: "A body of low conductivity",
-        header: vec![
-            "Two half-spaces of equal heat capacity in perfect contact (1e12 W/(m².K)), heated by friction from rest; line \
+        problem: "Two half-spaces of equal heat capacity in perfect contact (1e12 W/(m².K)), heated by friction from rest; line \
              level, solver.tolerance = 1e-3, ten communication steps, against the closed form."
                 .to_owned(),
-            format!("right: part of the heat, and its sum over both bodies, within {AGREEMENT}. inexact: beyond it."),
-        ],
         findings,
         panels: vec![judged, split],
         columns: 2,

@@ -394,18 +394,10 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
     ];
     Map {
         title: "Growth of pressure waves by speed and step",
-        header: vec![
-            format!(
-                "Half-plane on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on {CELLS} \
-                 cells, no wear. The wave starts at 7e-4 of the mean pressure, at 7e-7 in the step without growth limit. From \
-                 less, shorter waves that grow up to five times faster from rounding would open the contact first."
-            ),
-            format!(
-                "right: growth or decay as the exact solution has it, the rate within {AGREEMENT} (kd m² + |b|), or the \
-                 contact opened within a step in which it had to. inexact: of the right sign, the rate further off."
-            ),
-            "hides growth: decays where the exact wave grows. grows: grows where the exact one decays.".to_owned(),
-        ],
+        problem: format!(
+            "Half-plane on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on {CELLS} \
+                 cells, no wear; from 7e-4 of the mean pressure, 7e-7 without growth limit."
+        ),
         findings,
         panels: judged.into_iter().chain(curves).collect(),
         columns: 3,

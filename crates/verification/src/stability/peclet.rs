@@ -143,12 +143,9 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     };
     Map {
         title: "Peclet number and step",
-        header: vec![
-            "A band of half-width l on a layer of 4 l with a held base, closed path of 8 l, heated from rest: mean contact \
+        problem: "A band of half-width l on a layer of 4 l with a held base, closed path of 8 l, heated from rest: mean contact \
              temperature after ten steps, against a plain sum of the exact modes."
                 .to_owned(),
-            format!("right: error within {AGREEMENT} of the temperature. inexact: beyond it."),
-        ],
         findings,
         panels: judged.into_iter().chain([trace]).collect(),
         columns: 2,

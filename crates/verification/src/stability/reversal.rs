@@ -200,16 +200,10 @@ fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<
     };
     Map {
         title: "Jumps at reversal",
-        header: vec![
-            "A band of half-width l on a layer of 4 l with a held base, closed path of 8 l: steady, then the velocity changes \
+        problem: "A band of half-width l on a layer of 4 l with a held base, closed path of 8 l: steady, then the velocity changes \
              its sign and the flux falls to a half; mean contact temperature ten steps later, against a plain sum of the \
              exact modes."
                 .to_owned(),
-            format!(
-                "right: error within {AGREEMENT} of the steady temperature. rings: beyond it, with a sign that alternates from \
-                 the ninth step to the tenth. inexact: beyond it otherwise."
-            ),
-        ],
         findings,
         panels: judged.into_iter().chain([errors, traces]).collect(),
         columns: 2,

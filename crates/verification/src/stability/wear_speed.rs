@@ -156,14 +156,10 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
     };
     Map {
         title: "Wear against speed",
-        header: vec![
-            format!(
-                "Half-plane that wears on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on \
+        problem: format!(
+            "Half-plane that wears on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on \
                  {CELLS} cells; default scheme, solver.tolerance = 1e-4."
-            ),
-            "right: a small pressure wave grows or decays as the exact solution has it. hides growth, grows: the other way."
-                .to_owned(),
-        ],
+        ),
         findings,
         panels: vec![judged, frequency],
         columns: 2,

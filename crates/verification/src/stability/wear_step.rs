@@ -389,20 +389,10 @@ fn assemble(
     ];
     Map {
         title: "Length of the wear step",
-        header: vec![
+        problem:
             "Flat punch on a half-plane, no friction, dw/ds = k p, run in from the elastic pressure: 100 equal steps \
              on N graded cells, against the exact solution on the same cells."
                 .to_owned(),
-            format!(
-                "right: error (root mean square, from the tenth step on, over the deviation at the start) within \
-                 {ALLOWANCE} times the largest of a method of the order: {:.1e} for explicit Euler, {:.1e} for SDIRK2.",
-                Method::Unguarded.owed(),
-                Method::Default.owed()
-            ),
-            "grows: in the last ten steps a cell still alternates by half the mean pressure or more (cells lift off and \
-             touch down in turns, which bounds it). refused: the scheme names its bound and does no step."
-                .to_owned(),
-        ],
         findings,
         panels: judged.into_iter().chain([bounds, second, third]).collect(),
         columns: 3,

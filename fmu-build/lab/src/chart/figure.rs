@@ -61,7 +61,7 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
     if chart.points.iter().any(|point| point.failure.is_some()) {
         key.push(Series::line("did not come to its end, in its colour", Vec::new()).with(Mark::Crosses).coloured(6));
     }
-    key.push(Series::line("1 % error", Vec::new()).with(Mark::Dashes).coloured(6));
+    key.push(Series::line("1 % error", Vec::new()).with(Mark::Thin).coloured(6));
     let header = table::header(chart);
     Figure {
         columns: 2,
@@ -90,7 +90,7 @@ fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
     let costs = chart.points.iter().map(cost).filter(|cost| *cost > 0.0);
     let (low, high) = costs.fold((f64::INFINITY, 0.0_f64), |(low, high), cost| (low.min(cost), high.max(cost)));
     let (low, high) = if low < high { (0.7 * low, 1.4 * high) } else { (0.5 * high.max(1e-6), 2.0 * high.max(1e-6)) };
-    series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Dashes).coloured(6));
+    series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Thin).coloured(6));
     let errors = chart.points.iter().filter_map(|point| point.error(quantity));
     let least = errors.fold(1e-3, f64::min).max(LEAST_ERROR);
     Panel::new(

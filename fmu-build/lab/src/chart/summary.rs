@@ -71,6 +71,8 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
         let costs = runs().fold((f64::INFINITY, 0.0_f64), |(low, high), run| (low.min(run.0), high.max(run.0)));
         let (low, high) = (0.6 * costs.0, 1.6 * costs.1);
         let least = runs().map(|run| run.1).fold(1e-3, f64::min).max(LEAST_SHOWN);
+        let bound =
+            if runs().any(|run| run.1 < LEAST_SHOWN) { format!(", {LEAST_SHOWN:e} at least") } else { String::new() };
         let mut series: Vec<Series> = Vec::new();
         for Curve { name, runs, colour, mark } in curves {
             if panels.is_empty() {
@@ -79,15 +81,15 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
             let shown = runs.into_iter().map(|(cost, error)| (cost, error.max(LEAST_SHOWN))).collect();
             series.push(Series::line("", shown).with(mark).coloured(colour));
         }
-        series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Dashes).coloured(6));
+        series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Thin).coloured(6));
         panels.push(Panel::new(
             title,
             Axis::logarithmic("processor time of the whole run (s)").over(low, high),
-            Axis::logarithmic("largest relative error").over(0.6 * least, 1.5),
+            Axis::logarithmic(format!("largest relative error{bound}")).over(0.6 * least, 1.5),
             series,
         ));
     }
-    key.push(Series::line("1 % error", Vec::new()).with(Mark::Dashes).coloured(6));
+    key.push(Series::line("1 % error", Vec::new()).with(Mark::Thin).coloured(6));
     // The part before the colon names the scene.
     let title = chart.problem.title.split(':').next().unwrap_or_default();
     Figure { columns: 2, key, panel_size: (480, 380), ..Figure::new(title, panels) }
