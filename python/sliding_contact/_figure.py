@@ -185,29 +185,29 @@ def over_time(part: Any, courses: list[dict[str, Any]]) -> None:
     grid = part.add_gridspec((len(courses) + 1) // 2, 6)
     for panels, top, left, right in ((courses[:rows], 0, 0, 3), (courses[rows : 2 * rows], 0, 3, 6), (courses[2 * rows :], rows, 0, 6)):
         axes: list[Axes] = []
-        told = False
+        labelled = False
         for row, panel in enumerate(panels, top):
             many = any(not series["measured"] and turns(series["y"]) > STROKES for series in panel["series"])
             beside = (right - left) // 3 if many and panel["strokes"] else 0
             axis = part.add_subplot(grid[row, left : right - beside], sharex=axes[0] if axes else None)
             axes.append(axis)
             draw(axis, panel | {"y": textwrap.fill(panel["y"], 20)}, over_time=True)
-            # The last strokes of a column are told once, beside the legend.
-            legend_over_time(axis, panel, PANEL * 2 / 3 if beside and not told else PANEL)
+            # The last strokes of a column are labelled once, beside the legend.
+            legend_over_time(axis, panel, PANEL * 2 / 3 if beside and not labelled else PANEL)
             if row + 1 < top + len(panels):
                 axis.set_xlabel("")
                 axis.tick_params(labelbottom=False)
             if beside:
                 # The ticks are those of all panels of the column, of which this one is narrower.
                 axis.locator_params(axis="x", nbins=5)
-                strokes(part.add_subplot(grid[row, right - beside : right], sharey=axis), panel, not told)
-                told = True
+                strokes(part.add_subplot(grid[row, right - beside : right], sharey=axis), panel, not labelled)
+                labelled = True
         if axes:
             part.align_ylabels(axes)
 
 
-def strokes(axis: Axes, panel: dict[str, Any], told: bool) -> None:
-    """The last two strokes in full, `told` with their duration."""
+def strokes(axis: Axes, panel: dict[str, Any], labelled: bool) -> None:
+    """The last two strokes in full, `labelled` with their duration."""
     for series in panel["strokes"]:
         look: Any = MARKER | {"markersize": 1.6} if series["measured"] else {"linewidth": 0.9}
         axis.plot(series["x"], series["y"], color=COLOURS[series["colour"] % len(COLOURS)], **look)
@@ -215,7 +215,7 @@ def strokes(axis: Axes, panel: dict[str, Any], told: bool) -> None:
     axis.set_xlim(first[0], first[-1])
     axis.tick_params(labelleft=False, labelbottom=False)
     axis.grid(axis="x", visible=False)
-    if told:
+    if labelled:
         text = f"last two strokes: {first[-1] - first[0]:.3g} s"
         axis.text(1.0, 1.02, text, transform=axis.transAxes, ha="right", va="bottom", fontsize=6).set_in_layout(False)
 

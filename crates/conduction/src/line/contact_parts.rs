@@ -95,7 +95,8 @@ mod tests {
         contact_parts.set(0, [0.0; PARTS]);
         assert_eq!(contact_parts.fraction(0), 1.0);
         contact_parts.set(0, [0.0, 0.25, 1.0, 1.0]);
-        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, true, true]);
+        contact_parts.set(2, [1.0; PARTS]);
+        assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, false, true]);
         contact_parts.make_whole();
         assert_eq!(contact_parts, ContactParts::whole(4));
     }

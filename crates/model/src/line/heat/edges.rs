@@ -269,7 +269,7 @@ mod tests {
         (0..count).map(|cell| contact_parts.fraction(cell)).collect()
     }
 
-    /// With fractions in steps of a 64th of a cell the fluxes jumped at each of them, and hot bands took nine times the steps.
+    /// With fractions in steps of a 64th of a cell the fluxes jumped at each of them, and hot bands took 7 to 19 times the steps.
     #[test]
     fn the_width_in_contact_follows_the_edge_without_steps() {
         let edges = edges(false);
