@@ -3,6 +3,7 @@
 
 mod bounds;
 mod cuts;
+mod decay;
 mod exact;
 mod jumps;
 

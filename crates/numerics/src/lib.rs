@@ -14,3 +14,4 @@ pub mod krylov;
 pub mod maximum;
 pub mod scalar;
 pub mod sdirk;
+pub mod subnormal;

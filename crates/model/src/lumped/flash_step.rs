@@ -7,6 +7,7 @@ use super::stage::{POINTS, averages};
 use super::stepper::Propagators;
 use conduction::flash::{Flash, MAX_FLASH_STATES};
 use conduction::properties::Scales;
+use numerics::subnormal::flushed;
 
 /// Weights of the moving source for one step size and one course of the speed.
 #[derive(Clone, Debug)]
@@ -305,7 +306,7 @@ impl FlashStep {
         let (start, rise) = (1.5 * flux[0] - 0.5 * flux[1], 1.5 * (flux[1] - flux[0]));
         let ([flat, ramp], decay, mut new) = (self.update, self.decay[2], *states);
         for k in 0..MAX_FLASH_STATES {
-            new[k] = decay[k] * new[k] + flat[k] * start + ramp[k] * rise;
+            new[k] = flushed(decay[k] * new[k] + flat[k] * start + ramp[k] * rise);
         }
         new
     }

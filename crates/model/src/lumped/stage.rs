@@ -21,6 +21,7 @@ use conduction::properties::Scales;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use nalgebra::{SMatrix, SVector};
 use numerics::factorization;
+use numerics::subnormal::flushed;
 use scene::ThermalBoundary;
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
@@ -432,7 +433,7 @@ impl Propagator {
                 accumulate(&mut new, &weights.cooling[0], &[first; LANES]);
                 accumulate(&mut new, &weights.cooling[1], &[last; LANES]);
             }
-            *states = new;
+            *states = new.map(flushed);
         }
     }
 

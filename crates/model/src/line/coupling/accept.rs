@@ -13,6 +13,7 @@ use conduction::line::{FrozenState, GAMMA, Stage};
 use contact::friction::FrictionLaw;
 use numerics::dense;
 use numerics::maximum::maximum;
+use numerics::subnormal::flushed;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
@@ -178,6 +179,7 @@ impl ThermalCoupling {
             if let (Some(own), Some(work)) = (own, work) {
                 let Some(end) = heat.ends[side].take() else { unreachable!("a step that is accepted is solved") };
                 own.advance(end, (&before[side], &mut state.bodies[side]), around, flux, work);
+                state.bodies[side].iter_mut().for_each(|value| *value = flushed(*value));
             }
             state.trend[side] = heat.frozen.trend(side, heat.bodies[side].as_deref(), &state.bodies[side], step);
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
