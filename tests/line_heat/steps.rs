@@ -271,3 +271,19 @@ fn a_first_touch_at_a_kilohertz_is_no_longer_step_than_others() {
     }
     assert!(most <= 8, "{most} internal steps in a millisecond");
 }
+
+/// Where the velocity passes through 0 over a poor conductor, the operators of a velocity nearby are too far from those of the step: the
+/// stages did not converge in steps of any length, as the linearization point stayed where it was.
+#[test]
+fn rings_of_poor_conductors_that_shake_keep_their_solution() {
+    let changes = [("solver.cells", 17.0), ("solver.tolerance", 1e-3), ("nominal.duration", 20.0)];
+    let mut drive = Drive::from_starts(&scene("hot_spots"), &changes);
+    let velocity = |step: u32| 0.2 * (0.31 * f64::from(step)).sin();
+    drive.set("normal_load", 200.0);
+    for step in 0..30 {
+        drive.set("sliding_velocity", velocity(step));
+        drive.slope("sliding_velocity", (velocity(step + 1) - velocity(step)) / 0.01).step(0.01);
+    }
+    let (accepted, rejected) = drive.0.work();
+    assert!(accepted + rejected < 2000, "{accepted} and {rejected} steps");
+}

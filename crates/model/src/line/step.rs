@@ -107,6 +107,9 @@ impl Line {
                     if failures > CUTS_WITHOUT_SOLUTION || !curable {
                         return Err(self.failure(path, start, &error));
                     }
+                    if let Some(heat) = &mut self.state.heat {
+                        heat.reference.narrow();
+                    }
                     2
                 }
             };

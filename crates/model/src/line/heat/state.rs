@@ -63,10 +63,9 @@ pub struct LinearizationPoint {
 }
 
 /// Numbers of iterations of a stage above which the validity radius is halved, and up to which a new linearization point enlarges
-/// it; least factor, and factor of enlargement.
+/// it; factor of enlargement.
 const MANY: usize = 6;
 const FEW: usize = 3;
-const LEAST_RADIUS_FACTOR: f64 = 0.01;
 const RADIUS_GROWTH: f64 = 1.25;
 
 impl LinearizationPoint {
@@ -82,11 +81,16 @@ impl LinearizationPoint {
     /// speed; the number of iterations measures it.
     pub(crate) fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
         if iterations > MANY && last != velocity {
-            self.radius_factor = (0.5 * self.radius_factor).max(LEAST_RADIUS_FACTOR);
+            self.radius_factor *= 0.5;
         } else if iterations <= FEW && velocity != self.velocity {
             self.radius_factor = (RADIUS_GROWTH * self.radius_factor).min(1.0);
         }
         (self.velocity, self.last) = (velocity, last);
+    }
+
+    /// Narrows the validity radius after a step without solution, as far as the step is shortened.
+    pub(crate) fn narrow(&mut self) {
+        self.radius_factor *= 0.25;
     }
 
     /// Reference velocity (m/s) for a step between two velocities: the last one within its validity radius (m/s), the velocity
