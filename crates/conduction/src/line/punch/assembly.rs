@@ -7,7 +7,7 @@ use super::bands::{Product, bands};
 use super::depth::Depth;
 use super::galerkin::{Points, Shape, lag};
 use super::shift_selection::Selection;
-use super::steady::{steady_beyond, summed_modes};
+use super::steady::{SteadyBeyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::line::contact_parts::PARTS;
@@ -15,9 +15,6 @@ use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use scene::FarBoundary;
-
-/// Transverse modes per part of a cell in the differences between the parts of a cell: shorter waves hardly differ between them.
-const WAVES_PER_PART: usize = 4;
 
 /// A transverse mode with its states, and the fastest shape through the height, which is quasi-static.
 pub(super) struct Mode {
@@ -74,12 +71,11 @@ impl<'a> Assembly<'a> {
                 Mode { wave: mode.wave, states, feedthrough, banded }
             })
             .collect();
-        let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
-        let waves = Waves::new(&across, cells, count);
+        let summed = summed_modes(&across, &depth, modes.len());
+        let waves = Waves::new(&across, cells, summed.max(SUMMED_MODES));
         let divided = divides.then(|| {
             let parts = cells.divided(PARTS);
-            let resolved = (WAVES_PER_PART * parts.count()).clamp(modes.len().max(1), count);
-            let waves = waves.over(&parts, resolved);
+            let waves = waves.over(&parts, summed);
             (parts, waves)
         });
         let mut assembly = Assembly {
@@ -261,8 +257,15 @@ impl<'a> Assembly<'a> {
         let cells = self.cells.count();
         let count = self.modes.iter().map(|mode| mode.states.len()).sum();
         let width = 2.0 * self.across.half_width;
+        let widths = self.across.weights(self.cells);
+        let beyond = SteadyBeyond::new(&self.across, &self.depth, self.modes.len());
+        let span = beyond.over(self.cells, &self.waves);
+        let mut temperature_by_flux = beyond.between((&span, 0..cells), (&span, 0..cells));
+        for (mut row, width) in temperature_by_flux.row_iter_mut().zip(&widths) {
+            row.scale_mut(1.0 / width);
+        }
         let mut operators = ReducedOperators {
-            widths: self.across.weights(self.cells),
+            widths,
             part_areas: self.divided.as_ref().map_or(Vec::new(), |(parts, _)| self.across.weights(parts)),
             remainder: Vec::new(),
             modes: Vec::with_capacity(self.modes.len()),
@@ -270,7 +273,7 @@ impl<'a> Assembly<'a> {
             contact: Vec::with_capacity(count),
             distortion: Vec::new(),
             input: [(); PORTS].map(|()| Vec::with_capacity(count)),
-            temperature_by_flux: steady_beyond(&self.across, &self.depth, self.cells, &self.waves, self.modes.len()),
+            temperature_by_flux,
             temperature_by_port: [(); PORTS].map(|()| vec![0.0; cells]),
             distortion_by_flux: DMatrix::zeros(cells, cells),
             distortion_by_port: [(); PORTS].map(|()| Vec::new()),

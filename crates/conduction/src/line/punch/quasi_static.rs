@@ -23,8 +23,8 @@
 //! Theory: docs/theory.md, section 4.10.
 
 use super::SUMMED_MODES;
-use super::across::Wave;
 use super::assembly::Assembly;
+use super::steady::SteadyBeyond;
 use super::waves::Waves;
 use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, ReducedOperators};
@@ -186,14 +186,14 @@ impl Assembly<'_> {
     }
 
     /// X_0 with the parts of the cells in the rows, and its blocks of the parts of every cell, cell by cell.
-    fn steady_of_parts(&self, (_, waves): &(Cells, Waves)) -> (DMatrix<f64>, Vec<f64>) {
-        let beyond = self.quasi_static_modes().start..waves.count().min(SUMMED_MODES.max(self.modes.len()));
-        let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
-        let mut steady = waves.sum_with(&self.waves, beyond.clone(), |_, wave| impedance(wave));
-        let mut within = vec![0.0; self.cells.count() * PARTS * PARTS];
-        for m in beyond {
-            add_within(&mut within, impedance(waves.wave(m)), waves.integrals(m));
-        }
+    fn steady_of_parts(&self, (parts, waves): &(Cells, Waves)) -> (DMatrix<f64>, Vec<f64>) {
+        let beyond = SteadyBeyond::new(&self.across, &self.depth, self.modes.len());
+        let [divided, whole] =
+            [(parts, waves), (self.cells, &self.waves)].map(|(cells, waves)| beyond.over(cells, waves));
+        let mut steady = beyond.between((&divided, 0..parts.count()), (&whole, 0..self.cells.count()));
+        let of_cell = |cell: usize| (&divided, cell * PARTS..(cell + 1) * PARTS);
+        let blocks = (0..self.cells.count()).map(|cell| beyond.between(of_cell(cell), of_cell(cell)));
+        let mut within: Vec<f64> = blocks.flat_map(|block| block.as_slice().to_vec()).collect();
         for (m, mode) in self.modes.iter().enumerate() {
             if let Some(shape) = &mode.feedthrough {
                 let gain = shape.contact * shape.contact / shape.rate;

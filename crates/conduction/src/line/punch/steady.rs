@@ -2,82 +2,124 @@
 //!
 //! Theory: docs/theory.md, section 4.10.
 
-use super::across::{Across, Sides};
+use super::across::{Across, Sides, Wave};
 use super::depth::Depth;
 use super::waves::Waves;
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
+use std::ops::Range;
 
-/// Mean temperatures over the cells by steady unit fluxes in all transverse modes but the first `skipped`, N x N [K m2/W].
+/// Steady response of all transverse modes but some.
 ///
 /// In the limit of a deep body with insulated sides the sum over all modes has a closed form, because
 /// `integral integral cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Only the differences
-/// from that limit are summed mode by mode, and converge fast.
-pub(super) fn steady_beyond(
-    across: &Across,
-    depth: &Depth,
-    cells: &Cells,
-    waves: &Waves,
+/// from that limit are summed mode by mode, and converge fast, on cells as narrow as they may be.
+pub(super) struct SteadyBeyond<'a> {
+    across: &'a Across,
+    depth: &'a Depth,
+    /// Number of modes left out, the first ones, and of those that are summed one by one.
     skipped: usize,
-) -> DMatrix<f64> {
-    let weights = across.weights(cells);
-    // Modes of short wavelength of an annulus are those of a straight body times the square root of r_m/r.
-    let straight = match across.sides {
-        Sides::Radial(_) => Sides::Free,
-        sides => sides,
-    };
-    let unlosing = Across { transfer: 0.0, sides: straight, ..*across };
-    let last = summed_modes(across, depth, skipped);
-    let plain;
-    let plain = if unlosing == *across {
-        waves
-    } else {
-        plain = Waves::new(&unlosing, cells, last);
-        &plain
-    };
-    let known = plain.sum(1..last, |_, wave| 1.0 / (depth.conductivity * wave.wave_number));
-    let mut result = deep_and_insulated(across, depth, cells) - known;
-    let root: Vec<f64> = weights.iter().zip(cells.widths()).map(|(weight, width)| (weight / width).sqrt()).collect();
-    for (j, column) in root.iter().enumerate() {
-        for (i, row) in root.iter().enumerate() {
-            result[(i, j)] *= row * column;
-        }
-    }
-    result += waves.sum(skipped..last, |_, wave| depth.steady_impedance(wave.decay));
-    for (row, weight) in weights.iter().enumerate() {
-        result.row_mut(row).scale_mut(1.0 / weight);
-    }
-    result
+    last: usize,
+    /// The width with insulated sides. Modes of short wavelength of an annulus are those of a straight body times the square root of r_m/r.
+    insulated: Across,
+    zeta: [f64; TERMS],
 }
 
-/// Number of modes that [`steady_beyond`] sums one by one.
+/// Cells with their modes.
+pub(super) struct Span<'a> {
+    waves: &'a Waves,
+    /// Modes with insulated sides, where they are others.
+    insulated: Option<Waves>,
+    /// Phase of the slowest mode at the edges.
+    edges: Vec<f64>,
+    /// Root of the weight over the width.
+    root: Vec<f64>,
+}
+
+impl Span<'_> {
+    fn insulated(&self) -> &Waves {
+        self.insulated.as_ref().unwrap_or(self.waves)
+    }
+}
+
+impl<'a> SteadyBeyond<'a> {
+    /// That of all modes but the first `skipped`.
+    pub(crate) fn new(across: &'a Across, depth: &'a Depth, skipped: usize) -> SteadyBeyond<'a> {
+        let straight = match across.sides {
+            Sides::Radial(_) => Sides::Free,
+            sides => sides,
+        };
+        let insulated = Across { transfer: 0.0, sides: straight, ..*across };
+        let last = summed_modes(across, depth, skipped);
+        let zeta = std::array::from_fn(|n| even_zeta(n as i32 + 1));
+        SteadyBeyond { across, depth, skipped, last, insulated, zeta }
+    }
+
+    /// Period of the modes, m.
+    fn period(&self) -> f64 {
+        let width = 2.0 * self.across.half_width;
+        match self.across.sides {
+            // Even continuation at both sides.
+            Sides::Free | Sides::Radial(_) => 2.0 * width,
+            Sides::Closed => width,
+        }
+    }
+
+    /// Prepares cells with their `waves`, at least as many as [`summed_modes`].
+    pub(crate) fn over<'w>(&self, cells: &Cells, waves: &'w Waves) -> Span<'w> {
+        let weights = self.across.weights(cells);
+        let phase = |x: &f64| 2.0 * PI * (x + self.across.half_width) / self.period();
+        Span {
+            waves,
+            insulated: (self.insulated != *self.across).then(|| Waves::new(&self.insulated, cells, self.last)),
+            edges: cells.edges().iter().map(phase).collect(),
+            root: weights.iter().zip(cells.widths()).map(|(weight, width)| (weight / width).sqrt()).collect(),
+        }
+    }
+
+    /// Temperature integrals over some of the cells of one span by steady unit fluxes into some of another, K m3/W.
+    pub(crate) fn between(
+        &self,
+        (one, rows): (&Span<'_>, Range<usize>),
+        (other, columns): (&Span<'_>, Range<usize>),
+    ) -> DMatrix<f64> {
+        let ranges = [rows.clone(), columns.clone()];
+        let per_wave = |_: usize, wave: &Wave| 1.0 / (self.depth.conductivity * wave.wave_number);
+        let known = one.insulated().sum_between(other.insulated(), ranges.clone(), 1..self.last, per_wave);
+        let mut result =
+            self.deep_and_insulated(&one.edges[rows.start..=rows.end], &other.edges[columns.start..=columns.end]);
+        result -= known;
+        for (column, right) in result.column_iter_mut().zip(&other.root[columns]) {
+            for (entry, left) in column.into_iter().zip(&one.root[rows.clone()]) {
+                *entry *= left * right;
+            }
+        }
+        let impedance = |_: usize, wave: &Wave| self.depth.steady_impedance(wave.decay);
+        result + one.waves.sum_between(other.waves, ranges, self.skipped..self.last, impedance)
+    }
+
+    /// Sum over all modes but the uniform one of the products of their integrals between edges, over k times the wave number.
+    fn deep_and_insulated(&self, rows: &[f64], columns: &[f64]) -> DMatrix<f64> {
+        // Product of two edges: of sines from the side, or of cosines of their distance on the ring.
+        let sum = |angle: f64| cubic_cosine_sum(angle, &self.zeta);
+        let edges = DMatrix::from_fn(rows.len(), columns.len(), |i, j| match self.across.sides {
+            Sides::Free | Sides::Radial(_) => 0.5 * (sum(rows[i] - columns[j]) - sum(rows[i] + columns[j])),
+            Sides::Closed => sum(rows[i] - columns[j]),
+        });
+        let width = 2.0 * self.across.half_width;
+        let scale = 2.0 / (width * self.depth.conductivity) * (self.period() / (2.0 * PI)).powi(3);
+        DMatrix::from_fn(rows.len() - 1, columns.len() - 1, |i, j| {
+            scale * (edges[(i + 1, j + 1)] - edges[(i + 1, j)] - edges[(i, j + 1)] + edges[(i, j)])
+        })
+    }
+}
+
+/// Number of modes that [`SteadyBeyond`] sums one by one.
 pub(super) fn summed_modes(across: &Across, depth: &Depth, skipped: usize) -> usize {
     // Beyond 20 decay lengths the top has no effect; that of the sides falls like 1/m^4.
     let within_height = (20.0 * 2.0 * across.half_width / (PI * depth.height)).ceil() as usize;
     skipped.max(within_height).max(256)
-}
-
-/// Sum over all modes but the uniform one of the products of their cell integrals over k times the wave number.
-fn deep_and_insulated(across: &Across, depth: &Depth, cells: &Cells) -> DMatrix<f64> {
-    let width = 2.0 * across.half_width;
-    let period = match across.sides {
-        // Even continuation at both sides.
-        Sides::Free | Sides::Radial(_) => 2.0 * width,
-        Sides::Closed => width,
-    };
-    let angle: Vec<f64> = cells.edges().iter().map(|x| 2.0 * PI * (x + across.half_width) / period).collect();
-    // Product of two edges: of sines from the side, or of cosines of their distance on the ring.
-    let zeta: [f64; TERMS] = std::array::from_fn(|n| even_zeta(n as i32 + 1));
-    let sum = |angle: f64| cubic_cosine_sum(angle, &zeta);
-    let edges = DMatrix::from_fn(angle.len(), angle.len(), |i, j| match across.sides {
-        Sides::Free | Sides::Radial(_) => 0.5 * (sum(angle[i] - angle[j]) - sum(angle[i] + angle[j])),
-        Sides::Closed => sum(angle[i] - angle[j]),
-    });
-    let scale = 2.0 / (width * depth.conductivity) * (period / (2.0 * PI)).powi(3);
-    DMatrix::from_fn(cells.count(), cells.count(), |i, j| {
-        scale * (edges[(i + 1, j + 1)] - edges[(i + 1, j)] - edges[(i, j + 1)] + edges[(i, j)])
-    })
 }
 
 /// Terms of the series of [`cubic_cosine_sum`].
@@ -147,18 +189,20 @@ mod tests {
         for (sides, transfer) in [(Sides::Free, 0.0), (Sides::Free, 4e3), (Sides::Closed, 4e3)] {
             let across = Across { half_width: 0.03, sides, cooled: 2.0, transfer, conductivity: 55.0 };
             let waves = Waves::new(&across, &cells, 256);
-            let scale = steady_beyond(&across, &depth, &cells, &waves, 0).amax();
+            let mut scale = 0.0;
             for skipped in [0, 1, 9] {
-                let found = steady_beyond(&across, &depth, &cells, &waves, skipped);
+                let beyond = SteadyBeyond::new(&across, &depth, skipped);
+                let span = beyond.over(&cells, &waves);
+                let found = beyond.between((&span, 0..7), (&span, 0..7));
                 let mut expected = DMatrix::zeros(7, 7);
                 for m in skipped..6000 {
                     let wave = across.wave(m);
                     let integrals = nalgebra::DVector::from_vec(wave.cell_integrals(&cells));
                     expected.ger(depth.steady_impedance(wave.decay), &integrals, &integrals, 1.0);
                 }
-                for (row, width) in cells.widths().iter().enumerate() {
-                    expected.row_mut(row).scale_mut(1.0 / width);
-                }
+                scale = found.amax().max(scale);
+                let some = beyond.between((&span, 2..4), (&span, 1..6));
+                assert!((some - found.view((2, 1), (2, 5))).amax() < 1e-12 * scale);
                 let error = (&found - &expected).amax() / scale;
                 assert!(error < 1e-6, "{sides:?} {transfer} {skipped}: {error:e}");
             }

@@ -192,7 +192,11 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         face: 0.0,
         driven_top: false,
     };
-    let expected = steady::steady_beyond(&across, &depth, &cells, &waves::Waves::new(&across, &cells, 256), 0);
+    let waves = waves::Waves::new(&across, &cells, 256);
+    let all = steady::SteadyBeyond::new(&across, &depth, 0);
+    let span = all.over(&cells, &waves);
+    let integrals = all.between((&span, 0..17), (&span, 0..17));
+    let expected = nalgebra::DMatrix::from_fn(17, 17, |i, j| integrals[(i, j)] / cells.widths()[i]);
     let error = (&exact.heat.influence(Stage::End).temperature - &expected).amax() / expected.amax();
     assert!(error < 1e-8, "{error:e}");
     // Insulated sides and a top of prescribed temperature: the conduction of a slab for any mean flux over time.

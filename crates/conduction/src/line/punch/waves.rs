@@ -52,21 +52,23 @@ impl Waves {
 
     /// Sum over some modes of a weight times the product of their integrals over two cells, N x N.
     pub(crate) fn sum(&self, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
-        self.sum_with(self, modes, weight)
+        let all = 0..self.integrals.nrows();
+        self.sum_between(self, [all.clone(), all], modes, weight)
     }
 
-    /// [`Self::sum`] with the integrals over other cells in the columns.
-    pub(crate) fn sum_with(
+    /// [`Self::sum`] over some of the cells in the rows, and some of other cells in the columns.
+    pub(crate) fn sum_between(
         &self,
         other: &Waves,
+        [rows, columns]: [Range<usize>; 2],
         modes: Range<usize>,
         weight: impl Fn(usize, &Wave) -> f64,
     ) -> DMatrix<f64> {
         let integrals = other.integrals.columns_range(modes.clone());
-        let mut weighted = self.integrals.columns_range(modes.clone()).into_owned();
+        let mut weighted = self.integrals.columns_range(modes.clone()).rows_range(rows).into_owned();
         for (m, mut column) in modes.zip(weighted.column_iter_mut()) {
             column *= weight(m, &self.waves[m]);
         }
-        weighted * integrals.transpose()
+        weighted * integrals.rows_range(columns).transpose()
     }
 }

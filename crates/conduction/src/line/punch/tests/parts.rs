@@ -3,6 +3,7 @@
 use super::super::super::contact_parts::{ContactParts, PARTS};
 use super::super::super::{Exchange, FaceInfluence, FrozenState, Observed, Stage, Step, ThermalBody};
 use super::{Run, cells, largest, leaning, scene};
+use nalgebra::DMatrix;
 
 /// Cells 2, 4 and 6 of nine are partly in contact, cell 4 with a fraction of a part.
 pub(super) fn in_part() -> ContactParts {
@@ -61,7 +62,7 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
         }
         println!("{changes:?}: {worst:?}");
         // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
-        assert!(worst[0] < 0.2 && worst[1] < 4e-3, "{changes:?}: {worst:?}");
+        assert!(worst[0] < 2e-3 && worst[1] < 5e-4, "{changes:?}: {worst:?}");
         // At frozen state a temperature is the mean of the whole cell.
         let whole = run.frozen(&[0.0; 9]).temperature(&run.heat);
         let mean =
@@ -124,4 +125,38 @@ fn what_is_prepared_and_observed_between_a_free_response_and_its_step_leaves_the
         after
     };
     assert_eq!(after(true), after(false));
+}
+
+/// Heat that enters warms what it enters: with the sum over 4 modes a part, parts of the narrow cells at the edge had cooled down.
+#[test]
+fn influence_through_parts_is_passive_on_narrow_cells_too() {
+    let lining = [
+        ("punch.width", 0.095),
+        ("punch.height", 0.012),
+        ("punch.conductivity", 1.2),
+        ("punch.density", 2500.0),
+        ("punch.specific_heat", 1000.0),
+        ("punch.convection", 10.0),
+    ];
+    for (count, duration) in [(9, 100.0), (33, 0.1), (33, 10.0), (49, 1.0)] {
+        let cells = elasticity::Cells::graded(0.0475, count).unwrap();
+        let mut run = Run::new(&scene(&lining), &cells, 1e-3, duration);
+        let root: Vec<f64> = cells.widths().iter().map(|width| width.sqrt()).collect();
+        for step in [1e-6, 1e-3, 1.0] {
+            for (cell, covered) in (0..count / 2).flat_map(|cell| [0.02, 0.7, 1.3, 3.2].map(|covered| (cell, covered)))
+            {
+                let mut parts = ContactParts::whole(count);
+                parts.set(cell, std::array::from_fn(|part| (covered - part as f64).clamp(0.0, 1.0)));
+                run.heat.prepare(&Step { exchange: Exchange::Parts([&parts; 2]), ..Step::new(step, [0.0; 2]) });
+                let influence = &run.heat.influence(Stage::End).temperature;
+                let per_heat = DMatrix::from_fn(count, count, |i, j| influence[(i, j)] * root[i] / root[j]);
+                let found = (0.5 * (&per_heat + per_heat.transpose())).symmetric_eigenvalues();
+                let [least, most] = [found.min(), found.max()];
+                assert!(
+                    least > -1e-9 * most,
+                    "{count} cells, {step} s, {covered} of cell {cell}: {least:e} of {most:e}"
+                );
+            }
+        }
+    }
 }
