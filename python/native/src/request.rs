@@ -148,6 +148,8 @@ pub enum Request {
         scenes: PathBuf,
         set: Vec<String>,
         inputs: Option<Source>,
+        /// A record that the run stands beside.
+        measured: Option<Source>,
         step: Option<f64>,
         at: Vec<f64>,
     },
@@ -248,9 +250,9 @@ impl Request {
                 json!({ "content": figure, "notes": notes_of(table.as_ref()) })
             }
             Self::Scene { scene, scenes, set } => described(&Selection { scene, scenes, set }.load()?)?,
-            Self::Simulate { scene, scenes, set, inputs, step, at } => {
+            Self::Simulate { scene, scenes, set, inputs, measured, step, at } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                return simulate(&file, inputs.as_ref(), step, &at, control);
+                return simulate(&file, [inputs.as_ref(), measured.as_ref()], step, &at, control);
             }
             Self::Steady { scene, scenes, set, cells, return_speed, cold } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -354,7 +356,7 @@ fn tests(source: &Source) -> Result<Answer> {
 /// both worn depths, row by row.
 fn simulate(
     file: &SceneFile,
-    inputs: Option<&Source>,
+    [inputs, measured]: [Option<&Source>; 2],
     step: Option<f64>,
     at: &[f64],
     control: &Control,
@@ -364,8 +366,14 @@ fn simulate(
     }
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
-    let notes = notes_of(table.as_ref());
-    let trajectory = Trajectory::new(file, table.clone(), step)?;
+    let read = measured.map(Source::measured).transpose()?;
+    let mut notes = [notes_of(table.as_ref()), notes_of(read.as_ref())].concat();
+    notes.dedup();
+    let beside = read.map(|read| measured::beside(&read, table.as_ref())).transpose()?;
+    let mut trajectory = Trajectory::new(file, table.clone(), step)?;
+    if let Some(record) = beside.as_ref().filter(|_| step.is_none()) {
+        trajectory.observe(record);
+    }
     let (first, last) = trajectory.span();
     let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
@@ -375,8 +383,18 @@ fn simulate(
     if recording.times.is_empty() {
         checkpoint();
     }
-    let summary =
-        Summary { scene: name, inputs: &trajectory.description, recording: &recording, measured: &[], files: &[] };
+    let is_whole = failure.is_none() && !recording.interrupted;
+    let deviations = match beside.filter(|_| is_whole) {
+        Some(record) => measured::compare(&record, &recording)?,
+        None => Vec::new(),
+    };
+    let summary = Summary {
+        scene: name,
+        inputs: &trajectory.description,
+        recording: &recording,
+        measured: &deviations,
+        files: &[],
+    };
     let mut record = with_warnings(summary.record(), &shipped::warnings(file));
     let channel = |channel: &Channel| json!({ "name": channel.name, "unit": channel.unit });
     record["channels"] = recording.channels.iter().map(channel).collect();
