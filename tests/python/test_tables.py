@@ -39,6 +39,8 @@ def test_the_table_of_a_run_is_read_again(tmp_path):
     frame = result.frame("sliding_velocity [km/h]", "normal_load [kN]", "contact_temperature [degC]")
     frame.iloc[::3].to_csv(path)
     assert set(result.compare(path)) == {"contact_temperature", "normal_load", "sliding_velocity"}
+    result.frame("time [min]", "contact_temperature", "friction_coefficient").to_csv(path)
+    assert set(result.compare(path)) == {"contact_temperature", "friction_coefficient"}
     # With gaps, as rigs write it.
     frame.loc[1:3, "contact_temperature [degC]"] = np.nan
     frame.to_csv(tmp_path / "plain.csv")
