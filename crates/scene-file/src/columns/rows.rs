@@ -212,12 +212,15 @@ impl Clock {
 }
 
 /// A number with a point, or where no comma separates the columns, with a comma: with one of them in all of the file, which is `mark`.
+/// Before it the other one may mark thousands.
 fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &'static str> {
+    let joined = without_thousands(text);
+    let text = joined.as_deref().unwrap_or(text);
     let own = ['.', ','].into_iter().find(|mark| text.contains(*mark));
     let plain = if own == Some(',') && separator != ',' { text.replace(',', ".") } else { text.to_owned() };
     let number = plain.parse().map_err(|_| match quantity::decimal_comma(text) {
         Some(_) if separator != ',' => {
-            "has a point and a comma; one of them is the decimal mark, and thousands have none"
+            "has a point and a comma; one of them is the decimal mark, the other stands between thousands"
         }
         Some(hint) => hint,
         None => "is no number",
@@ -226,6 +229,19 @@ fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &
         return Err("has another decimal mark than the numbers above");
     }
     Ok(number)
+}
+
+/// `1.234,5` or `1,234.5` without the marks of thousands, which the decimal mark behind them tells; `None` of other texts.
+fn without_thousands(text: &str) -> Option<String> {
+    let decimal = text.rfind(['.', ','])?;
+    let mark = if text[decimal..].starts_with('.') { ',' } else { '.' };
+    let (first, groups) = text[..decimal].split_once(mark)?;
+    let is_of_digits = |group: &str| group.bytes().all(|digit| digit.is_ascii_digit());
+    let leading = first.trim_start_matches(['-', '+']);
+    let is_grouped = (1..=3).contains(&leading.len())
+        && is_of_digits(leading)
+        && groups.split(mark).all(|group| group.len() == 3 && is_of_digits(group));
+    is_grouped.then(|| text[..decimal].replace(mark, "") + &text[decimal..])
 }
 
 /// What the columns of a file are, and notes about those that are not known by their names.

@@ -136,6 +136,16 @@ fn columns_are_known_by_name_and_converted() {
 }
 
 #[test]
+fn thousands_may_have_the_other_mark() {
+    for text in [
+        "time;speed_m_per_s;normal_load\n0;1,5;-1.234.567,25\n1;0;12.000,0\n",
+        "time,speed_m_per_s,normal_load\n0,1.5,\"-1,234,567.25\"\n1,0,\"12,000.0\"\n",
+    ] {
+        assert_eq!(table("thousands", text).unwrap().values, [1.5, -1_234_567.25, 0.0, 12_000.0]);
+    }
+}
+
+#[test]
 fn times_of_day_count_from_the_first_row() {
     for (text, times) in [
         ("time,speed_m_per_s\n09:00:00,1\n09:00:00.5,1\n10:01,1\n", [0.0, 0.5, 3660.0]),
@@ -196,7 +206,12 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
             "time;speed_m_per_s\n0.5;1\n1;1,5\n",
             "line 3, column 2 (speed_m_per_s): \"1,5\" has another decimal mark",
         ),
-        ("thousands", "time;speed_m_per_s\n0;1.234,5\n", "\"1.234,5\" has a point and a comma"),
+        ("thousands", "time;speed_m_per_s\n0;1.23,5\n", "\"1.23,5\" has a point and a comma"),
+        (
+            "integers",
+            "time;speed_m_per_s\n0;1,5\n1;1.234\n",
+            "line 3, column 2 (speed_m_per_s): \"1.234\" has another decimal mark",
+        ),
         ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
         ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
         ("clock", "time,speed_m_per_s\n12:00:61,1\n", "12:00:61\" is no time of day, as 09:00:00.5"),
