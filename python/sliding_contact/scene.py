@@ -372,6 +372,7 @@ class Scene:
         *,
         count: int = 200,
         step: Optional[Time] = None,
+        done: Optional[Batch] = None,
         columns: Optional[Columns] = None,
         strict: bool = False,
         progress: Optional[Callable[[float], object]] = None,
@@ -379,7 +380,8 @@ class Scene:
         """Runs the scene once for every row of a design along the same inputs, on all cores: outputs at the end, their peaks, wear life.
 
         `design`: lists of equal length by the name of the variable, or a fit, whose parameters are drawn `count` times from their joint
-        distribution. A scene that fails is a row with its reason. Ctrl-C raises `Interrupted`, whose `result` has the scenes that are done.
+        distribution. A scene that fails is a row with its reason. Ctrl-C raises `Interrupted`, whose `result` has the scenes that are done;
+        the same call with `done=result` runs the others.
 
         >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
         >>> wear = Scene.load("disc_brake").batch({"punch.wear_coefficient": [1e-14, 2e-14]}, stop)
@@ -387,7 +389,7 @@ class Scene:
         2.0
         """
         rows: Any = design.draw(count) if hasattr(design, "draw") else design
-        return batch(self, rows, source(inputs, "inputs", columns, strict), step, progress)
+        return batch(self, rows, source(inputs, "inputs", columns, strict), step, done, progress)
 
     def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.
