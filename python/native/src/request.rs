@@ -72,6 +72,15 @@ impl Source {
         Ok(with_missing(table?, &reading))
     }
 
+    /// A record without the inputs that were driven; who is refused one has not seen its notes.
+    fn beside(&self, inputs: Option<&Table>) -> Result<Table> {
+        let table = self.measured()?;
+        measured::beside(&table, inputs).map_err(|wrong| {
+            let notes: String = table.notes.iter().map(|note| format!("; {note}")).collect();
+            anyhow!("{wrong}{notes}")
+        })
+    }
+
     fn tests(&self) -> Result<Tests> {
         let reading = self.reading()?;
         match &self.text {
@@ -238,13 +247,12 @@ impl Request {
             }
             Self::Compare { measured } => {
                 let Run { inputs, recording, .. } = run()?;
-                let table = measured::beside(&measured.measured()?, inputs.as_ref())?;
+                let table = measured.beside(inputs.as_ref())?;
                 json!({ "deviations": measured::compare(&table, recording)?, "notes": table.notes })
             }
             Self::Figure { measured } => {
                 let Run { scene, inputs, recording } = run()?;
-                let beside = |own: &Source| measured::beside(&own.measured()?, inputs.as_ref());
-                let table = measured.as_ref().map(beside).transpose()?;
+                let table = measured.as_ref().map(|own| own.beside(inputs.as_ref())).transpose()?;
                 let deviations = table.as_ref().map(|table| measured::compare(table, recording)).transpose()?;
                 let figure = Figure::new(scene, recording, &deviations.unwrap_or_default());
                 json!({ "content": figure, "notes": notes_of(table.as_ref()) })
@@ -366,10 +374,10 @@ fn simulate(
     }
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
-    let read = measured.map(Source::measured).transpose()?;
-    let mut notes = [notes_of(table.as_ref()), notes_of(read.as_ref())].concat();
-    notes.dedup();
-    let beside = read.map(|read| measured::beside(&read, table.as_ref())).transpose()?;
+    let beside = measured.map(|own| own.beside(table.as_ref())).transpose()?;
+    let mut notes = notes_of(table.as_ref());
+    let of_record = notes_of(beside.as_ref()).into_iter().filter(|note| !notes.contains(note));
+    notes.extend(of_record.collect::<Vec<_>>());
     let mut trajectory = Trajectory::new(file, table.clone(), step)?;
     if let Some(record) = beside.as_ref().filter(|_| step.is_none()) {
         trajectory.observe(record);
