@@ -305,13 +305,14 @@ class Scene:
         >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
         3900.0
         """
-        request = self._request("cycles", cycles=number("cycles", cycles), tolerance=number("tolerance", tolerance), cells=count("cells", cells),
+        wanted = number("cycles", cycles)
+        request = self._request("cycles", cycles=wanted, tolerance=number("tolerance", tolerance), cells=count("cells", cells),
                                 cold=flag("cold", cold))  # fmt: skip
 
         def kept(answer: _native.Answer) -> Interrupted:
             course = Cycles(answer.record)
             passed = course.cycles[-1] if course.cycles.size else 0.0
-            return Interrupted(f"interrupted after {passed:g} of {cycles:g} cycles", course, "the jumps so far")
+            return Interrupted(f"interrupted after {passed:g} of {wanted:g} cycles", course, "the jumps so far")
 
         return Cycles(self._warn(_native.ask(request, progress=progress, kept=kept).record))
 
