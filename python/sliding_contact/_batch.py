@@ -31,14 +31,16 @@ class Batch(Mapping):
     `reasons` has their texts by row.
     """
 
-    def __init__(self, columns: dict[str, np.ndarray], units: dict[str, str], reasons: dict[int, str], scenes: np.ndarray) -> None:
+    def __init__(self, columns: dict[str, np.ndarray], units: dict[str, str], scenes: dict[int, Any], origin: Any) -> None:
         self._columns = columns
+        # For a batch that goes on: results or reasons by row, and what they are of.
+        self._scenes, self._origin = scenes, origin
         #: SI unit of every column; "1" of a number.
         self.units = units
         #: Why scenes failed, by row.
-        self.reasons = reasons
+        self.reasons = {at: own for at, (_, own) in enumerate(sorted(scenes.items())) if isinstance(own, str)}
         #: Row of the design of every row.
-        self.scenes = scenes
+        self.scenes = np.array(sorted(scenes), dtype=int)
 
     def __getitem__(self, name: str) -> np.ndarray:
         plain, unit = split(name)
@@ -74,10 +76,15 @@ class _Ended(Exception):
     pass
 
 
-def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, progress: Optional[Callable[[float], object]]) -> Batch:
+def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, before: Optional[Batch], progress: Optional[Callable[[float], object]]) -> Batch:
     """`Scene.batch`, with inputs as the native library takes them."""
     design = _checked(scene, given)
     count = len(next(iter(design.values())))
+    settings = [[f"{name}={literal(name, values[row])}" for name, values in design.items()] for row in range(count)]
+    origin = scene._request("simulate", inputs=inputs, step=step), settings
+    if before is not None and (not isinstance(before, Batch) or before._origin != origin):
+        raise Error("done: its scenes are others; `batch` goes on with the same scene, design, inputs and step")
+    done: dict[int, Any] = {} if before is None else dict(before._scenes)
     stop = threading.Event()
 
     def look(_: float) -> None:
@@ -86,15 +93,13 @@ def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, p
 
     def run(row: int) -> Simulation:
         look(0.0)
-        settings = [f"{name}={literal(name, values[row])}" for name, values in design.items()]
-        result: Simulation = scene._run(inputs, step, assignments=settings, progress=look)
+        result: Simulation = scene._run(inputs, step, assignments=settings[row], progress=look)
         if result.record["failure"]:
             raise Error(result.record["failure"])
         return result
 
-    done: dict[int, Any] = {}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        waiting = {pool.submit(run, row): row for row in range(count)}
+        waiting = {pool.submit(run, row): row for row in range(count) if row not in done}
         try:
             while waiting:
                 for future in wait(waiting, _PAUSE, FIRST_COMPLETED).done:
@@ -108,10 +113,10 @@ def batch(scene: Any, given: Any, inputs: Optional[dict[str, Any]], step: Any, p
             stop.set()
             if not isinstance(error, KeyboardInterrupt):
                 raise
-            raise Interrupted("interrupted", _gathered(scene, design, done), f"{len(done)} of {count} scenes") from None
+            raise Interrupted("interrupted", _gathered(scene, design, done, origin), f"{len(done)} of {count} scenes; as `done` it goes on") from None
     if all(isinstance(own, str) for own in done.values()):
         raise Error(f"every scene failed, the first for: {done[0]}")
-    return _gathered(scene, design, done)
+    return _gathered(scene, design, done, origin)
 
 
 def _checked(scene: Any, given: Any) -> dict[str, list[Any]]:
@@ -138,7 +143,7 @@ def _summary(result: Simulation) -> tuple[list[str], dict[str, str], dict[str, f
     return result.record["notes"], result.units, {**last, **{name + PEAK: float(values.max()) for name, values in result.items()}}
 
 
-def _gathered(scene: Any, design: Mapping[str, list[Any]], done: Mapping[int, Any]) -> Batch:
+def _gathered(scene: Any, design: Mapping[str, list[Any]], done: dict[int, Any], origin: Any) -> Batch:
     rows = sorted(done)
     good = {row: own for row, own in done.items() if not isinstance(own, str)}
     notes, units, names = next(iter(good.values()), ([], {}, {}))
@@ -154,5 +159,4 @@ def _gathered(scene: Any, design: Mapping[str, list[Any]], done: Mapping[int, An
         with np.errstate(divide="ignore", invalid="ignore"):
             life = np.minimum(life, np.where((limit > 0.0) | np.isnan(wear), limit / wear, np.inf))
     named = {**units, **{name + PEAK: unit for name, unit in units.items()}, **{name: scene.unit(name) for name in design}, LIFE: "1"}
-    reasons = {at: done[row] for at, row in enumerate(rows) if row not in good}
-    return Batch({**columns, LIFE: life}, named, reasons, np.array(rows, dtype=int))
+    return Batch({**columns, LIFE: life}, named, done, origin)

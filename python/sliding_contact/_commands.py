@@ -168,7 +168,7 @@ def _simulate(arguments: Arguments) -> None:
     scene = _scene(arguments)
     try:
         with Progress() as progress:
-            result = scene.simulate(arguments.inputs, step=arguments.step, at=times, progress=progress, **reading)
+            result = scene.simulate(arguments.inputs, measured=arguments.measured, step=arguments.step, at=times, progress=progress, **reading)
     except StepFailed as failed:
         if output is None or failed.result is None:
             raise
@@ -181,15 +181,9 @@ def _simulate(arguments: Arguments) -> None:
         raise Interrupted(f"{stopped.reason}; {rows}", None) from None
     if output is not None:
         _write(result, output)
-    deviations = {} if arguments.measured is None else result.compare(arguments.measured, **reading)
     if arguments.plot is not None:
         result.plot(arguments.plot, measured=arguments.measured, **reading)
-    if arguments.json:
-        print(json.dumps(result.record, indent=2))
-        return
-    print(result)
-    for deviation in deviations.values():
-        print(deviation)
+    print(json.dumps(result.record, indent=2) if arguments.json else result)
 
 
 def _plan(arguments: Arguments) -> None:

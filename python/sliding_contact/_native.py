@@ -16,7 +16,7 @@ import numpy as np
 
 from ._errors import Error, Interrupted
 
-INTERFACE_VERSION = 2
+INTERFACE_VERSION = 3
 FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 FMUS = FOLDER / "fmus"

@@ -138,15 +138,17 @@ class Simulation(Mapping):
     __hash__ = object.__hash__
 
     def frame(self, *columns: str) -> "pandas.DataFrame":
-        """A table of pandas: `columns` with their units, `"normal_load [kN]"`, or everything in SI units.
+        """A table of pandas: `columns`, in SI units or as `"normal_load [kN]"`, or everything in SI units.
 
         Its headers are those that inputs and measured records have: what `frame().to_csv(path)` writes, with or without the index, can be read
         again as either.
         """
         import pandas
 
-        names = columns or tuple(f"{name} [{unit}]" for name, unit in self.units.items())
-        return pandas.DataFrame({"time [s]": self.time, **{name: self[name] for name in names}})
+        names = columns or tuple(self)
+        if "time" not in (split(name)[0] for name in names):
+            names = ("time", *names)
+        return pandas.DataFrame({name if split(name)[1] else f"{name} [{self.units.get(name, 's')}]": self[name] for name in names})
 
     def compare(self, measured: Table, *, columns: Optional[Columns] = None, strict: bool = False) -> dict[str, Deviation]:
         """Deviation from a measured record, by name: columns as those of inputs, of any inputs and outputs.

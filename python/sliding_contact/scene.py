@@ -224,6 +224,7 @@ class Scene:
         self,
         inputs: Optional[Table] = None,
         *,
+        measured: Optional[Table] = None,
         step: Optional[Time] = None,
         at: Union[Time, Sequence[Time]] = (),
         columns: Optional[Columns] = None,
@@ -233,7 +234,8 @@ class Scene:
         """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
 
         `inputs`: columns by name with a unit, as a dictionary, a table of pandas or a CSV file; a single number holds for all
-        times. `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise.
+        times. `measured`: a record as of `Simulation.compare`; its deviations are printed, and its times are communication points too.
+        `step`: longest communication step [s], or with its unit as "20 ms". `at`: times of the profiles over the contact, likewise.
         `columns`: what headers of other names are, as {"Kraft": "normal_load"}; `strict` refuses what is still unknown instead of
         leaving it out with a warning. `progress` is called with the part that is done. Where a step fails `StepFailed` is raised, at Ctrl-C
         `Interrupted`: `result` of both holds the run so far.
@@ -250,7 +252,8 @@ class Scene:
             run = Simulation(answer)
             return Interrupted(f"interrupted at {run.time[-1]:g} s of {run.record['last']:g} s", run, "the run up to there")
 
-        result = self._run(source(inputs, "inputs", columns, strict), step, times, progress=progress, kept=kept)
+        driven, record = (source(own, name, columns, strict) for name, own in (("inputs", inputs), ("measured", measured)))
+        result = self._run(driven, step, times, record, progress=progress, kept=kept)
         tell(result.record["notes"])
         for time, text in result.warnings:
             warnings.warn(f"at {time:g} s: {text}", SceneWarning, stacklevel=2)
@@ -263,13 +266,14 @@ class Scene:
         inputs: Optional[dict[str, Any]],
         step: Optional[Time] = None,
         at: Sequence[float] = (),
+        measured: Optional[dict[str, Any]] = None,
         assignments: Sequence[str] = (),
         progress: Optional[Callable[[float], object]] = None,
         kept: Optional[Callable[[_native.Answer], Interrupted]] = None,
     ) -> Simulation:
         """A run with further assignments, up to a step that fails; it warns of nothing."""
         longest = None if step is None else seconds("step", step)
-        request = self._request("simulate", [*self._assignments, *assignments], inputs=inputs, step=longest, at=list(at))
+        request = self._request("simulate", [*self._assignments, *assignments], inputs=inputs, measured=measured, step=longest, at=list(at))
         return Simulation(_native.ask(request, progress=progress, kept=kept))
 
     def steady(
@@ -301,13 +305,14 @@ class Scene:
         >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
         3900.0
         """
-        request = self._request("cycles", cycles=number("cycles", cycles), tolerance=number("tolerance", tolerance), cells=count("cells", cells),
+        wanted = number("cycles", cycles)
+        request = self._request("cycles", cycles=wanted, tolerance=number("tolerance", tolerance), cells=count("cells", cells),
                                 cold=flag("cold", cold))  # fmt: skip
 
         def kept(answer: _native.Answer) -> Interrupted:
             course = Cycles(answer.record)
             passed = course.cycles[-1] if course.cycles.size else 0.0
-            return Interrupted(f"interrupted after {passed:g} of {cycles:g} cycles", course, "the jumps so far")
+            return Interrupted(f"interrupted after {passed:g} of {wanted:g} cycles", course, "the jumps so far")
 
         return Cycles(self._warn(_native.ask(request, progress=progress, kept=kept).record))
 
@@ -368,6 +373,7 @@ class Scene:
         *,
         count: int = 200,
         step: Optional[Time] = None,
+        done: Optional[Batch] = None,
         columns: Optional[Columns] = None,
         strict: bool = False,
         progress: Optional[Callable[[float], object]] = None,
@@ -375,7 +381,8 @@ class Scene:
         """Runs the scene once for every row of a design along the same inputs, on all cores: outputs at the end, their peaks, wear life.
 
         `design`: lists of equal length by the name of the variable, or a fit, whose parameters are drawn `count` times from their joint
-        distribution. A scene that fails is a row with its reason. Ctrl-C raises `Interrupted`, whose `result` has the scenes that are done.
+        distribution. A scene that fails is a row with its reason. Ctrl-C raises `Interrupted`, whose `result` has the scenes that are done;
+        the same call with `done=result` runs the others.
 
         >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
         >>> wear = Scene.load("disc_brake").batch({"punch.wear_coefficient": [1e-14, 2e-14]}, stop)
@@ -383,7 +390,7 @@ class Scene:
         2.0
         """
         rows: Any = design.draw(count) if hasattr(design, "draw") else design
-        return batch(self, rows, source(inputs, "inputs", columns, strict), step, progress)
+        return batch(self, rows, source(inputs, "inputs", columns, strict), step, done, progress)
 
     def package(self, path: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the FMU of the scene (FMI 2.0 for co-simulation, for the platform of this package) and returns its path.

@@ -82,3 +82,12 @@ def test_an_interrupted_batch_has_the_scenes_that_are_done():
     table = stopped.value.result
     assert isinstance(table, Batch) and 8 < table.scenes.size < 40
     assert np.array_equal(table["punch.width"], width[table.scenes]) and np.all(table["wear_depth_punch"] > 0.0)
+    # It goes on from there, to what it had been without a break.
+    parts = []
+    whole = Scene.load("disc_brake").batch({"punch.width": width}, STOP, done=table, progress=parts.append)
+    assert parts[0] >= table.scenes.size / 40 and np.array_equal(whole.scenes, np.arange(40))
+    own = Scene.load("disc_brake").batch({"punch.width": width}, STOP)
+    assert all(np.array_equal(whole[name], own[name]) for name in own)
+    for name, others in (("disc_brake", width + 1e-3), ("clutch", width)):
+        with pytest.raises(Error, match="done: its scenes are others"):
+            Scene.load(name).batch({"punch.width": others}, STOP, done=table)

@@ -35,12 +35,12 @@ def test_results_are_those_of_the_scene(tmp_path, stop_csv):
     assert printed == expected
     # What it writes is a record, which the same run meets.
     run = ran(tmp_path, "simulate", "disc_brake", "-s", "punch.width=80 mm", "-i", "stop.csv", "--step", "20 ms", "-m", "out.csv")
-    assert "friction_force: 0 N root mean square" in run.stdout, run.stdout + run.stderr
+    assert re.search("deviation of friction_force +root mean square 0 N ", run.stdout), run.stdout + run.stderr
     # One file of a rig, with names of its own, is inputs and record.
     (tmp_path / "rig.csv").write_text("t [s];v [m/s];Load [N];Temp. [°C];Note\n0;10;4000;20;a\n1;10;4000;90;\n2;0;4000;;b\n", encoding="latin-1")
     rig = ["simulate", "disc_brake", "-i", "rig.csv", "-m", "rig.csv", "--column", "v=sliding_velocity"]
     run = ran(tmp_path, *rig)
-    assert "contact_temperature: " in run.stdout and "; 2 points" in run.stdout and "normal_load: " not in run.stdout, run.stdout + run.stderr
+    assert "deviation of contact_temperature " in run.stdout and "; 2 points" in run.stdout and "deviation of normal_load" not in run.stdout, run.stdout + run.stderr
     told = run.stderr.splitlines()
     assert told[0].startswith('note: rig.csv: read are "t [s]" as time'), told
     assert told[1] == 'note: rig.csv: left out are "Note"; --column "HEADER=VARIABLE" names a quantity', told

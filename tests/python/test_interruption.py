@@ -154,7 +154,8 @@ def test_interrupted_levels_and_cycles_are_kept():
     assert "Interrupted: " in str(levels) and "The cheapest" not in str(levels)
     with pytest.raises(ValueError, match="before it named a level"):
         levels.settings
-    stopped = interrupted(lambda: Scene.load("reciprocating_punch").cycles(1e9, cells=33, tolerance=1e-6), 8.0)
+    # A text, as the command gives it.
+    stopped = interrupted(lambda: Scene.load("reciprocating_punch").cycles("1e9", cells=33, tolerance=1e-6), 8.0)
     course = stopped.result
     assert course.cycles.size > 1 and course.cycles[-1] < 1e9 and course.wear_profile_punch.max() > 0.0
     assert f"after {course.cycles[-1]:g} of 1e+09 cycles" in str(stopped)

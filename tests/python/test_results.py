@@ -4,6 +4,8 @@ import csv
 import json
 import pickle
 import re
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -34,6 +36,24 @@ def test_results_are_those_of_the_command_to_the_last_bit(tmp_path, stop_csv):
     assert np.array_equal(profiles.time, [1.0, 2.0]) and profiles.pressure.shape == (2, profiles.x.size)
     expected = (np.tile(profiles.x, 2), profiles.pressure, profiles.temperature, profiles.wear_punch, profiles.wear_strip)
     assert all(np.array_equal(column, np.ravel(values)) for column, values in zip(own.T[1:], expected))
+
+
+def test_beside_a_record_the_table_is_that_of_the_command(tmp_path):
+    """A run without strokes is one of a rig beside a record: volume over distance, running-in; its step follows the record."""
+    rows = "".join(f"{time},10,4000,{20 + 3 * time}\n" for time in range(0, 30, 3))
+    (tmp_path / "rig.csv").write_text("time [s],sliding_velocity [m/s],normal_load [N],contact_temperature [degC]\n" + rows)
+    rig = tmp_path / "rig.csv"
+    result = Scene.load("disc_brake").simulate(rig, measured=rig)
+    assert result.record["rig"]["worn_volume_per_distance"] > 0.0 and result.record["measured"][0]["points"] == 10
+    assert set(np.arange(0.0, 30.0, 3.0)) <= set(result.time)
+    arguments = ["simulate", "disc_brake", "--inputs", "rig.csv", "--measured", "rig.csv"]
+    own = subprocess.run([sys.executable, "-m", "sliding_contact", *arguments], cwd=tmp_path, capture_output=True, text=True)
+    printed = [
+        [line for line in text.splitlines() if not line.startswith(("cost", "inputs"))]
+        for text in (command(tmp_path, *arguments).stdout, own.stdout, str(result))
+    ]
+    assert printed[0] == printed[1] == printed[2]
+    assert {"worn", "running-in", "deviation"} <= {line.split()[0] for line in printed[0]}
 
 
 def test_steady_cycles_and_plan_are_those_of_the_commands(tmp_path, stop_csv):

@@ -2,6 +2,7 @@
 
 import re
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -39,6 +40,8 @@ def test_the_table_of_a_run_is_read_again(tmp_path):
     frame = result.frame("sliding_velocity [km/h]", "normal_load [kN]", "contact_temperature [degC]")
     frame.iloc[::3].to_csv(path)
     assert set(result.compare(path)) == {"contact_temperature", "normal_load", "sliding_velocity"}
+    result.frame("time [min]", "contact_temperature", "friction_coefficient").to_csv(path)
+    assert set(result.compare(path)) == {"contact_temperature", "friction_coefficient"}
     # With gaps, as rigs write it.
     frame.loc[1:3, "contact_temperature [degC]"] = np.nan
     frame.to_csv(tmp_path / "plain.csv")
@@ -63,6 +66,13 @@ def test_columns_of_other_names_are_named_or_left_out_or_refused(tmp_path):
         result = scene.simulate(rig, columns=columns)
     assert result["normal_load"][-1] == 4000.0 and result["sliding_velocity"][-1] == 10.0
     assert np.array_equal(scene.trajectory(rig, columns=columns).values[-1], [10.0, 4000.0])
+    # Of a file that is both every note is told once.
+    file = tmp_path / "rig.csv"
+    file.write_text("Time [s],v [m/s],Load [kN],Humidity [%],COF\n0,10,4,40,0.4\n2,10,4,41,0.4\n")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        scene.simulate(file, measured=file)
+    assert len(told) == 2, [str(note.message) for note in told]
     with pytest.warns(SceneNote, match="left out"):
         assert list(result.compare(rig, columns={**columns, "COF": "friction_coefficient"})) == ["friction_coefficient"]
     with pytest.warns(SceneWarning, match='columns: there is no column "Krafft"'):
@@ -75,6 +85,14 @@ def test_columns_of_other_names_are_named_or_left_out_or_refused(tmp_path):
     ):
         with pytest.raises(Error, match=re.escape(text)):
             wrong()
+
+
+def test_a_record_without_an_output_is_refused_with_what_is_left_out():
+    rig = {"time [s]": [0, 1, 2], "sliding_velocity [m/s]": 10, "normal_load [kN]": 4, "Friction [kgf]": 160}
+    scene = Scene.load("disc_brake")
+    for refused in (lambda: scene.simulate(rig, measured=rig), lambda: scene.simulate(STOP).compare({"time [s]": [0, 1], "Friction [kgf]": 160})):
+        with pytest.raises(Error, match=re.escape('left out are "Friction [kgf]" ("kgf" is no known unit of friction_force [N')):
+            refused()
 
 
 def test_a_record_that_is_no_table_is_refused_with_what_is_accepted(tmp_path):

@@ -210,6 +210,7 @@ mod tests {
         let head = "Load [N],Speed [m/s],Distance [m],";
         let found = records(&format!("{head}Pin wear [mm3]\n5,.1,300,2\n")).unwrap();
         assert_eq!(found.values, [(WORN.to_owned(), vec![2e-9])]);
+        assert_eq!(records(&format!("{head}Volume (mm3)\n5,.1,300,2\n")).unwrap().values, found.values);
         for (columns, told) in [
             ("Wear volume [mm3]\n5,.1,300,2\n", "\"Wear volume [mm3]\" (wear_volume_punch or wear_volume_strip?)"),
             ("volume [mm3],Pin wear [mm3]\n5,.1,300,2,2\n", "volume is wear_volume_punch too"),

@@ -30,7 +30,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Changes with the meaning of any argument, request or result.
-pub(crate) const INTERFACE_VERSION: u32 = 2;
+pub(crate) const INTERFACE_VERSION: u32 = 3;
 
 /// What another thread shares with the work of a request.
 #[repr(C)]
@@ -203,7 +203,7 @@ mod tests {
     }
 
     const SIMULATE: &str = r#"{"analysis": "simulate", "scene": "disc_brake", "scenes": "FOLDER", "set": ["nominal.duration=1 s"],
-        "inputs": null, "step": null, "at": []}"#;
+        "inputs": null, "measured": null, "step": null, "at": []}"#;
 
     #[test]
     fn a_simulation_has_an_array_for_the_time_and_every_variable() {

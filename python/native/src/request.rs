@@ -72,6 +72,15 @@ impl Source {
         Ok(with_missing(table?, &reading))
     }
 
+    /// A record without the inputs that were driven; who is refused one has not seen its notes.
+    fn beside(&self, inputs: Option<&Table>) -> Result<Table> {
+        let table = self.measured()?;
+        measured::beside(&table, inputs).map_err(|wrong| {
+            let notes: String = table.notes.iter().map(|note| format!("; {note}")).collect();
+            anyhow!("{wrong}{notes}")
+        })
+    }
+
     fn tests(&self) -> Result<Tests> {
         let reading = self.reading()?;
         match &self.text {
@@ -148,6 +157,8 @@ pub enum Request {
         scenes: PathBuf,
         set: Vec<String>,
         inputs: Option<Source>,
+        /// A record that the run stands beside.
+        measured: Option<Source>,
         step: Option<f64>,
         at: Vec<f64>,
     },
@@ -236,21 +247,20 @@ impl Request {
             }
             Self::Compare { measured } => {
                 let Run { inputs, recording, .. } = run()?;
-                let table = measured::beside(&measured.measured()?, inputs.as_ref())?;
+                let table = measured.beside(inputs.as_ref())?;
                 json!({ "deviations": measured::compare(&table, recording)?, "notes": table.notes })
             }
             Self::Figure { measured } => {
                 let Run { scene, inputs, recording } = run()?;
-                let beside = |own: &Source| measured::beside(&own.measured()?, inputs.as_ref());
-                let table = measured.as_ref().map(beside).transpose()?;
+                let table = measured.as_ref().map(|own| own.beside(inputs.as_ref())).transpose()?;
                 let deviations = table.as_ref().map(|table| measured::compare(table, recording)).transpose()?;
                 let figure = Figure::new(scene, recording, &deviations.unwrap_or_default());
                 json!({ "content": figure, "notes": notes_of(table.as_ref()) })
             }
             Self::Scene { scene, scenes, set } => described(&Selection { scene, scenes, set }.load()?)?,
-            Self::Simulate { scene, scenes, set, inputs, step, at } => {
+            Self::Simulate { scene, scenes, set, inputs, measured, step, at } => {
                 let file = Selection { scene, scenes, set }.load()?;
-                return simulate(&file, inputs.as_ref(), step, &at, control);
+                return simulate(&file, [inputs.as_ref(), measured.as_ref()], step, &at, control);
             }
             Self::Steady { scene, scenes, set, cells, return_speed, cold } => {
                 let file = Selection { scene, scenes, set }.load()?;
@@ -354,7 +364,7 @@ fn tests(source: &Source) -> Result<Answer> {
 /// both worn depths, row by row.
 fn simulate(
     file: &SceneFile,
-    inputs: Option<&Source>,
+    [inputs, measured]: [Option<&Source>; 2],
     step: Option<f64>,
     at: &[f64],
     control: &Control,
@@ -364,8 +374,14 @@ fn simulate(
     }
     let name = &file.packaged.name;
     let table = inputs.map(Source::inputs).transpose()?;
-    let notes = notes_of(table.as_ref());
-    let trajectory = Trajectory::new(file, table.clone(), step)?;
+    let beside = measured.map(|own| own.beside(table.as_ref())).transpose()?;
+    let mut notes = notes_of(table.as_ref());
+    let of_record = notes_of(beside.as_ref()).into_iter().filter(|note| !notes.contains(note));
+    notes.extend(of_record.collect::<Vec<_>>());
+    let mut trajectory = Trajectory::new(file, table.clone(), step)?;
+    if let Some(record) = beside.as_ref().filter(|_| step.is_none()) {
+        trajectory.observe(record);
+    }
     let (first, last) = trajectory.span();
     let recording = run(file, &trajectory, at, &mut |time| control.reached((time - first) / (last - first)))?;
     let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
@@ -375,8 +391,18 @@ fn simulate(
     if recording.times.is_empty() {
         checkpoint();
     }
-    let summary =
-        Summary { scene: name, inputs: &trajectory.description, recording: &recording, measured: &[], files: &[] };
+    let is_whole = failure.is_none() && !recording.interrupted;
+    let deviations = match beside.filter(|_| is_whole) {
+        Some(record) => measured::compare(&record, &recording)?,
+        None => Vec::new(),
+    };
+    let summary = Summary {
+        scene: name,
+        inputs: &trajectory.description,
+        recording: &recording,
+        measured: &deviations,
+        files: &[],
+    };
     let mut record = with_warnings(summary.record(), &shipped::warnings(file));
     let channel = |channel: &Channel| json!({ "name": channel.name, "unit": channel.unit });
     record["channels"] = recording.channels.iter().map(channel).collect();

@@ -50,8 +50,9 @@ pub fn parse(content: &str, path: &Path, reading: &Reading) -> Result<columns::T
 
 fn check(table: columns::Table) -> Result<columns::Table> {
     if table.names.is_empty() {
+        let notes: String = table.notes.iter().map(|note| format!("; {note}")).collect();
         bail!(
-            "{} has the column time only; accepted beside it are inputs and outputs of the FMU, as wear_depth [um]",
+            "{} has the column time only; accepted beside it are inputs and outputs of the FMU, as wear_depth [um]{notes}",
             table.path.display()
         );
     }

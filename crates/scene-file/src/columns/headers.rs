@@ -43,7 +43,23 @@ const SYNONYMS: &[(&str, &str)] = &[
 
 /// Names of rigs, their words written together, and the quantities that they may be; the unit decides between these.
 const NAMES: &[(&[&str], &[&str])] = &[
-    (&["t", "zeit", "elapsedtime", "testtime", "timestamp", "runtime"], &["time"]),
+    (
+        &[
+            "t",
+            "zeit",
+            "elapsedtime",
+            "testtime",
+            "timestamp",
+            "runtime",
+            "datetime",
+            "uhrzeit",
+            "datumuhrzeit",
+            "zeitstempel",
+            "versuchszeit",
+            "laufzeit",
+        ],
+        &["time"],
+    ),
     (
         &[
             "v",
@@ -167,7 +183,11 @@ pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a
         Some(symbol) => quantity::in_si(0.0, symbol, column.unit, column.absolute).is_ok(),
         None => !column.unit_required,
     };
-    let fitting: Vec<&Column> = candidates.iter().copied().filter(fits).collect();
+    let mut fitting: Vec<&Column> = candidates.iter().copied().filter(fits).collect();
+    // The very words of one say more than what they may also mean.
+    if let Some(same) = fitting.iter().copied().find(|column| words(&column.name) == own) {
+        fitting = vec![same];
+    }
     match (fitting.as_slice(), candidates.as_slice()) {
         ([only], _) => Ok(Match::Meant(only, symbol.unwrap_or(only.unit.name).into())),
         ([], []) if TABLE.iter().any(|row| row.name == name) => {
@@ -326,6 +346,9 @@ mod tests {
             ("Speed (m/s)", "sliding_velocity m/s"),
             ("Normal Load [N]", "normal_load N"),
             ("Zeit [s]", "time s"),
+            ("Date/Time", "time s"),
+            ("Datum/Uhrzeit", "time s"),
+            ("Versuchszeit (min)", "time min"),
             ("Geschwindigkeit [m/s]", "sliding_velocity m/s"),
             ("Drehzahl [1/min]", "angular_velocity 1/min"),
             ("Normalkraft [kN]", "normal_load kN"),

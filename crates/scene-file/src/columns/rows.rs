@@ -14,9 +14,10 @@ use std::path::Path;
 /// Most columns that a note lists.
 const LISTED: usize = 20;
 
-/// Whether a cell says that there is no value.
+/// Whether a cell says that there is no value; with `#` begin the errors of spreadsheets, as `#NV` and `#DIV/0!`.
 pub(super) fn is_gap(text: &str) -> bool {
-    ["", "nan", "na", "n/a", "#n/a", "<na>", "null", "none", "-", "--"].iter().any(|gap| text.eq_ignore_ascii_case(gap))
+    let gaps = ["", "nan", "na", "n/a", "<na>", "null", "none", "-", "--"];
+    text.starts_with('#') || gaps.iter().any(|gap| text.eq_ignore_ascii_case(gap))
 }
 
 /// A cell of a row.
@@ -194,13 +195,14 @@ impl Clock {
         // A T between date and time counts as the blank; a zone may follow.
         let text = text.replacen('T', " ", 1);
         let formats = ["%Y-%m-%d %H:%M", "%Y/%m/%d %H:%M", "%d.%m.%Y %H:%M"];
-        let dated =
-            formats.iter().flat_map(|format| [format!("{format}:%S%.f"), (*format).to_owned()]).find_map(|format| {
-                let zoned = DateTime::parse_from_str(&text, &format!("{format}%#z")).map(|own| own.naive_utc());
-                NaiveDateTime::parse_from_str(&text, &format).or(zoned).ok()
-            });
+        let of_twelve = ["%m/%d/%Y %I:%M:%S%.f %p", "%m/%d/%Y %I:%M %p"].map(str::to_owned);
+        let of_a_day = formats.iter().flat_map(|format| [format!("{format}:%S%.f"), (*format).to_owned()]);
+        let dated = of_a_day.chain(of_twelve).find_map(|format| {
+            let zoned = DateTime::parse_from_str(&text, &format!("{format}%#z")).map(|own| own.naive_utc());
+            NaiveDateTime::parse_from_str(&text, &format).or(zoned).ok()
+        });
         let now = dated.or_else(|| {
-            let times = ["%H:%M:%S%.f", "%H:%M"].iter();
+            let times = ["%H:%M:%S%.f", "%H:%M", "%I:%M:%S%.f %p", "%I:%M %p"].iter();
             let time = times.filter_map(|format| NaiveTime::parse_from_str(&text, format).ok()).next()?;
             let now = self.last.date().and_time(time);
             let falls = self.first.is_some() && self.last - now > TimeDelta::hours(12);
@@ -212,20 +214,37 @@ impl Clock {
 }
 
 /// A number with a point, or where no comma separates the columns, with a comma: with one of them in all of the file, which is `mark`.
+/// Before it the other one, a blank or an apostrophe may mark thousands.
 fn number(text: &str, separator: char, mark: &mut Option<char>) -> Result<f64, &'static str> {
+    let joined = without_thousands(text);
+    let text = joined.as_deref().unwrap_or(text);
     let own = ['.', ','].into_iter().find(|mark| text.contains(*mark));
     let plain = if own == Some(',') && separator != ',' { text.replace(',', ".") } else { text.to_owned() };
     let number = plain.parse().map_err(|_| match quantity::decimal_comma(text) {
-        Some(_) if separator != ',' => {
-            "has a point and a comma; one of them is the decimal mark, and thousands have none"
+        Some(_) if separator != ',' && text.contains('.') => {
+            "has a point and a comma; one of them is the decimal mark, the other stands between thousands"
         }
-        Some(hint) => hint,
-        None => "is no number",
+        Some(hint) if separator == ',' => hint,
+        _ => "is no number",
     })?;
     if own.is_some() && *mark.get_or_insert(own.unwrap_or('.')) != own.unwrap_or('.') {
         return Err("has another decimal mark than the numbers above");
     }
     Ok(number)
+}
+
+/// `1.234,5`, `1,234.5` or `1 234` without the marks of thousands: blanks, apostrophes, or what the decimal mark behind them is not. `None` of
+/// other texts.
+fn without_thousands(text: &str) -> Option<String> {
+    let (whole, rest) = text.split_at(text.rfind(['.', ',']).unwrap_or(text.len()));
+    let other = if rest.starts_with('.') { ',' } else { '.' };
+    let mark = [other, ' ', '\u{a0}', '\u{202f}', '\'', '\u{2019}'].into_iter().find(|mark| whole.contains(*mark))?;
+    let (first, groups) = whole.trim_start_matches(['-', '+']).split_once(mark)?;
+    let is_of_digits = |group: &str| group.bytes().all(|digit| digit.is_ascii_digit());
+    let is_grouped = (1..=3).contains(&first.len())
+        && is_of_digits(first)
+        && groups.split(mark).all(|group| group.len() == 3 && is_of_digits(group));
+    is_grouped.then(|| whole.replace(mark, "") + rest)
 }
 
 /// What the columns of a file are, and notes about those that are not known by their names.

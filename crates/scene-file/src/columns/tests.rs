@@ -68,7 +68,7 @@ fn gaps_of_an_input_are_bridged_where_nothing_is_invented() {
 
 #[test]
 fn a_record_keeps_its_gaps_and_a_time_in_two_rows() {
-    let text = "time [s],contact_temperature [degC],wear_depth [um]\n0,20,\n1,,\n1,25,NaN\n2,30,4\n";
+    let text = "time [s],contact_temperature [degC],wear_depth [um]\n0,20,#DIV/0!\n1,,#NV\n1,25,NaN\n2,30,4\n";
     let read = parse(text.as_bytes(), Path::new("a.csv"), &Column::record(), &Reading::default()).unwrap();
     let wear: Vec<f64> = read.column("wear_depth").unwrap().collect();
     assert_eq!(read.times, [0.0, 1.0, 1.0, 2.0]);
@@ -136,6 +136,18 @@ fn columns_are_known_by_name_and_converted() {
 }
 
 #[test]
+fn thousands_may_have_another_mark() {
+    for text in [
+        "time;speed_m_per_s;normal_load\n0;1,5;-1 234 567,25\n1;0;12\u{202f}000\n",
+        "time,speed_m_per_s,normal_load\n0,1.5,-1'234'567.25\n1,0,12\u{a0}000\n",
+        "time;speed_m_per_s;normal_load\n0;1,5;-1.234.567,25\n1;0;12.000,0\n",
+        "time,speed_m_per_s,normal_load\n0,1.5,\"-1,234,567.25\"\n1,0,\"12,000.0\"\n",
+    ] {
+        assert_eq!(table("thousands", text).unwrap().values, [1.5, -1_234_567.25, 0.0, 12_000.0]);
+    }
+}
+
+#[test]
 fn times_of_day_count_from_the_first_row() {
     for (text, times) in [
         ("time,speed_m_per_s\n09:00:00,1\n09:00:00.5,1\n10:01,1\n", [0.0, 0.5, 3660.0]),
@@ -143,6 +155,11 @@ fn times_of_day_count_from_the_first_row() {
         (
             "time,speed_m_per_s\n2026-02-28T23:00:00Z,1\n2026-03-01 00:00:00,1\n01.03.2026 00:00:01,1\n",
             [0.0, 3600.0, 3601.0],
+        ),
+        ("time,speed_m_per_s\n11:59:59.5 AM,1\n12:00:00 PM,1\n1:00 pm,1\n", [0.0, 0.5, 3600.5]),
+        (
+            "time,speed_m_per_s\n11/30/2026 11:59:59 PM,1\n12/1/2026 12:00:00 AM,1\n12/1/2026 12:01 AM,1\n",
+            [0.0, 1.0, 61.0],
         ),
         (
             "time,speed_m_per_s\n2026-02-28 23:00:00 +00:00,1\n2026-03-01T01:00:00.5+02:00,1\n2026/02/28 23:01,1\n",
@@ -196,7 +213,13 @@ fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
             "time;speed_m_per_s\n0.5;1\n1;1,5\n",
             "line 3, column 2 (speed_m_per_s): \"1,5\" has another decimal mark",
         ),
-        ("thousands", "time;speed_m_per_s\n0;1.234,5\n", "\"1.234,5\" has a point and a comma"),
+        ("blanks", "time;speed_m_per_s\n0;1 23,5\n", "\"1 23,5\" is no number"),
+        ("thousands", "time;speed_m_per_s\n0;1.23,5\n", "\"1.23,5\" has a point and a comma"),
+        (
+            "integers",
+            "time;speed_m_per_s\n0;1,5\n1;1.234\n",
+            "line 3, column 2 (speed_m_per_s): \"1.234\" has another decimal mark",
+        ),
         ("decimal", "time,speed_m_per_s\n0,\"0,5\"\n", "\"0,5\" has a comma; numbers have a decimal point"),
         ("slip", "time,speeed [m/s]\n0,1\n", "; did you mean speed?"),
         ("clock", "time,speed_m_per_s\n12:00:61,1\n", "12:00:61\" is no time of day, as 09:00:00.5"),
