@@ -54,6 +54,7 @@ impl Line {
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
         StageConditions {
             sign: self.friction.sign(velocity),
+            stribeck: self.friction.stribeck(velocity),
             signed_friction,
             load,
             speed: point.wearing_speed,

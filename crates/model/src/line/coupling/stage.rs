@@ -202,18 +202,19 @@ impl ThermalCoupling {
             true => self.update_friction(given),
             false => self.kinetic_coefficient.fill(given.friction.kinetic_coefficient(0.0)),
         }
-        let stribeck = given.friction.stribeck(motion.velocity);
-        let mut slip = moment.slip(stribeck);
+        let mut slip = moment.slip();
         let mut convergence = Convergence::new(operators.budget.iteration.line_stage);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
         self.iterate.added.fill(false);
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades(operators) {
-                moment.kinetic_coefficient =
-                    weighted(&self.kinetic_coefficient, &self.iterate.pressure, &operators.torque_weights);
-                moment.follow(moment.sign * stribeck);
-                slip = moment.slip(stribeck);
+                moment.set_kinetic_coefficient(weighted(
+                    &self.kinetic_coefficient,
+                    &self.iterate.pressure,
+                    &operators.torque_weights,
+                ));
+                slip = moment.slip();
                 self.iterate.temperatures_current = false;
             }
             self.install_thermal_compliance(stage, slip)?;
@@ -230,7 +231,7 @@ impl ThermalCoupling {
             self.assemble_gap(stage, &stages.gap);
             if !self.exact[s] {
                 self.linearise_wear(given, stages, moment, motion.tau);
-                self.linearise_friction(stage, stages, moment.sign, stribeck);
+                self.linearise_friction(stage, stages, moment);
             }
             let found = match stage {
                 Stage::First => &mut stages.first,
@@ -368,7 +369,7 @@ impl ThermalCoupling {
 
     /// Uses the friction coefficient of the linearization point in the matrix of the contact, and moves the difference to that of
     /// each cell to the gap.
-    fn linearise_friction(&mut self, stage: Stage, stages: &mut ContactStages, sign: f64, stribeck: f64) {
+    fn linearise_friction(&mut self, stage: Stage, stages: &mut ContactStages, moment: &StageConditions) {
         let signed_friction = &mut stages.conditions.signed_friction;
         if *signed_friction == 0.0 || self.reference.friction == 0.0 {
             return;
@@ -376,7 +377,7 @@ impl ThermalCoupling {
         let known = self.reference.friction.copysign(*signed_friction);
         let cells = self.kinetic_coefficient.iter().zip(&self.iterate.pressure);
         for (difference, (kinetic_coefficient, pressure)) in self.iterate.difference.iter_mut().zip(cells) {
-            *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
+            *difference = (moment.sign * kinetic_coefficient * moment.stribeck - known) * pressure;
         }
         if largest(&self.iterate.difference) != 0.0 {
             self.contacts[stage as usize].add_shear_displacement(&self.iterate.difference, &mut self.iterate.gap);
