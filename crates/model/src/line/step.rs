@@ -140,12 +140,12 @@ impl Line {
     }
 
     pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &dyn fmt::Display) -> StepFailure {
-        let moment = path.at(time);
+        let now = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
             Number(path.velocity(time)),
-            Number(moment.load),
-            Number(moment.signed_friction.abs())
+            Number(now.load),
+            Number(now.signed_friction.abs())
         ))
     }
 
@@ -168,10 +168,10 @@ impl Line {
             self.state.current = false;
             return self.watch();
         }
-        let moment = path.at(length);
+        let now = path.at(length);
         let (given, stages, _) = self.parts();
-        stages.set_gap(&given, moment.expansion);
-        stages.solve_without_wear(&given, &moment).map_err(|error| self.failure(path, length, &error))?;
+        stages.set_gap(&given, now.expansion);
+        stages.solve_without_wear(&given, &now).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
         self.watch()
     }

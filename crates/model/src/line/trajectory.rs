@@ -41,7 +41,7 @@ impl LumpedTemperature {
     }
 }
 
-/// Stage conditions: the conditions of the contact at one time.
+/// Conditions of the contact at the instant of a stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StageConditions {
     /// s: sign of the velocity, regularised where the friction law is.
@@ -50,7 +50,7 @@ pub(crate) struct StageConditions {
     pub stribeck: f64,
     /// s mu.
     pub signed_friction: f64,
-    /// Load per face by the actuator, N, >= 0.
+    /// Load per face by the actuator, N, >= 0; in `Line::write_contact` that of the lumped level.
     pub load: f64,
     /// Sliding speed in the wear law, m/s.
     pub speed: f64,
@@ -75,7 +75,7 @@ impl StageConditions {
         }
     }
 
-    /// Friction heat flux over kinetic friction coefficient and pressure, m/s.
+    /// Friction heat flux over kinetic friction coefficient and pressure, m/s: the slip speed times the Stribeck factor.
     pub(crate) fn slip(&self) -> f64 {
         match self.heat_per_pressure {
             Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
@@ -183,8 +183,8 @@ impl InputTrajectory {
     /// quadratic, and the weights of the stages are exact for linear functions only. In n equal steps it falls as 1/n^2.
     pub(crate) fn error_of_work(&self) -> f64 {
         let power = |part: f64| {
-            let moment = self.at(part * self.length);
-            (moment.load * moment.signed_friction * moment.speed).abs()
+            let now = self.at(part * self.length);
+            (now.load * now.signed_friction * now.speed).abs()
         };
         let [first, middle, last] = [0.0, 0.5, 1.0].map(power);
         // Coefficient of the square, and the integral by Simpson's rule.
