@@ -294,8 +294,7 @@ impl Model {
         each!(self, model => model.set_tunables(tunables));
     }
 
-    /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails. The last `recurring` of
-    /// them recur.
+    /// See [`Line::limit_attempts`]; without effect at the lumped level.
     pub(crate) fn limit_attempts(&mut self, most: u32, recurring: Option<usize>) {
         if let Model::Line(line) = self {
             line.limit_attempts(most, recurring);

@@ -1,5 +1,9 @@
 //! The coupled problem of contact, wear and heat, level by level.
 //!
+//! [`levels::Model`] is the front door. The operators of a level follow from the scene alone and are shared; its state is a list of
+//! numbers. An instance has both, and a workspace. A step of the contact line goes from `line::Line::step` to `line::step` (SDIRK2)
+//! and `line::coupling::stage`, one nonlinear system. All calls: docs/architecture.md, "One communication step".
+//!
 //! Theory: docs/theory.md, sections 1.3, 8.1.
 
 #![warn(missing_docs)]

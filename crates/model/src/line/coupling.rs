@@ -47,9 +47,9 @@ struct FrozenCoefficients {
     velocity: f64,
     /// The step under way has this velocity throughout, so that the operators are exact for it.
     exact: bool,
-    /// mu s v, m/s.
+    /// mu s v, m/s: friction heat flux over pressure.
     per_pressure: f64,
-    /// Friction coefficient of the shear coupling.
+    /// |s| mu, in the shear coupling.
     friction: f64,
     /// Sliding speed in the wear law, m/s, and kinetic friction coefficient (without Stribeck factor).
     speed: f64,
@@ -61,9 +61,9 @@ struct FrozenCoefficients {
 struct Parameters {
     /// Punch and strip have thermal expansion.
     expands: [bool; 2],
-    /// Thermal diffusivity of the strip, the body that slides, m2/s.
+    /// Thermal diffusivity of the strip, whose material passes the contact, m2/s.
     diffusivity: f64,
-    /// Sliding velocity of the cells over that at the mean radius.
+    /// Sliding velocity of the cells over that at the mean radius; 1 on a line.
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
@@ -88,7 +88,9 @@ struct Iterate {
     /// Temperature (K) and distortion (m) of the bodies without flux in the stage.
     free_response: [Vec<f64>; 2],
     free_distortion: [Vec<f64>; 2],
+    /// Gap before the deformation by the pressure, m; then workspace.
     gap: Vec<f64>,
+    /// Workspace: residuals and changes by cell.
     difference: Vec<f64>,
     sums: [Vec<f64>; 2],
     /// Anderson acceleration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.

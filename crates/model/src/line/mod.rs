@@ -3,7 +3,8 @@
 //! Lumped heat, friction coefficient, distance and bristle depend on the mean pressure and follow the equations of the lumped
 //! level ([`Lumped`], without wear and holder); the contact line adds the quantities that vary along the contact. The two are
 //! coupled once per piece of a communication step: the contact line takes the temperature where tables or the bristle depend on
-//! it, the lumped level takes the load where a caliper or an annulus lets the contact determine it.
+//! it, the lumped level takes the load where a caliper or an annulus lets the contact determine it. With resolved heat the lumped
+//! level has only distance and bristle left to follow.
 //!
 //! Theory: docs/theory.md, sections 8.1, 5.1.
 
@@ -161,7 +162,8 @@ impl Line {
         heat.fold(self.stages.contact.counter(), |sum, counter| sum + counter)
     }
 
-    /// Limits the internal steps tried from here on: a step that needs more than `most` fails. The last `recurring` of them recur.
+    /// Limits the internal steps tried from here on: a step that needs more than `most` fails. Operators of the last `recurring` steps
+    /// are kept, for a run that repeats them.
     pub(crate) fn limit_attempts(&mut self, most: u32, recurring: Option<usize>) {
         self.attempts_left = Some(most);
         if let (Some(heat), Some(steps)) = (&mut self.heat, recurring) {

@@ -35,16 +35,16 @@ impl Line {
             shown.0 = *inputs;
             return;
         }
-        let moment = self.moment(inputs);
+        let now = self.conditions_at(inputs);
         let (given, stages, _) = self.parts();
-        if stages.solve_for_outputs(&given, &moment).is_ok() {
+        if stages.solve_for_outputs(&given, &now).is_ok() {
             std::mem::swap(&mut self.shown.1, &mut self.stages.shown);
         }
         self.shown.0 = *inputs;
     }
 
     /// Conditions of the contact for these inputs at frozen states.
-    fn moment(&mut self, inputs: &Inputs) -> StageConditions {
+    fn conditions_at(&mut self, inputs: &Inputs) -> StageConditions {
         let load = load_on_contact(inputs.normal_load, self.operators.scene.nominal_load);
         let point = self.mean.point(inputs);
         let contact_temperature_of_cells = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
@@ -54,6 +54,7 @@ impl Line {
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
         StageConditions {
             sign: self.friction.sign(velocity),
+            stribeck: self.friction.stribeck(velocity),
             signed_friction,
             load,
             speed: point.wearing_speed,
@@ -66,7 +67,7 @@ impl Line {
         }
     }
 
-    /// Load per face (N) at the lumped level for these inputs.
+    /// Load per face (N) for the lumped level: that of the cells where they determine it, else the input.
     pub(super) fn carried(&mut self, inputs: &Inputs) -> f64 {
         if !self.operators.decides_load() {
             return inputs.normal_load;
@@ -92,7 +93,7 @@ impl Line {
         }
     }
 
-    /// Inputs of the lumped level.
+    /// These inputs with the load for the lumped level.
     pub(super) fn loaded(&mut self, inputs: &Inputs) -> Inputs {
         let mut loaded = *inputs;
         loaded.normal_load = self.carried(inputs);
@@ -114,12 +115,12 @@ impl Line {
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
         self.write_heat_flows(inputs, values);
-        let moment = self.moment(&loaded);
+        let now = self.conditions_at(&loaded);
         let operators = &self.operators;
         let (scene, shown) = (&operators.scene, &self.shown.1);
         let pressure = &shown.pressure;
         let (mut rates, acceleration) = (0.0, self.tunables.wear_acceleration);
-        operators.for_rates(&moment, acceleration, pressure, |i, punch, strip| {
+        operators.for_rates(&now, acceleration, pressure, |i, punch, strip| {
             rates += operators.weights[i] * pressure[i] * (punch + strip / operators.wear[1].1);
         });
         let carrying: f64 =
@@ -210,7 +211,7 @@ impl Line {
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
     pub(crate) fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
-        let moment = self.moment(inputs);
+        let now = self.conditions_at(inputs);
         let operators = self.operators.clone();
         let (scene, count) = (&operators.scene, operators.count());
         // Friction per load in dual numbers: it rotates the punch and shifts the pressure.
@@ -220,12 +221,12 @@ impl Line {
         let load = load_on_contact(inputs.normal_load, scene.nominal_load);
         let load_rate = if load > 0.0 { seed.normal_load } else { 0.0 };
         let signed_rate = if load > 0.0 {
-            (point.force.derivative - moment.signed_friction * full * load_rate) / (full * load)
+            (point.force.derivative - now.signed_friction * full * load_rate) / (full * load)
         } else {
             0.0
         };
         let (given, stages, _) = self.parts();
-        let (signed, normal, tilt) = stages.balance(&given, &moment);
+        let (signed, normal, tilt) = stages.balance(&given, &now);
         let per_depth = load_rate / operators.shared_depth;
         let normal_rate = match normal {
             // The holder's reference position moves with the load by the elastic approach of the unworn bodies.
@@ -332,12 +333,12 @@ impl LineOperators {
     /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.
     fn for_rates(
         &self,
-        moment: &StageConditions,
+        now: &StageConditions,
         acceleration: f64,
         pressure: &[f64],
         mut take: impl FnMut(usize, f64, f64),
     ) {
-        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
+        let laws = self.coefficients(now.speed, now.kinetic_coefficient, now.temperature, acceleration);
         for i in 0..pressure.len() {
             let [punch, strip] = std::array::from_fn(|body| laws[body] * self.relative_rate(body, i, pressure[i]));
             take(i, punch, strip);

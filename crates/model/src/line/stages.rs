@@ -27,12 +27,12 @@ pub(crate) struct StepData<'a> {
 }
 
 impl StepData<'_> {
-    /// Wear depth rates (m/s) of punch and strip at the reference pressure under the conditions `moment`.
-    fn coefficients(&self, moment: &StageConditions) -> [f64; 2] {
+    /// Wear depth rates (m/s) of punch and strip at the reference pressure at the instant `now`.
+    fn coefficients(&self, now: &StageConditions) -> [f64; 2] {
         self.operators.coefficients(
-            moment.speed,
-            moment.kinetic_coefficient,
-            moment.temperature,
+            now.speed,
+            now.kinetic_coefficient,
+            now.temperature,
             self.tunables.wear_acceleration,
         )
     }
@@ -122,16 +122,12 @@ impl ContactStages {
         }
     }
 
-    /// Solves the contact at the conditions `moment` without wear, on the gap set, into `end`.
+    /// Solves the contact at the instant `now` without wear, on the gap set, into `end`.
     ///
     /// # Errors
     /// The contact has no equilibrium.
-    pub(crate) fn solve_without_wear(
-        &mut self,
-        given: &StepData<'_>,
-        moment: &StageConditions,
-    ) -> Result<(), StageError> {
-        self.set_equilibrium(given, moment);
+    pub(crate) fn solve_without_wear(&mut self, given: &StepData<'_>, now: &StageConditions) -> Result<(), StageError> {
+        self.set_equilibrium(given, now);
         self.contact.stage_into(&self.gap, 0.0, &self.conditions, &mut self.end)
     }
 
@@ -143,10 +139,10 @@ impl ContactStages {
         &mut self,
         stage: Stage,
         given: &StepData<'_>,
-        moment: &StageConditions,
+        now: &StageConditions,
         gap: &[f64],
     ) -> Result<(), StageError> {
-        self.set_equilibrium(given, moment);
+        self.set_equilibrium(given, now);
         self.rates[stage as usize].iter_mut().for_each(|rates| rates.fill(0.0));
         let found = match stage {
             Stage::First => &mut self.first,
@@ -155,19 +151,15 @@ impl ContactStages {
         self.contact.stage_into(gap, 0.0, &self.conditions, found)
     }
 
-    /// Solves the contact at the conditions `moment` on the worn shape, with the distortion at the end of the last step, into `shown`.
+    /// Solves the contact at the instant `now` on the worn shape, with the distortion at the end of the last step, into `shown`.
     /// The warm start of the next step stays as it is.
     ///
     /// # Errors
     /// The contact has no equilibrium.
-    pub(crate) fn solve_for_outputs(
-        &mut self,
-        given: &StepData<'_>,
-        moment: &StageConditions,
-    ) -> Result<(), StageError> {
-        self.set_gap(given, moment.expansion);
+    pub(crate) fn solve_for_outputs(&mut self, given: &StepData<'_>, now: &StageConditions) -> Result<(), StageError> {
+        self.set_gap(given, now.expansion);
         self.add_held_distortion(given);
-        self.set_equilibrium(given, moment);
+        self.set_equilibrium(given, now);
         self.status.copy_from(self.contact.status());
         let found = self.contact.stage_into(&self.gap, 0.0, &self.conditions, &mut self.shown);
         self.contact.set_status(&self.status);
@@ -182,10 +174,10 @@ impl ContactStages {
         &mut self,
         stage: Stage,
         given: &StepData<'_>,
-        moment: &StageConditions,
+        now: &StageConditions,
         tau: f64,
     ) -> Result<(), StageError> {
-        self.set_conditions(given, moment, tau);
+        self.set_conditions(given, now, tau);
         self.budget.solutions += 1;
         let found = match stage {
             Stage::First => &mut self.first,
@@ -193,22 +185,22 @@ impl ContactStages {
         };
         let outcome = self.contact.stage_into(&self.gap, tau, &self.conditions, found);
         let acceleration = given.tunables.wear_acceleration;
-        given.operators.rates(moment, acceleration, &found.pressure, &mut self.rates[stage as usize]);
+        given.operators.rates(now, acceleration, &found.pressure, &mut self.rates[stage as usize]);
         outcome
     }
 
-    /// Sets friction and the equilibrium of the holder at `moment`.
-    fn set_equilibrium(&mut self, given: &StepData<'_>, moment: &StageConditions) {
-        let (signed, normal, tilt) = self.balance(given, moment);
+    /// Sets friction and the equilibrium of the holder at `now`.
+    fn set_equilibrium(&mut self, given: &StepData<'_>, now: &StageConditions) {
+        let (signed, normal, tilt) = self.balance(given, now);
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
     }
 
-    /// Sets wear coefficients and the equilibrium of the holder at `moment`, for a stage of length `tau` (s).
-    pub(crate) fn set_conditions(&mut self, given: &StepData<'_>, moment: &StageConditions, tau: f64) {
-        self.set_equilibrium(given, moment);
+    /// Sets wear coefficients and the equilibrium of the holder at `now`, for a stage of length `tau` (s).
+    pub(crate) fn set_conditions(&mut self, given: &StepData<'_>, now: &StageConditions, tau: f64) {
+        self.set_equilibrium(given, now);
         let operators = given.operators;
-        let coefficients = given.coefficients(moment);
+        let coefficients = given.coefficients(now);
         let mut term = 0;
         for body in 0..2 {
             if operators.reshapes(body) {
@@ -237,21 +229,21 @@ impl ContactStages {
         }
     }
 
-    /// Equilibrium conditions of holder and contact at `moment`: signed friction coefficient of the shear coupling, normal
+    /// Equilibrium conditions of holder and contact at `now`: signed friction coefficient of the shear coupling, normal
     /// direction, tilt.
-    pub(crate) fn balance(&mut self, given: &StepData<'_>, moment: &StageConditions) -> (f64, Normal, Tilt) {
+    pub(crate) fn balance(&mut self, given: &StepData<'_>, now: &StageConditions) -> (f64, Normal, Tilt) {
         let operators = given.operators;
         let scene = &operators.scene;
         let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
-        let signed = if coupled { moment.signed_friction } else { 0.0 };
+        let signed = if coupled { now.signed_friction } else { 0.0 };
         let tilt = match (operators.rotates, operators.pivot) {
             (false, _) => Tilt::Fixed(0.0),
             (true, None) => Tilt::ResultantAt(0.0),
-            (true, Some(height)) => Tilt::ResultantAt(moment.signed_friction * height),
+            (true, Some(height)) => Tilt::ResultantAt(now.signed_friction * height),
         };
-        let load = moment.load / operators.shared_depth;
+        let load = now.load / operators.shared_depth;
         let stiffness = scene.holder_stiffness / operators.shared_depth;
-        let normal = if stiffness > 0.0 && moment.load > 0.0 {
+        let normal = if stiffness > 0.0 && now.load > 0.0 {
             // The caliper is adjusted so that the unworn, cold bodies carry the actuator's load.
             let reference = self.approach_of_unworn(operators, load);
             Normal::Spring { load: load + stiffness * reference, stiffness }
@@ -298,18 +290,18 @@ impl ContactStages {
         contact: &mut WearingContact,
         given: &StepData<'_>,
         travel: f64,
-        moment: &StageConditions,
+        now: &StageConditions,
     ) {
         self.carried_over = None;
         std::mem::swap(&mut self.contact, contact);
-        self.set_operator(given, travel, moment);
+        self.set_operator(given, travel, now);
         std::mem::swap(&mut self.contact, contact);
     }
 
     /// Sets the operator from the wear of a stage to the gap: the punch's wear stays under its cell, the strip's is carried along
     /// by `travel` (m). Where both wear, the depth of each cell is divided in the ratio of the wear rates at the pressure of the
     /// last step.
-    pub(crate) fn set_operator(&mut self, given: &StepData<'_>, travel: f64, moment: &StageConditions) {
+    pub(crate) fn set_operator(&mut self, given: &StepData<'_>, travel: f64, now: &StageConditions) {
         let Some(track) = &self.track else { return };
         let operators = given.operators;
         let known = self.carried_over == Some(travel);
@@ -323,7 +315,7 @@ impl ContactStages {
             }
             return;
         }
-        let laws = given.coefficients(moment);
+        let laws = given.coefficients(now);
         let least = operators.wear.each_ref().map(|(law, _)| law.least_wearing_pressure());
         for j in 0..operators.count() {
             let pressure = given.state.pressure[j].max(least[0].min(least[1]));

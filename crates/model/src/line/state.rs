@@ -25,9 +25,9 @@ pub struct LineState {
     pub volume: [f64; 2],
     /// Pressure at the end of the last step, Pa.
     pub pressure: Vec<f64>,
-    /// Approach (m) and tilt (rad) at the end of the last step.
+    /// Approach at the end of the last step, m.
     pub approach: f64,
-    /// Tilt (rad) at the end of the last step.
+    /// Tilt at the end of the last step, rad.
     pub tilt: f64,
     /// Whether pressure, approach and tilt are those of the end of the last step.
     pub current: bool,
@@ -39,7 +39,7 @@ pub struct LineState {
     pub fastest: f64,
     /// Last sliding direction: the sign of the velocity between two events.
     pub direction: f64,
-    /// Load per face at the lumped level at the end of the last step, N.
+    /// Load per face that the lumped level takes from the cells ([`LineOperators::carried`]) at the end of the last step, N.
     pub carried: f64,
     /// Active set for the warm start of the contact solver.
     pub status: WarmStart,

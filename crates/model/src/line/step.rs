@@ -143,12 +143,12 @@ impl Line {
     }
 
     pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &dyn fmt::Display) -> StepFailure {
-        let moment = path.at(time);
+        let now = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
             Number(path.velocity(time)),
-            Number(moment.load),
-            Number(moment.signed_friction.abs())
+            Number(now.load),
+            Number(now.signed_friction.abs())
         ))
     }
 
@@ -171,10 +171,10 @@ impl Line {
             self.state.current = false;
             return self.watch();
         }
-        let moment = path.at(length);
+        let now = path.at(length);
         let (given, stages, _) = self.parts();
-        stages.set_gap(&given, moment.expansion);
-        stages.solve_without_wear(&given, &moment).map_err(|error| self.failure(path, length, &error))?;
+        stages.set_gap(&given, now.expansion);
+        stages.solve_without_wear(&given, &now).map_err(|error| self.failure(path, length, &error))?;
         self.keep_end();
         self.watch()
     }
@@ -186,7 +186,6 @@ impl Line {
         let operators = given.operators;
         let (count, widths) = (operators.count(), operators.cells.widths());
         let [mut early, mut late] = [path.at(start + GAMMA * step), path.at(start + step)];
-        let [between, end] = [start + GAMMA * step, start + step].map(|time| path.velocity(time));
         let (tau, rest) = (GAMMA * step, (1.0 - GAMMA) * step);
         let travel = step * path.velocity(start + 0.5 * step);
         let early_travel = GAMMA * travel;
@@ -196,7 +195,7 @@ impl Line {
         let first = match heat {
             Some(heat) => {
                 let prepared = heat.prepare(&given, path, start, step);
-                let course = StageMotion { velocity: between, tau, travel: early_travel };
+                let course = StageMotion { tau, travel: early_travel };
                 prepared.solve_first(&given, stages, &mut early, course).map(Some)
             }
             None => {
@@ -228,7 +227,7 @@ impl Line {
         }
         let solved = match first {
             Some(first) => {
-                let course = StageMotion { velocity: end, tau, travel: early_travel };
+                let course = StageMotion { tau, travel: early_travel };
                 first.solve_end(&given, stages, &mut late, course).map(Some)
             }
             None => stages.solve(Stage::End, &given, &late, tau).map(|()| None),
@@ -251,7 +250,7 @@ impl Line {
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         match solved {
             Some(mut solved) if solved.is_controlled(scene.tolerance * stages.budget.relaxation()) => {
-                let coefficient = late.kinetic_coefficient * given.friction.stribeck(end);
+                let coefficient = late.kinetic_coefficient * late.stribeck;
                 if !solved.passes_growth_guard(operators, stages, early.speed.max(late.speed), coefficient) {
                     return Outcome::RejectedByGrowthGuard;
                 }

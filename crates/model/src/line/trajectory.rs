@@ -41,14 +41,16 @@ impl LumpedTemperature {
     }
 }
 
-/// Stage conditions: the conditions of the contact at one time.
+/// Conditions of the contact at the instant of a stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StageConditions {
     /// s: sign of the velocity, regularised where the friction law is.
     pub sign: f64,
+    /// Stribeck factor.
+    pub stribeck: f64,
     /// s mu.
     pub signed_friction: f64,
-    /// Load per face by the actuator, N, >= 0.
+    /// Load per face by the actuator, N, >= 0; in `Line::write_contact` that of the lumped level.
     pub load: f64,
     /// Sliding speed in the wear law, m/s.
     pub speed: f64,
@@ -65,20 +67,20 @@ pub(crate) struct StageConditions {
 }
 
 impl StageConditions {
-    /// Updates the signed friction coefficient from `kinetic_coefficient`; `direction` is s with the Stribeck factor. The force
-    /// of a bristle is unchanged.
-    pub(crate) fn follow(&mut self, direction: f64) {
+    /// Takes the kinetic friction coefficient of an iterate, and s mu with it. The force of a bristle is unchanged.
+    pub(crate) fn set_kinetic_coefficient(&mut self, coefficient: f64) {
+        self.kinetic_coefficient = coefficient;
         if self.heat_per_pressure.is_none() {
-            self.signed_friction = direction * self.kinetic_coefficient;
+            self.signed_friction = self.sign * self.stribeck * coefficient;
         }
     }
 
-    /// Friction heat flux over kinetic friction coefficient and pressure, m/s.
-    pub(crate) fn slip(&self, stribeck: f64) -> f64 {
+    /// Friction heat flux over kinetic friction coefficient and pressure, m/s: the slip speed times the Stribeck factor.
+    pub(crate) fn slip(&self) -> f64 {
         match self.heat_per_pressure {
             Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
             Some(_) => 0.0,
-            None => stribeck * self.speed,
+            None => self.stribeck * self.speed,
         }
     }
 }
@@ -86,8 +88,6 @@ impl StageConditions {
 /// Motion in a stage of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StageMotion {
-    /// Sliding velocity at the end of the stage, m/s.
-    pub velocity: f64,
     /// Length of the stage, s.
     pub tau: f64,
     /// Distance by which the strip is carried along in it, m.
@@ -183,8 +183,8 @@ impl InputTrajectory {
     /// quadratic, and the weights of the stages are exact for linear functions only. In n equal steps it falls as 1/n^2.
     pub(crate) fn error_of_work(&self) -> f64 {
         let power = |part: f64| {
-            let moment = self.at(part * self.length);
-            (moment.load * moment.signed_friction * moment.speed).abs()
+            let now = self.at(part * self.length);
+            (now.load * now.signed_friction * now.speed).abs()
         };
         let [first, middle, last] = [0.0, 0.5, 1.0].map(power);
         // Coefficient of the square, and the integral by Simpson's rule.
@@ -210,21 +210,22 @@ impl InputTrajectory {
         let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
+        let stribeck: f64 = self.friction.stribeck(velocity);
         let sticking = self.heat.slipped.filter(|slipped| !slipped.throughout);
         let signed_friction = match sticking {
             Some(slipped) => slipped.ratio,
-            None => sign * (kinetic_coefficient * self.friction.stribeck(velocity)),
+            None => sign * (kinetic_coefficient * stribeck),
         };
         let speed = match self.heat.slipped {
             Some(slipped) => slipped.speed * self.slip_ratio(time),
             None => (sign * velocity).max(0.0),
         };
-        let heat_per_pressure = sticking
-            .map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time) * self.friction.stribeck(velocity));
+        let heat_per_pressure = sticking.map(|slipped| slipped.heat_per_pressure * self.slip_ratio(time) * stribeck);
         let released = sticking.map_or(0.0, |slipped| slipped.released);
         let expansion = between(self.heat.expansion);
         StageConditions {
             sign,
+            stribeck,
             signed_friction,
             load: self.load(time),
             speed,

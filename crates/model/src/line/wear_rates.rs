@@ -51,14 +51,8 @@ impl LineOperators {
     }
 
     /// Wear depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
-    pub(super) fn rates(
-        &self,
-        moment: &StageConditions,
-        acceleration: f64,
-        pressure: &[f64],
-        rates: &mut [Vec<f64>; 2],
-    ) {
-        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
+    pub(super) fn rates(&self, now: &StageConditions, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
+        let laws = self.coefficients(now.speed, now.kinetic_coefficient, now.temperature, acceleration);
         for body in 0..2 {
             if laws[body] == 0.0 {
                 rates[body].fill(0.0);

@@ -6,9 +6,11 @@
 //!
 //! Theory: docs/theory.md, section 4.11.
 
+use conduction::STEFAN_BOLTZMANN;
 pub(crate) use conduction::line::{BESIDE, FACES, FAR};
 use conduction::properties::Scales;
 use conduction::reduced::Port;
+use numerics::scalar::Scalar;
 use scene::{Body, ThermalBoundary};
 
 /// Ports of the heat fluxes through the faces.
@@ -79,5 +81,55 @@ impl Air {
     #[inline]
     pub(crate) fn is_cooled(&self) -> bool {
         self.forced > 0.0 || self.emissivity > 0.0 || self.within > 0.0 || self.tuned != 0.0
+    }
+
+    /// Whether the flux is not linear in the temperature of the face.
+    #[inline]
+    pub(crate) fn is_curved(&self) -> bool {
+        self.emissivity > 0.0
+    }
+
+    /// Flux into the face at its temperature `t`; temperatures in K above the reference.
+    #[inline]
+    pub(crate) fn flux<S: Scalar>(&self, reference: f64, t: S, ambient: S, forced: S, neighbour: S) -> S {
+        let flux = self.flux_by_air(reference, t, ambient, forced);
+        if self.path > 0.0 { flux + (neighbour - t) * self.path } else { flux }
+    }
+
+    /// Part of [`Air::flux`] that comes from the air.
+    #[inline]
+    pub(crate) fn flux_by_air<S: Scalar>(&self, reference: f64, t: S, ambient: S, forced: S) -> S {
+        let mut flux = (ambient - t) * forced * self.forced;
+        if self.rest != 0.0 {
+            flux = flux + (ambient - t) * self.rest;
+        }
+        if self.emissivity > 0.0 {
+            // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
+            // the slope of [`Air::law`] is its derivative.
+            let fourth = |t: S| {
+                let absolute = (t + S::from(reference)).positive();
+                (absolute * absolute) * (absolute * absolute)
+            };
+            flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * self.emissivity);
+        }
+        flux
+    }
+
+    /// [`Air::flux`], and its decrease with the temperature of the face, W/(m2 K), for implicit solutions.
+    #[inline]
+    pub(crate) fn law(&self, reference: f64, t: f64, ambient: f64, forced: f64, neighbour: f64) -> [f64; 2] {
+        let mut by_air = forced * self.forced + self.rest;
+        if self.emissivity > 0.0 {
+            by_air += 4.0 * STEFAN_BOLTZMANN * self.emissivity * (t + reference).max(0.0).powi(3);
+        }
+        let fall = if self.path > 0.0 { by_air + self.path } else { by_air };
+        [self.flux(reference, t, ambient, forced, neighbour), fall]
+    }
+
+    /// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`Air::flux_by_air`]: radiation as (a^2 + b^2)(a + b).
+    pub(crate) fn transfer<S: Scalar>(&self, reference: f64, t: S, ambient: S, forced: S) -> S {
+        let [air_side, face] = [ambient, t].map(|rise| (rise + S::from(reference)).positive());
+        let radiation = (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * self.emissivity);
+        forced * self.forced + S::from(self.rest) + radiation
     }
 }

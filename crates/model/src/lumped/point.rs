@@ -8,7 +8,6 @@ use super::conditions::{Conditions, Tunables};
 use super::interface::{HeatPartition, Side, agree, partition, separated};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
-use conduction::STEFAN_BOLTZMANN;
 use conduction::properties::Scales;
 use conduction::reduced::{Observation, Port, ReducedBody};
 use contact::friction::FrictionLaw;
@@ -129,42 +128,6 @@ pub(crate) struct Point<S = f64> {
     pub wear_rate: [S; 2],
 }
 
-/// Flux into a face beyond its constant heat transfer (W/m2 of reference area) at the temperature `t`, K above the reference.
-#[inline]
-pub(crate) fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S, neighbour: S) -> S {
-    let flux = air_flux(air, reference, t, ambient, forced);
-    if air.path > 0.0 { flux + (neighbour - t) * air.path } else { flux }
-}
-
-/// Part of [`cooling_flux`] that comes from the air.
-#[inline]
-pub(crate) fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
-    let mut flux = (ambient - t) * forced * air.forced;
-    if air.rest != 0.0 {
-        flux = flux + (ambient - t) * air.rest;
-    }
-    if air.emissivity > 0.0 {
-        // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
-        // [`cooling_slope`] is its derivative.
-        let fourth = |t: S| {
-            let absolute = (t + S::from(reference)).positive();
-            (absolute * absolute) * (absolute * absolute)
-        };
-        flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * air.emissivity);
-    }
-    flux
-}
-
-/// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
-#[inline]
-pub(crate) fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
-    let mut by_air = forced * air.forced + air.rest;
-    if air.emissivity > 0.0 {
-        by_air += 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
-    }
-    if air.path > 0.0 { by_air + air.path } else { by_air }
-}
-
 /// Contribution of prescribed temperatures to an observation.
 #[inline]
 fn prescribed<S: Scalar>(observation: &Observation, ambient: S, far: S) -> S {
@@ -207,7 +170,7 @@ fn held_cooling<S: Scalar>(
                 let correction = frozen.direct(faces[face], PORTS_OF_FACES[face]);
                 let t = level[face] + raised(faces[face], &flux) * frozen.scales.flux;
                 let without = t - flux[face] * correction;
-                let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
+                let transfer = air.transfer(reference, t, conditions.ambient, conditions.forced);
                 let by_air = (conditions.ambient - without) * transfer;
                 flux[face] = if air.path > 0.0 {
                     (by_air + (neighbour - without) * air.path)
@@ -226,13 +189,6 @@ fn held_cooling<S: Scalar>(
 
 /// Most rounds over the cooled faces of a body.
 const MOST_ROUNDS: usize = 8;
-
-/// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`cooling_flux`]: radiation as (a^2 + b^2)(a + b).
-fn transfer_coefficient<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
-    let [air_side, face] = [ambient, t].map(|rise| (rise + S::from(reference)).positive());
-    let radiation = (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity);
-    forced * air.forced + S::from(air.rest) + radiation
-}
 
 /// Direct feedthrough of the cooling fluxes to an observation.
 #[inline]
@@ -359,7 +315,7 @@ pub(crate) fn evaluate<S: Scalar>(
                         + into * frozen.direct(&heat.base_temperature, Port::Contact as usize)
                         + raised(&heat.base_temperature, &cooling) * frozen.scales.flux
                         + prescribed(&heat.base_temperature, conditions.ambient, far);
-                    let by_air = air_flux(&frozen.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
+                    let by_air = frozen.air[FAR].flux_by_air(state.reference, t, conditions.ambient, conditions.forced);
                     (by_air - cooling[FAR]) * (body.area * faces)
                 } else {
                     S::from(0.0)

@@ -5,7 +5,6 @@
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::estimate::{cooling_error, varying_cooling_error};
 use super::operators::BodyOperators;
-use super::point::{air_flux, cooling_flux, cooling_slope};
 use super::property_step::PropertyStep;
 use super::stage::{BASIS, Matrix, Observed, Pair, Propagator, QUADRATURE, apply, inverse, product, sum};
 use super::stage_partition::Response;
@@ -176,10 +175,10 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
                 let air = &own.air[face];
                 let law = |i: usize, t: f64| {
                     let (ambient, forced) = (around.ambient[i], around.forced[i]);
-                    let slope = cooling_slope(air, reference, t, forced);
-                    (slope, cooling_flux(air, reference, t, ambient, forced, around.neighbour[i]) + slope * t)
+                    let [flux, slope] = air.law(reference, t, ambient, forced, around.neighbour[i]);
+                    (slope, flux + slope * t)
                 };
-                let (first, last) = if air.emissivity > 0.0 {
+                let (first, last) = if air.is_curved() {
                     let t = self.faces[face].at(self.flux[0]);
                     (law(0, t[0]), law(1, t[1]))
                 } else {
@@ -251,11 +250,10 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         let Some((own, _)) = self.own else { return most };
         for face in 0..Self::COOLED {
             let (air, port) = (&own.air[face], PORTS_OF_FACES[face]);
-            if self.cools[face] && air.emissivity > 0.0 {
+            if self.cools[face] && air.is_curved() {
                 let (t, gain) = (self.face(face), self.observed(own, face).gain[port][2]);
                 let left = |i: usize| {
-                    let flux =
-                        cooling_flux(air, reference, t[i], around.ambient[i], around.forced[i], around.neighbour[i]);
+                    let flux = air.flux(reference, t[i], around.ambient[i], around.forced[i], around.neighbour[i]);
                     ((flux - self.flux[port][i]) * gain[i]).abs()
                 };
                 most = maximum(most, maximum(left(0), left(1)));
@@ -363,9 +361,8 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
             let [first, last] = self.flux[port];
             return [cooling_error(0.5 * (last - first), air.rest, own.by_face[face]), 0.0];
         }
-        let flux = |t: f64, around: &Around| {
-            cooling_flux(air, reference, t, around.ambient[0], around.forced[0], around.neighbour[0])
-        };
+        let law =
+            |t: f64, around: &Around| air.law(reference, t, around.ambient[0], around.forced[0], around.neighbour[0]);
         let observed = if is_contact { &own.contact } else { &own.cooled[face] };
         let free = if is_contact {
             own.contact_at([1], &state.heat, count)[0]
@@ -374,8 +371,8 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         };
         let t = self.add_fluxes(free, observed, 1);
         let between = BASIS[1][0] * self.flux[port][0] + BASIS[1][1] * self.flux[port][1];
-        let residual = flux(t, middle) - between;
-        let (fall, gains) = (cooling_slope(air, reference, t, middle.forced[0]), own.by_face[face]);
+        let [flux, fall] = law(t, middle);
+        let (residual, gains) = (flux - between, own.by_face[face]);
         let error = match (start, &self.body.heat) {
             (Some(start), Some(heat)) => {
                 let observation = if face == BESIDE { &heat.cooled_temperature } else { &heat.base_temperature };
@@ -384,7 +381,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
                 for (direct, flux) in own.direct[face].iter().zip(&extrapolated) {
                     t += direct * flux;
                 }
-                varying_cooling_error(flux(t, start) - extrapolated[port], residual, fall, gains)
+                varying_cooling_error(law(t, start)[0] - extrapolated[port], residual, fall, gains)
             }
             _ => cooling_error(residual, fall, gains),
         };
@@ -460,7 +457,7 @@ impl<'a, const COMMON: bool> StageBody<'a, COMMON> {
         if !COMMON && air.path > 0.0 {
             let t = self.face(FAR);
             for stage in 0..2 {
-                let by_air = air_flux(air, reference, t[stage], around.ambient[stage], around.forced[stage]);
+                let by_air = air.flux_by_air(reference, t[stage], around.ambient[stage], around.forced[stage]);
                 state.external += step * QUADRATURE[stage] * (by_air - self.flux[PORTS_OF_FACES[FAR]][stage]);
             }
         }

@@ -1,5 +1,9 @@
 //! Nonlinear solver of a stage with resolved heat: pressure, heat partition, wear and rigid motion together.
 //!
+//! Simplified Newton iteration: the residual is that of the stage, the Jacobian that of `ThermalCoupling::reference`, which many
+//! steps share. Unilateral contact stays exact: each iteration solves the complementarity problem with the frozen thermal
+//! compliance. What frozen compliance, friction and wear miss is moved to the gap.
+//!
 //! A step is prepared, its first stage solved, then its last; the types of these three states admit no other order.
 //!
 //! Theory: docs/theory.md, sections 6.1, 6.4.
@@ -17,11 +21,8 @@ use numerics::maximum::maximum;
 /// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
 
-/// Admissible relative error of the temperatures of both surfaces over that of the pressure.
-const TEMPERATURE: f64 = 10.0;
-
-/// Iteration from which on Anderson acceleration is used.
-const ACCELERATED_FROM: usize = 1;
+/// Admissible residual of the interface law, relative to the rise, over the admissible relative error of the pressure.
+const INTERFACE_OVER_PRESSURE: f64 = 10.0;
 
 /// Step whose bodies and operators are prepared ([`ThermalCoupling::prepare`]).
 pub struct Prepared<'a>(pub(super) &'a mut ThermalCoupling);
@@ -33,7 +34,7 @@ pub(crate) struct FirstSolved<'a>(&'a mut ThermalCoupling, [Option<First>; 2]);
 pub struct Solved<'a>(pub(super) &'a mut ThermalCoupling);
 
 impl<'a> Prepared<'a> {
-    /// Solves the first stage on the gap in `stages`; the friction coefficient is written to `moment`.
+    /// Solves the first stage on the gap in `stages`; the friction coefficient is written to `now`.
     ///
     /// # Errors
     /// The contact has no equilibrium, or the iteration does not converge.
@@ -41,13 +42,13 @@ impl<'a> Prepared<'a> {
         self,
         given: &StepData<'_>,
         stages: &mut ContactStages,
-        moment: &mut StageConditions,
+        now: &mut StageConditions,
         motion: StageMotion,
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
         let firsts = heat.begin_first(state);
         if heat.open {
-            heat.leave_open(Stage::First, given, stages, moment)?;
+            heat.leave_open(Stage::First, given, stages, now)?;
             return Ok(FirstSolved(heat, firsts));
         }
         // The active set is first that of the start of the step, then that of the iterates.
@@ -58,7 +59,7 @@ impl<'a> Prepared<'a> {
         heat.predict_first(state, pressure);
         heat.contacts[0].set_status(stages.contact.status());
         heat.iterate.take_mean_temperature(&state.temperature, given.reference);
-        heat.solve_stage(Stage::First, given, stages, moment, motion)?;
+        heat.solve_stage(Stage::First, given, stages, now, motion)?;
         Ok(FirstSolved(heat, firsts))
     }
 }
@@ -72,25 +73,25 @@ impl<'a> FirstSolved<'a> {
         self,
         given: &StepData<'_>,
         stages: &mut ContactStages,
-        moment: &mut StageConditions,
+        now: &mut StageConditions,
         motion: StageMotion,
     ) -> Result<Solved<'a>, StageError> {
         let (heat, state) = (self.0, state_of(given));
         heat.begin_end(self.1, state);
         if heat.open {
-            heat.leave_open(Stage::End, given, stages, moment)?;
+            heat.leave_open(Stage::End, given, stages, now)?;
             return Ok(Solved(heat));
         }
         heat.predict_end(state, [&given.state.pressure, &stages.first.pressure]);
         let [first, end] = &mut heat.contacts;
         end.set_status(first.status());
         // Where nothing depends on the temperature it is not evaluated at the first stage.
-        if follows_temperature(given.operators) {
+        if needs_cell_temperatures(given.operators) {
             heat.iterate.take_mean_temperature(&heat.temperature[0], given.reference);
         } else {
             heat.iterate.take_mean_temperature(&state.temperature, given.reference);
         }
-        heat.solve_stage(Stage::End, given, stages, moment, motion)?;
+        heat.solve_stage(Stage::End, given, stages, now, motion)?;
         stages.contact.set_status(heat.contacts[1].status());
         if !heat.iterate.temperatures_current {
             heat.update_temperatures(Stage::End);
@@ -112,7 +113,7 @@ fn fades(operators: &LineOperators) -> bool {
 }
 
 /// Whether friction or wear depends on the temperature of the cells.
-fn follows_temperature(operators: &LineOperators) -> bool {
+fn needs_cell_temperatures(operators: &LineOperators) -> bool {
     operators.wears_by_cell() || fades(operators)
 }
 
@@ -123,7 +124,8 @@ struct RemainingError {
 }
 
 impl RemainingError {
-    /// Remaining error after a `change`, for changes that decrease as a geometric series.
+    /// Remaining error after a `change` c: of a geometric series with the ratio r of the last two the rest is c r/(1 - r). Where
+    /// they do not at least halve, c itself.
     fn after(&mut self, change: f64) -> f64 {
         let last = self.last.replace(change);
         match last {
@@ -133,13 +135,14 @@ impl RemainingError {
     }
 }
 
-/// Changes of an iteration: of the pressure, of the contact temperature, and of temperatures by the fluxes into the cooled faces,
-/// relative; residual of the interface law.
+/// Relative changes of an iteration.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     pressure: f64,
     contact_temperature: f64,
+    /// Residual of the interface law before the iteration.
     interface: f64,
+    /// Of the temperatures, by the fluxes into the cooled faces.
     faces: f64,
 }
 
@@ -167,7 +170,7 @@ impl Convergence {
         let of_series = [self.pressure.after(change.pressure), self.interface.after(change.interface)];
         let [pressure, interface] =
             self.accelerated.map_or(of_series, |ratio| [ratio.max(1.0) * change.pressure, change.interface]);
-        let remaining = maximum(pressure, interface / TEMPERATURE);
+        let remaining = maximum(pressure, interface / INTERFACE_OVER_PRESSURE);
         let consistent =
             self.contact_temperature.after(change.contact_temperature) <= self.enough && change.faces <= self.enough;
         consistent && (exact || remaining <= self.enough)
@@ -181,47 +184,50 @@ impl ThermalCoupling {
         cells.for_each(|(coefficient, temperature)| *coefficient = given.friction.kinetic_coefficient(*temperature));
     }
 
-    /// Solves a stage by fixed-point iteration from the predicted iterate: friction, wear and operators at the iterate, the contact
-    /// for the pressure, then fluxes and temperatures. Where the operators of the stage are exact one solution suffices.
+    /// Solves a stage from the predicted iterate. An iteration takes friction, wear and operators at the iterate, solves the contact
+    /// for the pressure, then sets fluxes and temperatures. Where the frozen operators are exact one suffices.
     fn solve_stage(
         &mut self,
         stage: Stage,
         given: &StepData<'_>,
         stages: &mut ContactStages,
-        moment: &mut StageConditions,
+        now: &mut StageConditions,
         motion: StageMotion,
     ) -> Result<(), StageError> {
         let (operators, s) = (given.operators, stage as usize);
         if stages.track.is_some() {
-            stages.set_operator_of(&mut self.contacts[s], given, motion.travel, moment);
+            stages.set_operator_of(&mut self.contacts[s], given, motion.travel, now);
         }
-        if moment.load == 0.0 {
+        if now.load == 0.0 {
             self.iterate.closed.fill(false);
         }
         match fades(operators) {
             true => self.update_friction(given),
+            // The same at every temperature.
             false => self.kinetic_coefficient.fill(given.friction.kinetic_coefficient(0.0)),
         }
-        let stribeck = given.friction.stribeck(motion.velocity);
-        let mut slip = moment.slip(stribeck);
+        let mut slip = now.slip();
         let mut convergence = Convergence::new(operators.budget.iteration.line_stage);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
         self.iterate.added.fill(false);
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades(operators) {
-                moment.kinetic_coefficient =
-                    weighted(&self.kinetic_coefficient, &self.iterate.pressure, &operators.torque_weights);
-                moment.follow(moment.sign * stribeck);
-                slip = moment.slip(stribeck);
+                now.set_kinetic_coefficient(weighted(
+                    &self.kinetic_coefficient,
+                    &self.iterate.pressure,
+                    &operators.torque_weights,
+                ));
+                slip = now.slip();
                 self.iterate.temperatures_current = false;
             }
             self.install_thermal_compliance(stage, slip)?;
             self.couple_faces(stage);
             stages.budget.solutions += 1;
-            stages.set_conditions(given, moment, motion.tau);
-            self.set_laws(given, stages, moment);
-            let accelerated = !self.exact[s] && iteration >= ACCELERATED_FROM;
+            stages.set_conditions(given, now, motion.tau);
+            self.set_laws(given, stages, now);
+            // The first iteration starts from the predictor: there is no difference yet to accelerate with.
+            let accelerated = !self.exact[s] && iteration > 0;
             if accelerated {
                 let Iterate { anderson, pressure, contact_temperature, .. } = &mut self.iterate;
                 anderson.begin(&[pressure, &self.flux[s][0], contact_temperature]);
@@ -229,8 +235,8 @@ impl ThermalCoupling {
             let interface = self.assemble_fluxes(stage, slip);
             self.assemble_gap(stage, &stages.gap);
             if !self.exact[s] {
-                self.linearise_wear(given, stages, moment, motion.tau);
-                self.linearise_friction(stage, stages, moment.sign, stribeck);
+                self.linearise_wear(given, stages, now, motion.tau);
+                self.linearise_friction(stage, stages, now);
             }
             let found = match stage {
                 Stage::First => &mut stages.first,
@@ -238,7 +244,7 @@ impl ThermalCoupling {
             };
             self.contacts[s].stage_into(&self.iterate.gap, motion.tau, &stages.conditions, found)?;
             let pressure = self.update_pressure(stage, &found.pressure, convergence.enough);
-            let contact_temperature = match follows_temperature(operators) {
+            let contact_temperature = match needs_cell_temperatures(operators) {
                 true => self.update_contact_temperature(stage, given),
                 false => 0.0,
             };
@@ -247,8 +253,8 @@ impl ThermalCoupling {
             let change = Change { pressure, contact_temperature, interface, faces };
             if convergence.reached(change, self.exact[s]) && settled {
                 self.iterations = self.iterations.max(iteration);
-                if moment.released > 0.0 {
-                    self.release(stage, moment.released);
+                if now.released > 0.0 {
+                    self.release(stage, now.released);
                 }
                 self.write_wear_rates(stage, given, stages);
                 self.surround_by_faces(stage);
@@ -270,7 +276,7 @@ impl ThermalCoupling {
         stage: Stage,
         given: &StepData<'_>,
         stages: &mut ContactStages,
-        moment: &StageConditions,
+        now: &StageConditions,
     ) -> Result<(), StageError> {
         let s = stage as usize;
         self.exact[s] = false;
@@ -291,7 +297,7 @@ impl ThermalCoupling {
             *gap = worn + *moved;
         }
         stages.budget.solutions += 1;
-        stages.leave_open(stage, given, moment, &self.iterate.gap)
+        stages.leave_open(stage, given, now, &self.iterate.gap)
     }
 
     /// Gives the open surfaces the heat of a bristle that the contact no longer holds, W/m2, half to each body that conducts.
@@ -336,15 +342,16 @@ impl ThermalCoupling {
         }
         let scale = *acceleration_scale;
         let [moved, ..] = anderson.accelerate(parts, |i| scale[i / count])?;
-        if follows_temperature(given.operators) {
+        if needs_cell_temperatures(given.operators) {
             self.iterate.temperatures_current = false;
             self.update_friction(given);
         }
         Some(if change > 0.0 { moved / (most * change) } else { 1.0 })
     }
 
-    /// Uses the frozen wear Jacobian (its factors are cached) and moves the difference to the gap.
-    fn linearise_wear(&mut self, given: &StepData<'_>, stages: &mut ContactStages, moment: &StageConditions, tau: f64) {
+    /// Takes the wear rates of the linearization point into the matrix of the contact, whose factors are cached, and moves the
+    /// difference to those of the iterate to the gap.
+    fn linearise_wear(&mut self, given: &StepData<'_>, stages: &mut ContactStages, now: &StageConditions, tau: f64) {
         let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
         if stages.track.is_some() || !stages.conditions.rate.terms.iter().all(uniform) {
             return;
@@ -353,7 +360,7 @@ impl ThermalCoupling {
         let reference = operators.coefficients(
             self.reference.speed,
             self.reference.kinetic_coefficient,
-            moment.temperature,
+            now.temperature,
             given.tunables.wear_acceleration,
         );
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
@@ -366,9 +373,8 @@ impl ThermalCoupling {
         }
     }
 
-    /// Uses the friction coefficient of the linearization point in the matrix of the contact, and moves the difference to that of
-    /// each cell to the gap.
-    fn linearise_friction(&mut self, stage: Stage, stages: &mut ContactStages, sign: f64, stribeck: f64) {
+    /// The same for the friction coefficient of the shear coupling.
+    fn linearise_friction(&mut self, stage: Stage, stages: &mut ContactStages, now: &StageConditions) {
         let signed_friction = &mut stages.conditions.signed_friction;
         if *signed_friction == 0.0 || self.reference.friction == 0.0 {
             return;
@@ -376,7 +382,7 @@ impl ThermalCoupling {
         let known = self.reference.friction.copysign(*signed_friction);
         let cells = self.kinetic_coefficient.iter().zip(&self.iterate.pressure);
         for (difference, (kinetic_coefficient, pressure)) in self.iterate.difference.iter_mut().zip(cells) {
-            *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
+            *difference = (now.sign * kinetic_coefficient * now.stribeck - known) * pressure;
         }
         if largest(&self.iterate.difference) != 0.0 {
             self.contacts[stage as usize].add_shear_displacement(&self.iterate.difference, &mut self.iterate.gap);
@@ -385,10 +391,10 @@ impl ThermalCoupling {
     }
 
     /// Wear depth rates at the reference pressure, by temperature and friction of each cell.
-    pub(super) fn set_laws(&mut self, given: &StepData<'_>, stages: &mut ContactStages, moment: &StageConditions) {
+    pub(super) fn set_laws(&mut self, given: &StepData<'_>, stages: &mut ContactStages, now: &StageConditions) {
         let operators = given.operators;
         let (cells, acceleration) = (&self.iterate.contact_temperature, given.tunables.wear_acceleration);
-        let law = |i: usize| operators.coefficients(moment.speed, self.kinetic_coefficient[i], cells[i], acceleration);
+        let law = |i: usize| operators.coefficients(now.speed, self.kinetic_coefficient[i], cells[i], acceleration);
         let [punch, strip] = &mut self.reference_wear_rates;
         if !operators.wears_by_cell() {
             let [of_punch, of_strip] = law(0);
