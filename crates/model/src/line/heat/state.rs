@@ -63,9 +63,10 @@ pub struct LinearizationPoint {
 }
 
 /// Numbers of iterations of a stage above which the validity radius is halved, and up to which a new linearization point enlarges
-/// it; factor of enlargement.
+/// it; least factor, with which the Peclet number of the shortest wave with states differs by a thousandth, and factor of enlargement.
 const MANY: usize = 6;
 const FEW: usize = 3;
+const LEAST_RADIUS_FACTOR: f64 = 1e-4;
 const RADIUS_GROWTH: f64 = 1.25;
 
 impl LinearizationPoint {
@@ -81,7 +82,7 @@ impl LinearizationPoint {
     /// speed; the number of iterations measures it.
     pub(crate) fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
         if iterations > MANY && last != velocity {
-            self.radius_factor *= 0.5;
+            self.shrink(0.5);
         } else if iterations <= FEW && velocity != self.velocity {
             self.radius_factor = (RADIUS_GROWTH * self.radius_factor).min(1.0);
         }
@@ -90,7 +91,11 @@ impl LinearizationPoint {
 
     /// Narrows the validity radius after a step without solution, as far as the step is shortened.
     pub(crate) fn narrow(&mut self) {
-        self.radius_factor *= 0.25;
+        self.shrink(0.25);
+    }
+
+    fn shrink(&mut self, factor: f64) {
+        self.radius_factor = (factor * self.radius_factor).max(LEAST_RADIUS_FACTOR);
     }
 
     /// Reference velocity (m/s) for a step between two velocities: the last one within its validity radius (m/s), the velocity
@@ -333,7 +338,10 @@ mod tests {
         assert_eq!(place.radius_factor, 0.5 * RADIUS_GROWTH);
         (0..40).for_each(|_| place.follow(1.19, 1.04, MANY + 1));
         assert_eq!(place.radius_factor, LEAST_RADIUS_FACTOR);
-        (0..40).for_each(|k| place.follow(1.19 + f64::from(k), 1.04, FEW));
+        place.radius_factor = 0.5;
+        place.narrow();
+        assert_eq!(place.radius_factor, 0.125);
+        (0..60).for_each(|k| place.follow(1.19 + f64::from(k), 1.04, FEW));
         assert_eq!(place.radius_factor, 1.0);
     }
 }
