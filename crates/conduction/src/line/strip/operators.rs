@@ -129,7 +129,8 @@ impl StripOperators {
             period,
             reduction: reduction.clone(),
             unit,
-            fresh: fresh.map(|fresh| (2.0 / resolution.duration, fresh)),
+            slowest: 2.0 / resolution.duration,
+            fresh,
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
         let mut operators = StripOperators {

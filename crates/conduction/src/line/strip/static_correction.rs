@@ -37,8 +37,10 @@ pub(crate) struct StaticCorrection {
     pub reduction: Arc<Reduction>,
     /// Magnitude of the distortion (m) per temperature (K) of a mode.
     pub unit: f64,
-    /// On fresh material: frequency below which nothing is treated as steady, 1/s.
-    pub fresh: Option<(f64, Fresh)>,
+    /// Frequency below which nothing is treated as steady, 1/s.
+    pub slowest: f64,
+    /// The contact meets fresh material.
+    pub fresh: Option<Fresh>,
 }
 
 /// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
@@ -215,7 +217,8 @@ impl StaticCorrection {
         let turning = |q: f64| Complex::new(0.0, -q * moving);
         let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
         for ((wave, layer, place), modes) in integrals.modes.iter().zip(&self.reduction.modes) {
-            let s = Complex::new(0.0, -wave.number * velocity);
+            let turning = wave.number * velocity;
+            let s = Complex::new(self.lasting(turning), -turning);
             let (exact, reduced) = (self.respond(layer, s), modes.respond(s));
             let distortion = if self.expansion.is_some() { exact[1] - reduced[1] } else { NO_DISTORTION };
             gains.add(place, 2.0 * wave.count / self.period, [exact[0] - reduced[0], distortion]);
@@ -247,19 +250,19 @@ impl StaticCorrection {
         }
     }
 
+    /// Real part of the frequency at which a response that changes with `frequency` (1/s) counts as steady: what is slower than the nominal
+    /// duration is not, as the reduction does not follow it.
+    fn lasting(&self, frequency: f64) -> f64 {
+        self.slowest * self.slowest / (self.slowest + frequency)
+    }
+
     /// Adds the response of the endless path, as an integral over the wave number of the difference of layer and
     /// half-plane, less the response of the states.
-    fn add_fresh(
-        &self,
-        [velocity, moving]: [f64; 2],
-        (slowest, fresh): (f64, Fresh),
-        integrals: &Integrals,
-        gains: &mut Gains,
-    ) {
+    fn add_fresh(&self, [velocity, moving]: [f64; 2], fresh: Fresh, integrals: &Integrals, gains: &mut Gains) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         // A contact too slow to leave its heat behind within the duration is not steady.
         let passing = velocity / fresh.way;
-        let lasting = slowest * slowest / (slowest + passing);
+        let lasting = self.lasting(passing);
         let resolved = 10.0 * LOWEST_WAVE_NUMBER / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
         for (wave, layer, place) in integrals.removed.iter() {

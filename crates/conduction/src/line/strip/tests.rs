@@ -61,3 +61,36 @@ fn uneven(cells: &Cells, index: usize) -> Vec<f64> {
     let a = cells.half_width();
     cells.centres().iter().map(|x| 1e4 * (1.0 + 0.5 * (3.0 * x / a + index as f64).sin())).collect()
 }
+
+/// A contact that hardly moves in a step is heated as one at rest: what is slower than the nominal duration had entered as if it were
+/// steady.
+#[test]
+fn a_contact_that_creeps_is_heated_as_one_at_rest() {
+    let length = 0.0754;
+    for path in [
+        SlidingPath::Closed(length),
+        SlidingPath::Closed(10.0 * length),
+        SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
+    ] {
+        let properties =
+            StripProperties { conductivity: 1.46, capacity: 2520.0 * 790.0, ..unit(0.05, FarBoundary::Held, path) };
+        let cells = Cells::uniform(0.5 * length, 9).unwrap();
+        for (duration, tolerance) in [(0.01, 1e-2), (1.0, 1e-1), (1.0, 1e-2), (100.0, 1e-2), (100.0, 1e-3)] {
+            let resolution =
+                super::Resolution { duration, shortest: 1e-3 * duration, travel: f64::INFINITY, tolerance };
+            let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+            let mut influence = |step: f64, velocity: f64| {
+                body.prepare(&Step::new(step, [velocity; 2]));
+                body.influence(Stage::End).temperature.clone()
+            };
+            // Over the whole duration the contact moves by a thousandth of a cell.
+            let rise = influence(duration, 0.0).amax();
+            let velocity = 1e-3 * cells.widths()[0] / duration;
+            for step in [1e-2 * duration, duration] {
+                let error = (influence(step, velocity) - influence(step, 0.0)).amax() / rise;
+                println!("{path:?} {duration} {tolerance:e} {step:e}: {error:.1e}");
+                assert!(error < 0.5 * tolerance, "{path:?} {duration} s, {tolerance:e}, {step} s: {error:e}");
+            }
+        }
+    }
+}
