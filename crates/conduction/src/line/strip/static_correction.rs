@@ -2,7 +2,8 @@
 //! the shortest step.
 //!
 //! Two parts. For modes with states it is the truncated part `Z - Z_reduced` at the frequency -i q v of a mode at rest
-//! in the punch's frame over the moving material. Shorter modes have no states: for them the layer is a half-plane,
+//! in the punch's frame over the moving material, with a real part of up to 2 over the nominal duration: slower heat is not
+//! steady. Shorter modes have no states: for them the layer is a half-plane,
 //! whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less the integral up to
 //! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction. All sums over wave numbers are one sum by
 //! distance ([`super::distance`]).
