@@ -22,6 +22,12 @@ use scene::Scene;
 const SPEED_RATIOS: usize = 32;
 const FASTEST: f64 = 30.0;
 
+/// Whether perturbations grow otherwise in a scene that is tuned from another one.
+pub(crate) fn grows_otherwise(from: &Scene, tuned: &Scene) -> bool {
+    let of = |scene: &Scene| (scene.conductance, scene.punch.far_boundary(), scene.strip.far_boundary());
+    of(from) != of(tuned)
+}
+
 /// Growth of the perturbations of a scene.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PerturbationGrowth {

@@ -116,13 +116,14 @@ impl ModelOperators {
     /// # Errors
     /// A text with variable, value and limit, where the model refuses a step with them.
     pub fn check_tunables(&self, tunables: &Tunables) -> Result<(), String> {
-        let scene = tunables.tuned(self.scene());
-        if let Some(scene) = &scene {
+        if let Some(scene) = tunables.tuned(self.scene()) {
             scene.check_heat().map_err(|broken| broken.to_string())?;
         }
         let ModelOperators::Line(line) = self else { return Ok(()) };
         let (friction, acceleration) = (tunables.friction_coefficient, tunables.wear_acceleration);
-        let Some(scene) = scene else { return line.check_acceleration(friction, acceleration) };
+        // Growth is set against wear alone.
+        let of_wear = Tunables { wear_coefficient: tunables.wear_coefficient, ..Tunables::of(&line.scene) };
+        let Some(scene) = of_wear.tuned(&line.scene) else { return line.check_acceleration(friction, acceleration) };
         line.check_tuned(&scene)?;
         line.tuned(scene).check_acceleration(friction, acceleration)
     }

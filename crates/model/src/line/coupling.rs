@@ -28,7 +28,6 @@ use super::heat::edges::Edges;
 use super::heat::partition::HeatPartition;
 use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
-use crate::fastest_growth::FastestGrowth;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{End, Step, Surroundings, ThermalBody, Workspace};
 use contact::wear::line::WearingContact;
@@ -188,17 +187,30 @@ pub(crate) struct ThermalCoupling {
 impl ThermalCoupling {
     /// Thermal coupling along the contact line of `operators`, at least one of whose bodies conducts.
     pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
+        let mut bodies = bodies.prototypes.clone();
+        // The first preparation allocates the weights, so that no step does.
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(&Step::new(1.0, [0.0; 2])));
+        Self::with_bodies(operators, bodies)
+    }
+
+    /// Takes tuned operators. The steps of the bodies depend on nothing that is tuned, cooled faces on the cooling, the rest on the conductance.
+    pub(super) fn set_operators(&mut self, operators: &LineOperators) {
+        if operators.mean.half_resistance == self.parameters.half_resistance {
+            self.faces = Faces::new(&operators.mean, operators.count());
+        } else {
+            *self = Self::with_bodies(operators, std::mem::take(&mut self.bodies));
+        }
+    }
+
+    /// Thermal coupling of these bodies, which are prepared.
+    fn with_bodies(operators: &LineOperators, bodies: [Option<Box<dyn ThermalBody>>; 2]) -> ThermalCoupling {
         let count = operators.count();
         let pair = || [vec![0.0; count], vec![0.0; count]];
         let conductance = operators.scene.conductance;
         let strip = &operators.scene.strip;
-        let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let partition = || HeatPartition::new(&operators.radius_ratio, conductance);
-        let before = bodies.states.map(|states| vec![0.0; states]);
-        let mut bodies = bodies.prototypes.clone();
-        // The first preparation allocates the weights, so that no step does.
-        bodies.iter_mut().flatten().for_each(|own| own.prepare(&Step::new(1.0, [0.0; 2])));
-        let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
+        let before = bodies.each_ref().map(|body| vec![0.0; body.as_ref().map_or(0, |own| own.states())]);
+        let half_resistance = operators.mean.half_resistance;
         let conducting = [&operators.scene.punch, strip].into_iter().filter(|body| body.conductivity > 0.0);
         let slowness = conducting.map(|body| (body.capacity() / body.conductivity, body.height));
         let through = slowness.clone().map(|(slowness, height)| slowness * height.powi(2));
@@ -222,7 +234,7 @@ impl ThermalCoupling {
             installed: [usize::MAX; 2],
             edges: divides.then(|| operators.edges()),
             reference: FrozenCoefficients::default(),
-            growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
+            growth: GrowthGuard::new(partition(), count),
             step: 0.0,
             velocity: [0.0; 2],
             open: false,

@@ -171,22 +171,20 @@ impl Line {
         }
     }
 
-    /// Takes `operators`, those of [`LineOperators::tuned`]; the state stays. A face without flux has none of the last step.
+    /// Takes `operators`, those of [`LineOperators::tuned`], before [`Line::set_tunables`]; the state stays. A face without flux has none of
+    /// the last step.
     pub(crate) fn set_operators(&mut self, operators: Arc<LineOperators>) {
-        let inputs = Inputs::constant(0.0);
-        self.state.status.copy_from(self.stages.contact.status());
-        let mut tuned = Line::new(operators, self.tunables, &inputs);
-        tuned.attempts_left = self.attempts_left;
-        tuned.set_state(self.mean.state(), &self.state);
-        if let Some(heat) = &mut tuned.state.heat {
-            let mean = &tuned.operators.mean;
-            for (side, body) in [&mean.punch, &mean.strip].into_iter().enumerate() {
+        self.mean.set_operators(operators.mean.clone());
+        self.stages.set_operators(&operators);
+        if let (Some(coupling), Some(heat)) = (&mut self.heat, &mut self.state.heat) {
+            coupling.set_operators(&operators);
+            for (side, body) in operators.mean.bodies().into_iter().enumerate() {
                 for face in (0..FACES).filter(|&face| !body.air[face].acts()) {
                     (heat.cooling[side][face], heat.cooling_slope[side][face]) = (0.0, 0.0);
                 }
             }
         }
-        *self = tuned;
+        self.operators = operators;
     }
 
     /// Sets the parameters that may change between steps, without those of the operators.

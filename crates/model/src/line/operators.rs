@@ -6,7 +6,10 @@ use super::heat::bodies::{Bodies, is_resolved};
 use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
+use crate::fastest_growth::FastestGrowth;
+use crate::growth::grows_otherwise;
 use crate::lumped;
+use crate::lumped::conditions::Tunables;
 use crate::tolerance::ToleranceBudget;
 use conduction::line::strip::Reductions;
 use contact::wear::law::WearLaw;
@@ -61,6 +64,11 @@ fn wear_laws(scene: &Scene) -> [WearLaw; 2] {
     [&scene.punch, &scene.strip].map(|body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade))
 }
 
+/// Width of the smallest cell, m.
+fn smallest(cells: &Cells) -> f64 {
+    cells.widths().iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// Nonuniformity of a pressure, relative to its mean.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Nonuniformity {
@@ -83,6 +91,8 @@ pub struct LineOperators {
     pub mean: Arc<lumped::operators::LumpedOperators>,
     /// Conducting bodies of resolved heat; `None`: lumped heat.
     pub heat: Option<Arc<Bodies>>,
+    /// Bound of the growth rate of thermoelastic waves on the cells.
+    pub(crate) growth_bound: FastestGrowth,
     /// Cells of the contact.
     pub cells: Cells,
     /// Weights of the load integral, m: areas of the cells per depth.
@@ -231,6 +241,7 @@ impl LineOperators {
         let [punch, strip] = laws;
         let operators = LineOperators {
             heat,
+            growth_bound: FastestGrowth::new(scene, smallest(&cells)),
             profile: Profile::new(&cells),
             hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
             wear: [(punch, 1.0), (strip, coverage)],
@@ -261,8 +272,14 @@ impl LineOperators {
     pub(crate) fn tuned(&self, scene: Scene) -> LineOperators {
         let [punch, strip] = wear_laws(&scene);
         let keeps = self.strip_wear == StripWear::Track;
+        let growth_bound = match grows_otherwise(&self.scene, &scene) {
+            true => FastestGrowth::new(&scene, smallest(&self.cells)),
+            false => self.growth_bound.clone(),
+        };
+        let of_mean = Tunables { wear_coefficient: [0.0; 2], ..Tunables::of(&scene) }.tuned(&self.mean.scene);
         LineOperators {
-            mean: Arc::new(self.mean.tuned(mean_scene(&scene, self.heat.is_some()))),
+            mean: of_mean.map_or_else(|| self.mean.clone(), |scene| Arc::new(self.mean.tuned(scene))),
+            growth_bound,
             wear: [(punch, self.wear[0].1), (strip, self.wear[1].1)],
             strip_wear: if keeps { StripWear::Track } else { StripWear::of(&scene) },
             scene,

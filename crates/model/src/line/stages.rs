@@ -100,6 +100,12 @@ impl ContactStages {
         }
     }
 
+    /// Takes tuned operators: bodies may begin or cease to wear.
+    pub(crate) fn set_operators(&mut self, operators: &LineOperators) {
+        self.conditions = operators.conditions();
+        self.carried_over = None;
+    }
+
     /// Begins a step: its track is that of the state.
     pub(crate) fn begin(&mut self, given: &StepData<'_>) {
         if let (Some(own), Some(track)) = (&mut self.track, &given.state.track) {

@@ -203,11 +203,15 @@ impl Lumped {
         self.invalidate_conditions();
     }
 
-    /// Takes `operators`, those of [`LumpedOperators::tuned`]; the state stays.
+    /// Takes `operators`, those of [`LumpedOperators::tuned`], before [`Lumped::set_tunables`]; the state stays. Of what is tuned
+    /// propagators depend on the cooling alone.
     pub(crate) fn set_operators(&mut self, operators: Arc<LumpedOperators>) {
-        let mut tuned = Lumped::new(operators, self.tunables, &Inputs::constant(0.0));
-        tuned.set_state(&self.state);
-        *self = tuned;
+        let [own, tuned] = [&self.operators, &operators].map(|operators| operators.bodies().map(|body| body.air));
+        if own != tuned {
+            self.propagators.clear();
+        }
+        self.operators = operators;
+        self.frozen_is_current = false;
     }
 
     /// Sets the parameters that may change between steps, without those of the operators.

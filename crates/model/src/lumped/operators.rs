@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, BESIDE, FACES, FAR};
-use crate::growth::PerturbationGrowth;
+use crate::growth::{PerturbationGrowth, grows_otherwise};
 use crate::tolerance::ToleranceBudget;
 use conduction::flash::Flash;
 use conduction::lateral::Lateral;
@@ -304,7 +304,7 @@ impl LumpedOperators {
     /// meaning.
     pub(crate) fn tuned(&self, scene: Scene) -> LumpedOperators {
         let mut tuned = self.clone();
-        if scene.conductance != self.scene.conductance {
+        if grows_otherwise(&self.scene, &scene) {
             tuned.growth = PerturbationGrowth::new(&scene);
         }
         tuned.punch.tune(&scene, &scene.punch);

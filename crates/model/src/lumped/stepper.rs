@@ -58,6 +58,12 @@ impl PropagatorCache {
         PropagatorCache { bodies, latest: ([f64::NAN.to_bits(); 3], [0; 2]) }
     }
 
+    /// Forgets all, as the cooling of a body has changed.
+    pub(crate) fn clear(&mut self) {
+        self.latest.0 = [f64::NAN.to_bits(); 3];
+        self.bodies.iter_mut().for_each(KeyedCache::clear);
+    }
+
     /// Propagators over `step` (s) with the properties at these temperatures of punch and strip, K; of a body of constants at any.
     #[inline]
     pub(crate) fn get(&mut self, operators: &LumpedOperators, step: f64, temperatures: [f64; 2]) -> Propagators<'_> {

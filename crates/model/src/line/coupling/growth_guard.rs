@@ -3,7 +3,7 @@
 //! Above the critical speed pressure waves grow by friction heat. An L-stable step that is too long damps them instead, without
 //! any indication. So the step h is limited by the fastest growth rate b, `b h <= 0.3`.
 //!
-//! The bound of b by [`FastestGrowth`], for layers without wear, accepts most steps. Where it does not, the matrix of a stage
+//! The bound of b by [`crate::fastest_growth`], for layers without wear, accepts most steps. Where it does not, the matrix of a stage
 //! gives a sharper criterion. Let the pressure at t follow from the distortion by earlier heating,
 //! `p(t) = integral k(s) p(t - s) ds`, k >= 0 and decreasing, as heat diffuses. Growth at the rate b means
 //!
@@ -25,7 +25,6 @@
 
 use super::stage::Solved;
 use super::{Iterate, ThermalCoupling};
-use crate::fastest_growth::FastestGrowth;
 use crate::line::heat::partition::{HeatPartition, PartitionKey};
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
@@ -59,10 +58,10 @@ impl Solved<'_> {
         {
             return true;
         }
-        if heat.growth.bound.of_body(1, friction, speed) * step > GROWTH {
+        if operators.growth_bound.of_body(1, friction, speed) * step > GROWTH {
             return false;
         }
-        if heat.growth.bound.of_body(0, friction, speed) * step <= GROWTH {
+        if operators.growth_bound.of_body(0, friction, speed) * step <= GROWTH {
             return true;
         }
         let (conditions, pressure) = (&stages.conditions, &stages.end.pressure);
@@ -71,12 +70,9 @@ impl Solved<'_> {
     }
 }
 
-/// Bound of the growth rate, and the last definiteness test of a stage matrix: contact, friction and wear change less often than a
-/// step is taken.
+/// The last definiteness test of a stage matrix: contact, friction and wear change less often than a step is taken.
 #[derive(Clone, Debug)]
 pub(super) struct GrowthGuard {
-    /// Bound of the growth rate of thermoelastic waves.
-    bound: FastestGrowth,
     /// Heat partition of the stage under test, and workspace for its matrix, N x N.
     partition: HeatPartition,
     matrix: Vec<f64>,
@@ -95,9 +91,8 @@ const DROPPED: u64 = (1 << 48) - 1;
 
 impl GrowthGuard {
     /// Guard of `count` cells.
-    pub fn new(bound: FastestGrowth, partition: HeatPartition, count: usize) -> GrowthGuard {
+    pub fn new(partition: HeatPartition, count: usize) -> GrowthGuard {
         GrowthGuard {
-            bound,
             partition,
             matrix: vec![0.0; count * count],
             arguments: [f64::NAN; 8],
