@@ -554,6 +554,11 @@ impl Scene {
         self.width * self.depth
     }
 
+    /// Mean apparent pressure under the nominal load, Pa.
+    pub fn nominal_pressure(&self) -> f64 {
+        self.nominal_load / (self.count * self.contact_area())
+    }
+
     /// Area of the faces opposite to the contact, all faces and punches, m2: punch, strip of a closed path.
     pub fn far_areas(&self) -> [f64; 2] {
         let across = if self.geometry == Geometry::Annular { self.width } else { self.depth };

@@ -41,7 +41,7 @@ impl Groups {
     /// Groups of `scene` with this critical speed, for a rise `rise` (K) of the contact temperature.
     pub(crate) fn new(scene: &Scene, critical: &CriticalSpeed, rise: f64) -> Groups {
         let bodies = [&scene.punch, &scene.strip];
-        let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
+        let pressure = scene.nominal_pressure();
         let diffusivity = |body: &Body| body.conductivity / body.capacity();
         let [soft_punch, soft_strip] = bodies.map(plane_strain_compliance);
         let compliances = [mean_compliance(scene, &scene.punch, true), mean_compliance(scene, &scene.strip, false)];

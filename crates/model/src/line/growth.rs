@@ -8,6 +8,7 @@ use super::operators::LineOperators;
 use crate::instability::driving_body;
 use crate::lumped::limit;
 use crate::{Inputs, StepFailure};
+use contact::friction::Duty;
 use scene::message::Number;
 use std::fmt::{self, Write};
 
@@ -72,25 +73,20 @@ impl Line {
                 )
             }
             limit::UNSTABLE => {
-                let speed = self.speed(inputs);
-                let friction = self.end_friction(speed);
+                let duty = self.operators.mean.duty(inputs);
+                let friction = self.end_friction(duty);
                 let (critical, growth) = (&self.operators.mean.growth.critical, self.mean.state().growth);
-                critical.write_message(text, growth, friction, speed, self.heat.is_some())
+                critical.write_message(text, growth, friction, duty.velocity.abs(), self.heat.is_some())
             }
             _ => Ok(()),
         }
     }
 
-    /// Sliding speed, m/s.
-    fn speed(&self, inputs: &Inputs) -> f64 {
-        inputs.velocity(self.operators.scene.mean_radius).abs()
-    }
-
-    /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
-    pub(crate) fn end_friction(&self, speed: f64) -> f64 {
+    /// Friction coefficient at the temperatures of the end of the last step, at this duty.
+    fn end_friction(&self, duty: Duty) -> f64 {
         let kinetic_coefficient =
             self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
-        kinetic_coefficient * self.friction.stribeck(speed)
+        kinetic_coefficient * self.friction.stribeck(duty)
     }
 
     /// Sets the warning bit of [`limit`] of accelerated wear.

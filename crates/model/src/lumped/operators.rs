@@ -3,6 +3,9 @@
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, BESIDE, FACES, FAR};
+use super::conditions::Conditions;
+use crate::Inputs;
+use crate::events::load_on_contact;
 use crate::growth::PerturbationGrowth;
 use crate::tolerance::ToleranceBudget;
 use conduction::flash::Flash;
@@ -11,10 +14,11 @@ use conduction::moving_source::{self, MovingSource};
 use conduction::properties::Properties;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
-use contact::friction::FrictionLaw;
+use contact::friction::{Duty, FrictionLaw};
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, mean_expansion};
 use elasticity::tangential::tangential_stiffness;
+use numerics::scalar::Scalar;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.
@@ -321,6 +325,22 @@ impl LumpedOperators {
         self.wear_follows_temperature = follows(&self.punch) || follows(&self.strip);
         self.half_resistance = if self.scene.conductance > 0.0 { 0.5 / self.scene.conductance } else { 0.0 };
         self.has_common_form = self.allows_common_form();
+    }
+
+    /// Duty at these inputs, under the actuator's load.
+    #[inline]
+    pub(crate) fn duty<S: Scalar>(&self, inputs: &Inputs<S>) -> Duty<S> {
+        let load = load_on_contact(inputs.normal_load, self.scene.nominal_load);
+        Duty { velocity: inputs.velocity(self.scene.mean_radius), pressure: load * (1.0 / self.area) }
+    }
+
+    /// Stribeck factor at `now` under the pressure of the contact, Pa: behind a caliper it is not that of the actuator's load.
+    #[inline(always)]
+    pub(crate) fn stribeck<S: Scalar>(&self, now: &Conditions<S>, pressure: S) -> S {
+        match self.series_stiffness > 0.0 {
+            true => self.friction.stribeck(Duty { velocity: now.velocity, pressure }),
+            false => now.stribeck,
+        }
     }
 
     /// Punch and strip.
