@@ -264,6 +264,16 @@ impl Body {
     pub fn capacity(&self) -> f64 {
         self.density * self.specific_heat
     }
+
+    /// Heat capacity by area of the face, J/(m2 K).
+    pub fn areal_capacity(&self) -> f64 {
+        self.capacity() * self.height
+    }
+
+    /// Thermal diffusivity, m2/s.
+    pub fn diffusivity(&self) -> f64 {
+        self.conductivity / self.capacity()
+    }
 }
 
 /// The parameters of a scene. Symbols and units as in the variable table.

@@ -405,7 +405,7 @@ pub(crate) fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
 /// length, fin length and (with a base at prescribed temperature) height.
 fn stroke_cell(scene: &Scene) -> f64 {
     let strip = &scene.strip;
-    let mut reach = (strip.conductivity / strip.capacity() * scene.nominal_duration).sqrt();
+    let mut reach = (strip.diffusivity() * scene.nominal_duration).sqrt();
     if strip.convection > 0.0 {
         reach = reach.min((strip.conductivity * strip.height / strip.convection).sqrt());
     }
@@ -420,7 +420,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let mut operators = BodyOperators {
         heat: None,
         properties: Properties::of(body, scene.tolerance),
-        heat_capacity: body.capacity() * body.height,
+        heat_capacity: body.areal_capacity(),
         uniform_mean: 1.0,
         loses_to_air: false,
         lost_over_step: ([0.0; MAX_STATES], [0.0; PORTS]),
@@ -455,7 +455,7 @@ pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
     Slab {
         volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
         cooling: CoolingPort::Sides,
-        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
+        ..Slab::of(body)
     }
 }
 
@@ -490,10 +490,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
 pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
-    let slab = Slab {
-        surface_transfer: body.convection * cooled / reference,
-        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
-    };
+    let slab = Slab { surface_transfer: body.convection * cooled / reference, ..Slab::of(body) };
     (slab, coverage)
 }
 
