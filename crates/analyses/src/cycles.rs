@@ -145,7 +145,7 @@ pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64
         })
     };
     let interrupted = part(carry).transpose()?.is_none();
-    let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
+    let mean_pressure = scene.nominal_pressure();
     Ok(CycleHistory { name, warm, warning, mean_pressure, stations, depth, strip_depth: None, x, interrupted })
 }
 
@@ -177,7 +177,7 @@ fn on_track(
     };
     let interrupted = part(carry).transpose()?.is_none();
     let [depth, strip_depth] = depths;
-    let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
+    let mean_pressure = scene.nominal_pressure();
     let strip_depth = Some(strip_depth);
     Ok(CycleHistory { name, warm: false, warning: None, mean_pressure, stations, depth, strip_depth, x, interrupted })
 }

@@ -75,7 +75,7 @@ impl Lateral {
             && scene.depth >= 0.5 * scene.width
             && strip.height >= scene.depth
             && strip.conductivity > 0.0;
-        spreads.then(|| Lateral::new(scene.depth, strip.conductivity / strip.capacity()))
+        spreads.then(|| Lateral::new(scene.depth, strip.diffusivity()))
     }
 
     /// Wave number along the path beyond which lateral spreading has no effect, 1/m.

@@ -198,7 +198,7 @@ impl MovingSource {
         if part == Part::Flash && self.path == Path::Endless && self.slab.base == FarBoundary::Insulated && steady {
             // Mean heating left behind: half of it acts under the contact. It is the residue at q = 0 that the principal
             // value of the integral omits.
-            sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
+            sum += self.half_length / (self.slab.areal_capacity() * velocity);
         }
         sum
     }

@@ -29,7 +29,7 @@ use nalgebra::Complex;
 use numerics::grading::LEAST_PANEL;
 use numerics::maximum::maximum;
 use projection::{Basis, Eigen, Grid};
-use scene::FarBoundary;
+use scene::{Body, FarBoundary};
 
 /// Location of the cooling beyond the constant heat transfer.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -60,6 +60,11 @@ pub struct Slab {
 }
 
 impl Slab {
+    /// The slab of a conducting body, as [`Slab::bare`].
+    pub fn of(body: &Body) -> Slab {
+        Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
+    }
+
     /// A slab of this height (m), conductivity (W/(m K)) and capacity (J/(m3 K)) that loses no heat but through its base; the variable
     /// cooling is at the contact face.
     pub fn bare(height: f64, [conductivity, capacity]: [f64; 2], base: FarBoundary) -> Slab {
@@ -95,6 +100,12 @@ const LARGEST_FALL: f64 = 4.0;
 /// Shifts of the responses to a prescribed temperature or a flux at the base, over the slab's own rate `kd/h^2`. Both may jump: a heat
 /// path may open at any time.
 const BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
+
+/// Difference of two decays, in units of 1/h, below which their integral is evaluated by its series.
+const CONFLUENT: f64 = 1e-3;
+
+/// q h beyond which the slab equals a half-plane: 2 exp(-2 q h) = 5e-16.
+const HALF_PLANE: f64 = 18.0;
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
@@ -139,6 +150,66 @@ impl Slab {
         (admittance + self.surface_transfer).inv()
     }
 
+    /// Integral over the height of the field of frequency `s` (1/s) and wave number `q` (1/m) with the temperature `contact` (K) at the
+    /// contact face, without loss by volume, times `A exp(-qz) + B exp(-q(h-z))`, K m. B must be 0 from q h = 20 on.
+    pub(crate) fn moment(
+        &self,
+        s: Complex<f64>,
+        q: f64,
+        contact: Complex<f64>,
+        [direct, reflected]: [f64; 2],
+    ) -> Complex<f64> {
+        let h = self.height;
+        let kappa = principal_root(s / self.diffusivity() + q * q);
+        // Integrals over the depth of the four products of exponentials.
+        let slow = (-q * h).exp();
+        // Decay through the depth, in units of 1/h, from which on the influence of the base is below rounding.
+        if kappa.re * h > 40.0 {
+            // The temperature at the base is zero to rounding.
+            let mut integral = direct / (kappa + q);
+            if reflected != 0.0 {
+                // B is nonzero only for q h up to 20, so the two decays differ.
+                integral += slow * reflected / (kappa - q);
+            }
+            return contact * integral;
+        }
+        let reflection = match self.base {
+            FarBoundary::Held => Complex::from(-1.0),
+            FarBoundary::Insulated => Complex::from(1.0),
+            FarBoundary::Convecting(transfer) => {
+                let beta = transfer / (kappa * self.conductivity);
+                (1.0 - beta) / (1.0 + beta)
+            }
+        };
+        let fast = (-kappa * h).exp();
+        let together = (1.0 - slow * fast) / (kappa + q);
+        let difference = (kappa - q) * h;
+        let apart = if difference.norm_sqr() < CONFLUENT * CONFLUENT {
+            // (1 - exp(-x))/x
+            slow * h * (1.0 - 0.5 * difference + difference * difference / 6.0 - difference.powi(3) / 24.0)
+        } else {
+            (slow - fast) / (kappa - q)
+        };
+        let integral =
+            together * direct + apart * reflected + reflection * fast * (apart * direct + together * reflected);
+        contact * integral / (1.0 + reflection * fast * fast)
+    }
+
+    /// Rate of conduction through the height, 1/s.
+    pub(crate) fn own_rate(&self) -> f64 {
+        self.diffusivity() / self.height.powi(2)
+    }
+
+    /// Lower bound of the decay rates (1/s) of fields of the wave number `q` (1/m) along the slab.
+    pub(crate) fn slowest_decay(&self, q: f64) -> f64 {
+        self.diffusivity() * q * q
+    }
+
+    /// Wave number (1/m) from which on the slab responds as a half-plane of its contact face's material.
+    pub(crate) fn half_plane_from(&self) -> f64 {
+        HALF_PLANE / self.height
+    }
+
     /// Decay through the height (1/m) of a field at the real frequency `shift`, 1/s.
     fn decay(&self, shift: f64) -> f64 {
         (shift / self.diffusivity() + self.volume_transfer / self.conductivity).sqrt()
@@ -152,7 +223,7 @@ impl Slab {
     }
 
     /// Heat capacity per area, J/(m2 K).
-    fn areal_capacity(&self) -> f64 {
+    pub(crate) fn areal_capacity(&self) -> f64 {
         self.capacity * self.height
     }
 
@@ -162,7 +233,7 @@ impl Slab {
         // Above this frequency the impedance is below the tolerance.
         let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
         let effusivity = (self.conductivity * self.capacity).sqrt();
-        let own = self.diffusivity() / self.height.powi(2);
+        let own = self.own_rate();
         // Above the last of these a heated layer is thinner than the grid resolves.
         let fastest =
             (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
@@ -200,7 +271,7 @@ impl Slab {
     /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` with an initial ratio of `ratio`;
     /// `None` if there are too many.
     fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
-        let own = self.diffusivity() / self.height.powi(2);
+        let own = self.own_rate();
         let mut shifts = Vec::new();
         let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
         while shift < fastest {

@@ -1,4 +1,4 @@
-//! Friction law: coefficient as a function of temperature and velocity, and the sign of the velocity.
+//! Friction law: coefficient as a function of temperature and operating point, and the sign of the velocity.
 //!
 //! Theory: docs/theory.md, section 2.2.
 
@@ -6,6 +6,15 @@ use crate::friction_curve::FrictionCurve;
 use numerics::scalar::Scalar;
 use scene::{FadeTable, Scene};
 use std::sync::Arc;
+
+/// What the Stribeck factor may depend on, the same for the whole contact.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct OperatingPoint<S = f64> {
+    /// Sliding velocity at the mean radius, m/s, signed.
+    pub velocity: S,
+    /// Mean apparent pressure, Pa, >= 0: carried load over nominal contact area.
+    pub pressure: S,
+}
 
 /// Stribeck factor: friction coefficient at a velocity over that without dependence on the velocity.
 #[derive(Clone, PartialEq, Debug)]
@@ -60,24 +69,16 @@ impl FrictionLaw {
         }
     }
 
-    /// Stribeck factor at the velocity `v` (m/s).
+    /// Stribeck factor at this operating point; at standstill the ratio of static to kinetic friction.
     #[inline]
-    pub fn stribeck<S: Scalar>(&self, v: S) -> S {
+    pub fn stribeck<S: Scalar>(&self, operating_point: OperatingPoint<S>) -> S {
+        let speed = operating_point.velocity.abs();
         match &self.stribeck_factor {
             StribeckFactor::One => S::from(1.0),
             StribeckFactor::Exponential { static_ratio, velocity } => {
-                S::from(1.0) + (v.abs() * (-1.0 / velocity)).exp() * (static_ratio - 1.0)
+                S::from(1.0) + (speed * (-1.0 / velocity)).exp() * (static_ratio - 1.0)
             }
-            StribeckFactor::Measured(curve) => curve.at(v.abs()),
-        }
-    }
-
-    /// Stribeck factor at standstill: ratio of static to kinetic friction.
-    pub fn static_ratio(&self) -> f64 {
-        match &self.stribeck_factor {
-            StribeckFactor::One => 1.0,
-            StribeckFactor::Exponential { static_ratio, .. } => *static_ratio,
-            StribeckFactor::Measured(curve) => curve.at(0.0),
+            StribeckFactor::Measured(curve) => curve.at(speed),
         }
     }
 

@@ -22,6 +22,8 @@ pub mod run_error;
 pub(crate) mod step_control;
 pub(crate) mod tolerance;
 
+use numerics::scalar::Scalar;
+
 /// Inputs of the component in the order of the variable table.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Inputs<S = f64> {
@@ -56,11 +58,6 @@ impl Inputs {
         }
     }
 
-    /// Sliding velocity at the mean radius `radius` (m), m/s.
-    pub(crate) fn velocity(&self, radius: f64) -> f64 {
-        self.sliding_velocity + radius * self.angular_velocity
-    }
-
     /// These inputs after `time` (s) at the rates `slopes`.
     #[must_use]
     pub(crate) fn after(&self, slopes: Option<&Inputs>, time: f64) -> Inputs {
@@ -68,6 +65,14 @@ impl Inputs {
             Some(slopes) => self.zip(slopes, |input, slope| input + slope * time),
             None => *self,
         }
+    }
+}
+
+impl<S: Scalar> Inputs<S> {
+    /// Sliding velocity at the mean radius `radius` (m), m/s.
+    #[inline]
+    pub(crate) fn velocity(&self, radius: f64) -> S {
+        self.sliding_velocity + self.angular_velocity * radius
     }
 }
 

@@ -264,6 +264,16 @@ impl Body {
     pub fn capacity(&self) -> f64 {
         self.density * self.specific_heat
     }
+
+    /// Heat capacity by area of the face, J/(m2 K).
+    pub fn areal_capacity(&self) -> f64 {
+        self.capacity() * self.height
+    }
+
+    /// Thermal diffusivity, m2/s.
+    pub fn diffusivity(&self) -> f64 {
+        self.conductivity / self.capacity()
+    }
 }
 
 /// The parameters of a scene. Symbols and units as in the variable table.
@@ -552,6 +562,11 @@ impl Scene {
     /// Nominal contact area of one punch and one face, m2.
     pub fn contact_area(&self) -> f64 {
         self.width * self.depth
+    }
+
+    /// Mean apparent pressure under the nominal load, Pa.
+    pub fn nominal_pressure(&self) -> f64 {
+        self.nominal_load / (self.count * self.contact_area())
     }
 
     /// Area of the faces opposite to the contact, all faces and punches, m2: punch, strip of a closed path.

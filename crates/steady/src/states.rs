@@ -6,7 +6,7 @@ use super::{
     CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, groove_operator, positive,
     punch_run_in,
 };
-use contact::friction::FrictionLaw;
+use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, Coefficient, Direction, WearTerm};
 use contact::wear::rocking::rocking_limit;
@@ -209,10 +209,11 @@ impl<'a> Contact<'a> {
         let law = FrictionLaw::new(scene);
         let kinetic_coefficient: f64 = law.kinetic_coefficient(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);
+        let pressure = scene.nominal_pressure();
         let stroke = |(velocity, duration): (f64, f64)| Stroke {
             velocity,
             duration,
-            friction: kinetic_coefficient * law.stribeck(velocity) * law.sign(velocity),
+            friction: kinetic_coefficient * law.stribeck(OperatingPoint { velocity, pressure }) * law.sign(velocity),
             rates: [&scene.punch, &scene.strip]
                 .map(|body| depth_rate(scene, body, &radii, velocity, kinetic_coefficient)),
         };

@@ -7,6 +7,7 @@ use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{FrozenState, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
+use conduction::slab::Slab;
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use scene::FarBoundary;
@@ -22,7 +23,7 @@ fn refused(error: impl std::fmt::Display) -> String {
 
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties::bare(height, [1.0, 1.0], base, path)
+    StripProperties::bare(Slab::bare(height, [1.0, 1.0], base), path)
 }
 
 /// Cells, and their steady temperatures under a uniform flux 1 at `velocity`.
@@ -249,9 +250,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
             scale: None,
             compute: Box::new(move || {
                 let properties = StripProperties::bare(
-                    path.height,
-                    [conductivity, capacity],
-                    FarBoundary::Held,
+                    Slab::bare(path.height, [conductivity, capacity], FarBoundary::Held),
                     SlidingPath::Closed(path.length),
                 );
                 let resolution =
@@ -310,9 +309,7 @@ fn distortion(all: &mut Vec<Problem>) {
             let properties = StripProperties {
                 expansion: Some(expansion),
                 ..StripProperties::bare(
-                    100.0,
-                    [55.0, 7800.0 * 460.0],
-                    FarBoundary::Held,
+                    Slab::bare(100.0, [55.0, 7800.0 * 460.0], FarBoundary::Held),
                     SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
                 )
             };

@@ -41,8 +41,7 @@ impl Groups {
     /// Groups of `scene` with this critical speed, for a rise `rise` (K) of the contact temperature.
     pub(crate) fn new(scene: &Scene, critical: &CriticalSpeed, rise: f64) -> Groups {
         let bodies = [&scene.punch, &scene.strip];
-        let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
-        let diffusivity = |body: &Body| body.conductivity / body.capacity();
+        let pressure = scene.nominal_pressure();
         let [soft_punch, soft_strip] = bodies.map(plane_strain_compliance);
         let compliances = [mean_compliance(scene, &scene.punch, true), mean_compliance(scene, &scene.strip, false)];
         let approach = (compliances[0] + compliances[1]) * pressure;
@@ -70,11 +69,11 @@ impl Groups {
         let wears = bodies.map(|body| body.wear_coefficient > 0.0);
         Groups {
             peclet: if scene.strip.conductivity > 0.0 {
-                scene.nominal_velocity * 0.5 * scene.sliding_extent() / diffusivity(&scene.strip)
+                scene.nominal_velocity * 0.5 * scene.sliding_extent() / scene.strip.diffusivity()
             } else {
                 0.0
             },
-            fourier: bodies.map(|body| diffusivity(body) * scene.nominal_duration / (body.height * body.height)),
+            fourier: bodies.map(|body| body.diffusivity() * scene.nominal_duration / (body.height * body.height)),
             biot: bodies.map(|body| {
                 if body.conductivity > 0.0 { body.convection * body.height / body.conductivity } else { 0.0 }
             }),

@@ -144,7 +144,7 @@ impl Solved {
 
     /// Pa
     pub(crate) fn mean_pressure(&self) -> f64 {
-        self.scene.nominal_load / (self.scene.count * self.scene.contact_area())
+        self.scene.nominal_pressure()
     }
 
     /// Pressure at the -x and +x edge; 0 where it is rounding.

@@ -335,8 +335,8 @@ mod tests {
     use crate::slab::Slab;
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
+    use scene::Scene;
     use scene::variables::{STARTS, changed};
-    use scene::{Body, Scene};
 
     /// Two pads on a disc of 12 mm.
     fn disc() -> (DiscHeat, Flash, Vec<f64>) {
@@ -354,9 +354,11 @@ mod tests {
         let scene = Scene::new(&changed(&STARTS, &changes).unwrap(), None).unwrap();
         let cells = Cells::graded(0.02, 5).unwrap();
         let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
-        let Body { height, conductivity, .. } = scene.strip;
-        let slab = Slab::bare(height, [conductivity, scene.strip.capacity()], scene.strip.far_boundary());
-        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
+        let source = MovingSource::new(
+            Slab::of(&scene.strip),
+            0.5 * scene.sliding_extent(),
+            Path::Closed(scene.length / scene.count),
+        );
         let flash = Flash::new(&source.spreading(Lateral::of(&scene)), scene.nominal_duration, scene.tolerance);
         let ratio = relative_radii(&scene, &cells);
         (DiscHeat::new(ring, flash.clone(), ratio.clone()), flash, ratio)

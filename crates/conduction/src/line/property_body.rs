@@ -348,6 +348,7 @@ mod tests {
     use super::super::tests::at_stage;
     use super::super::{GAMMA, SingleStep};
     use super::*;
+    use crate::slab::Slab;
     use elasticity::{Base, Cells, Material};
     use scene::FarBoundary;
 
@@ -359,7 +360,10 @@ mod tests {
         let material = Material::new(2e11, 0.3).unwrap();
         let properties = StripProperties {
             expansion: Some(Expansion { material, coefficient: 1.2e-5, base: Base::Bonded }),
-            ..StripProperties::bare(0.01, [conductivity, DENSITY * specific_heat], base, SlidingPath::Closed(0.3))
+            ..StripProperties::bare(
+                Slab::bare(0.01, [conductivity, DENSITY * specific_heat], base),
+                SlidingPath::Closed(0.3),
+            )
         };
         let resolution = Resolution { duration: 50.0, shortest: 0.05, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap())

@@ -103,6 +103,7 @@ pub fn reduce_with_mean(
         return Ok(None);
     }
     let cooled_area = scene.punch_cooled_area();
+    let depth = Depth::new(body, 1.0);
     let across = Across {
         half_width: cells.half_width(),
         sides: match scene.geometry {
@@ -112,15 +113,7 @@ pub fn reduce_with_mean(
         },
         cooled: cooled_area / (body.height * scene.depth * scene.count),
         transfer: if cooled_area > 0.0 { body.convection } else { 0.0 },
-        conductivity: body.conductivity,
-    };
-    let depth = Depth {
-        height: body.height,
-        conductivity: body.conductivity,
-        capacity: body.capacity(),
-        top: body.far_boundary(),
-        face: 0.0,
-        driven_top: !body.far_is_prescribed(),
+        conductivity: depth.conductivity,
     };
     let cooled =
         Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };

@@ -4,6 +4,7 @@ use super::punch::mate::reduce_mate;
 use super::punch::reduce;
 use super::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Step, Surroundings, ThermalBody};
+use crate::slab::Slab;
 use elasticity::Cells;
 use nalgebra::DVector;
 use scene::variables::{STARTS, reference};
@@ -100,7 +101,7 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
 #[test]
 fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
-        let properties = StripProperties::bare(0.05, [conductivity, capacity], FarBoundary::Held, path);
+        let properties = StripProperties::bare(Slab::bare(0.05, [conductivity, capacity], FarBoundary::Held), path);
         let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
         Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
     };

@@ -54,7 +54,7 @@ impl Layer {
             FarFace::Antisymmetric => FarBoundary::Held,
             FarFace::Held(_) => body.far_boundary(),
         };
-        let slab = Slab::bare(body.height, [body.conductivity, body.capacity()], base);
+        let slab = Slab { base, ..Slab::of(body) };
         let lifts = expands.then_some((coefficient * by_pressure.0, coefficient * by_pressure.1));
         let conduction = (body.conductivity > 0.0).then(|| Depth::with_dilatation(&slab, lifts, wave));
         Layer { conduction, expands, compliance }

@@ -221,7 +221,7 @@ impl ThermalCoupling {
         ThermalCoupling {
             parameters: Parameters {
                 expands: [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0),
-                diffusivity: strip.conductivity / strip.capacity(),
+                diffusivity: strip.diffusivity(),
                 ratio: operators.radius_ratio.clone(),
                 half_resistance,
                 times: [through.fold(shortest(&operators.scene), f64::min), across],

@@ -8,6 +8,7 @@ use super::operators::LineOperators;
 use crate::instability::driving_body;
 use crate::lumped::limit;
 use crate::{Inputs, StepFailure};
+use contact::friction::OperatingPoint;
 use scene::message::Number;
 use std::fmt::{self, Write};
 
@@ -72,25 +73,20 @@ impl Line {
                 )
             }
             limit::UNSTABLE => {
-                let speed = self.speed(inputs);
-                let friction = self.end_friction(speed);
+                let operating_point = self.operators.mean.operating_point(inputs);
+                let friction = self.end_friction(operating_point);
                 let (critical, growth) = (&self.operators.mean.growth.critical, self.mean.state().growth);
-                critical.write_message(text, growth, friction, speed, self.heat.is_some())
+                critical.write_message(text, growth, friction, operating_point.velocity.abs(), self.heat.is_some())
             }
             _ => Ok(()),
         }
     }
 
-    /// Sliding speed, m/s.
-    fn speed(&self, inputs: &Inputs) -> f64 {
-        inputs.velocity(self.operators.scene.mean_radius).abs()
-    }
-
-    /// Friction coefficient at the temperatures of the end of the last step, at this speed, m/s.
-    pub(crate) fn end_friction(&self, speed: f64) -> f64 {
+    /// Friction coefficient at the temperatures of the end of the last step, at this operating point.
+    fn end_friction(&self, operating_point: OperatingPoint) -> f64 {
         let kinetic_coefficient =
             self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
-        kinetic_coefficient * self.friction.stribeck(speed)
+        kinetic_coefficient * self.friction.stribeck(operating_point)
     }
 
     /// Sets the warning bit of [`limit`] of accelerated wear.

@@ -358,7 +358,8 @@ impl Line {
             }
             self.mean.set_state(&self.uncut.0);
         }
-        self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
+        let path = InputTrajectory::new(self, inputs, slopes, loaded.normal_load, length, heat);
+        self.step_line(&path, length)?;
         if !operators.decides_load() {
             self.mean.step(inputs, slopes, length)?;
             return Ok(true);
@@ -383,20 +384,19 @@ impl Line {
             let loaded = self.loaded(inputs);
             let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
             let heat = self.step_mean(&loaded, rates.as_ref(), length)?;
-            self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
+            let path = InputTrajectory::new(self, inputs, slopes, loaded.normal_load, length, heat);
+            self.step_line(&path, length)?;
             self.pass_friction_to_lumped();
             return Ok(());
         }
         let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
+        let loaded = self.loaded(inputs);
+        let path = InputTrajectory::new(self, inputs, slopes, loaded.normal_load, length, heat);
+        self.step_line(&path, length)?;
+        self.pass_friction_to_lumped();
         if !self.operators.decides_load() {
-            self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
-            self.pass_friction_to_lumped();
             return self.mean.step(inputs, slopes, length);
         }
-        let mut loaded = *inputs;
-        loaded.normal_load = self.carried(inputs);
-        self.step_line(&self.trajectory(inputs, slopes, length, heat), length)?;
-        self.pass_friction_to_lumped();
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
         rates.normal_load = (last - loaded.normal_load) / length;
@@ -413,17 +413,6 @@ impl Line {
             rates.normal_load *= if follows { ratio } else { 0.0 };
         }
         Some(rates)
-    }
-
-    /// Inputs over the piece, with the courses of the lumped temperature.
-    fn trajectory(
-        &self,
-        inputs: &Inputs,
-        slopes: Option<&Inputs>,
-        length: f64,
-        heat: LumpedTemperature,
-    ) -> InputTrajectory {
-        InputTrajectory::new(&self.operators, &self.friction, self.state.fastest, inputs, slopes, length, heat)
     }
 
     /// Advances the lumped level over the piece; returns the courses of temperature and expansion.
@@ -446,7 +435,8 @@ impl Line {
             let radius = self.operators.scene.mean_radius;
             let travel = (length * inputs.after(slopes, 0.5 * length).velocity(radius)).abs();
             let plain = LumpedTemperature::constant(temperature, expansion);
-            let torque = self.trajectory(inputs, slopes, length, plain).impulse() * self.operators.mean.power_factor;
+            let path = InputTrajectory::new(self, inputs, slopes, inputs.normal_load, length, plain);
+            let torque = path.impulse() * self.operators.mean.power_factor;
             let (heat_per_pressure, released) = match torque > 0.0 {
                 true => (work * self.operators.mean.area / torque, 0.0),
                 false => (0.0, work / length),

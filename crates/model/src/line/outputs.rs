@@ -10,6 +10,7 @@ use crate::Inputs;
 use crate::events::load_on_contact;
 use crate::lumped::outputs::write_limits;
 use contact::Normal;
+use contact::friction::OperatingPoint;
 use contact::wear::line::Disturbance;
 use elasticity::Cells;
 use numerics::maximum::maximum;
@@ -54,7 +55,7 @@ impl Line {
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
         StageConditions {
             sign: self.friction.sign(velocity),
-            stribeck: self.friction.stribeck(velocity),
+            stribeck: self.friction.stribeck(OperatingPoint { velocity, pressure: point.pressure }),
             signed_friction,
             load,
             speed: point.wearing_speed,

@@ -2,11 +2,11 @@
 //!
 //! Theory: docs/theory.md, sections 5.1, 2.2.
 
-use super::operators::LineOperators;
+use super::Line;
 use crate::Inputs;
 use crate::events::load_on_contact;
 use conduction::line::GAMMA;
-use contact::friction::FrictionLaw;
+use contact::friction::{FrictionLaw, OperatingPoint};
 
 /// Lumped temperature and expansion over a piece: parabolas through start, middle and end.
 #[derive(Clone, Copy, Debug)]
@@ -107,36 +107,39 @@ pub(crate) struct InputTrajectory {
     friction: FrictionLaw,
     mean_radius: f64,
     nominal_load: f64,
+    /// Mean apparent pressure over the actuator's load, 1/m2.
+    pressure_per_load: f64,
     /// Sliding direction throughout the piece; 0 at rest.
     direction: f64,
 }
 
 impl InputTrajectory {
-    /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates; `fastest` is the highest speed so
-    /// far, m/s.
+    /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates; `carried`: load (N) that the contact
+    /// carries at the start.
     pub(crate) fn new(
-        operators: &LineOperators,
-        friction: &FrictionLaw,
-        fastest: f64,
+        line: &Line,
         inputs: &Inputs,
         slopes: Option<&Inputs>,
+        carried: f64,
         length: f64,
         heat: LumpedTemperature,
     ) -> InputTrajectory {
-        let (friction, mean_radius) = (friction.clone(), operators.scene.mean_radius);
+        let scene = &line.operators.scene;
+        let ratio = if inputs.normal_load > 0.0 { carried / inputs.normal_load } else { 1.0 };
         let mut path = InputTrajectory {
             inputs: *inputs,
             slopes: slopes.copied(),
             length,
             heat,
-            friction,
-            mean_radius,
-            nominal_load: operators.scene.nominal_load,
+            friction: line.friction.clone(),
+            mean_radius: scene.mean_radius,
+            nominal_load: scene.nominal_load,
+            pressure_per_load: ratio / line.operators.mean.area,
             direction: 0.0,
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
         let middle = path.velocity(0.5 * length);
-        let rests = middle.abs() <= REST * fastest;
+        let rests = middle.abs() <= REST * line.state.fastest;
         path.direction = if rests { 0.0 } else { middle.signum() };
         path
     }
@@ -163,7 +166,7 @@ impl InputTrajectory {
             .enumerate()
             .map(|(k, weight)| (weight, part * k as f64))
             .map(|(weight, time)| {
-                weight * self.load(time) * self.slip_ratio(time) * self.friction.stribeck(self.velocity(time))
+                weight * self.load(time) * self.slip_ratio(time) * self.friction.stribeck(self.operating_point(time))
             })
             .sum();
         sum * part / 3.0
@@ -172,6 +175,11 @@ impl InputTrajectory {
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
     pub(crate) fn velocity(&self, time: f64) -> f64 {
         self.inputs(time).velocity(self.mean_radius)
+    }
+
+    /// Operating point at `time` (s from the start of the piece).
+    pub(crate) fn operating_point(&self, time: f64) -> OperatingPoint {
+        OperatingPoint { velocity: self.velocity(time), pressure: self.pressure_per_load * self.load(time) }
     }
 
     /// Length of the piece, s.
@@ -210,7 +218,7 @@ impl InputTrajectory {
         let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
-        let stribeck: f64 = self.friction.stribeck(velocity);
+        let stribeck = self.friction.stribeck(self.operating_point(time));
         let sticking = self.heat.slipped.filter(|slipped| !slipped.throughout);
         let signed_friction = match sticking {
             Some(slipped) => slipped.ratio,

@@ -14,6 +14,7 @@ use crate::events::{edges, load_is_negative, load_on_contact};
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
 use crate::{Inputs, StepFailure};
+use contact::friction::OperatingPoint;
 use pulp::NullaryFnOnce;
 use scene::message::Number;
 use std::fmt;
@@ -375,17 +376,17 @@ impl Lumped {
             return;
         }
         let speed = velocities[0].abs().max(velocities[1].abs());
-        let friction = self.end_friction(speed);
+        let friction = self.end_friction(OperatingPoint { velocity: speed, pressure: load / operators.area });
         self.state.growth += operators.growth.over(friction, velocities, step);
         if self.state.growth >= growth::noticeable(operators.scene.tolerance) {
             self.state.limits |= limit::UNSTABLE;
         }
     }
 
-    /// Friction coefficient at the temperature of the end of the last step, at this speed, m/s.
-    pub(crate) fn end_friction(&self, speed: f64) -> f64 {
+    /// Friction coefficient at the temperature of the end of the last step, at this operating point.
+    pub(crate) fn end_friction(&self, operating_point: OperatingPoint) -> f64 {
         let temperature = self.state.end_temperature + self.state.reference;
-        self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(speed)
+        self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(operating_point)
     }
 
     /// Writes the message of a bit of [`limit`] that contains numbers.
@@ -397,7 +398,8 @@ impl Lumped {
             return Ok(());
         }
         let operators = &self.operators;
-        let speed = (inputs.velocity(operators.scene.mean_radius)).abs();
-        operators.growth.critical.write_message(text, self.state.growth, self.end_friction(speed), speed, false)
+        let operating_point = operators.operating_point(inputs);
+        let (growth, friction) = (self.state.growth, self.end_friction(operating_point));
+        operators.growth.critical.write_message(text, growth, friction, operating_point.velocity.abs(), false)
     }
 }

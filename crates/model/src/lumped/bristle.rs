@@ -82,7 +82,7 @@ impl Line {
         Line { start: values[0] - rate * POINTS[0] * step, rate }
     }
 
-    fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         self.start + self.rate * time
     }
 
@@ -159,7 +159,7 @@ impl Bristle {
         moved
     }
 
-    /// Deflection (m) at the end of `step` (s) under the limit `limit` (N) times a factor of the velocity. Its parts are halved towards the
+    /// Deflection (m) at the end of `step` (s) under the limit `limit` (N) times a factor of the time (s). Its parts are halved towards the
     /// lower speed, where a Stribeck factor is steep.
     pub(crate) fn deflection_by_parts(
         &self,
@@ -178,7 +178,7 @@ impl Bristle {
         };
         (0..GRADED).fold(z, |z, part| {
             let [start, length] = [at(part), at(part + 1) - at(part)];
-            let [first, last] = [start, start + length].map(|time| limit.at(time).max(0.0) * factor(v.at(time)));
+            let [first, last] = [start, start + length].map(|time| limit.at(time).max(0.0) * factor(time));
             self.advance(z, v.from(start), Line { start: first, rate: (last - first) / length }, length).deflection
         })
     }

@@ -110,7 +110,7 @@ pub(crate) struct Conditions<S = f64> {
     pub slip: S,
     /// s.
     pub sign: S,
-    /// Stribeck factor.
+    /// Stribeck factor under the actuator's load.
     pub stribeck: S,
     /// Ambient temperature, K above the reference.
     pub ambient: S,
@@ -128,8 +128,8 @@ impl<S: Scalar> Conditions<S> {
     /// Conditions of `inputs`; temperatures are relative to `reference` (K).
     #[inline]
     pub(crate) fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
-        let scene = &operators.scene;
-        let velocity = inputs.sliding_velocity + inputs.angular_velocity * scene.mean_radius;
+        let operating_point = operators.operating_point(inputs);
+        let velocity = operating_point.velocity;
         let sign = operators.friction.sign(velocity);
         let ambient = inputs.ambient_temperature_offset + S::from(tunables.ambient_temperature - reference);
         let far = |body: &BodyOperators, external: S| match body.far {
@@ -151,10 +151,10 @@ impl<S: Scalar> Conditions<S> {
         };
         Conditions {
             velocity,
-            load: load_on_contact(inputs.normal_load, scene.nominal_load),
+            load: load_on_contact(inputs.normal_load, operators.scene.nominal_load),
             slip: sign * velocity,
             sign,
-            stribeck: operators.friction.stribeck(velocity),
+            stribeck: operators.friction.stribeck(operating_point),
             ambient,
             punch_far: far(&operators.punch, inputs.punch_external_temperature),
             strip_far: far(&operators.strip, inputs.strip_external_temperature),

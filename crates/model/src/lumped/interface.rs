@@ -127,8 +127,8 @@ pub(crate) fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contact::friction::StribeckFactor;
-    use scene::FadeTable;
+    use scene::variables::STARTS;
+    use scene::{FadeTable, Scene};
 
     #[test]
     fn split_by_effusivity_and_its_limits() {
@@ -147,15 +147,12 @@ mod tests {
 
     #[test]
     fn friction_and_temperature_agree() {
-        let mut law = FrictionLaw {
-            coefficient: 0.4,
-            fade: FadeTable::new(
-                [300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0],
-                [1.0, 1.1, 0.9, 0.5, 0.4, 0.4, 0.3, 0.2],
-            ),
-            stribeck_factor: StribeckFactor::One,
-            regularization_velocity: 0.0,
-        };
+        let mut law = FrictionLaw::new(&Scene::new(&STARTS, None).unwrap());
+        law.coefficient = 0.4;
+        law.fade = FadeTable::new(
+            [300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0],
+            [1.0, 1.1, 0.9, 0.5, 0.4, 0.4, 0.3, 0.2],
+        );
         for level in [250.0, 320.0, 480.0, 950.0, 1500.0] {
             for gain in [0.0, 10.0, 300.0, 2000.0, 1e5] {
                 let temperature = agree(&law, level, gain);

@@ -171,8 +171,8 @@ impl Lumped {
         let Some(bristle) = operators.bristle(state.stiffness) else { return f64::INFINITY };
         let per_load = self.kinetic_coefficient() * operators.scene.faces * operators.power_factor;
         let ends = [*inputs, inputs.after(slopes, length)].map(|at| {
-            let velocity = at.velocity(operators.scene.mean_radius);
-            [velocity, per_load * self.friction.stribeck(velocity) * at.normal_load.max(0.0)]
+            let operating_point = operators.operating_point(&at);
+            [operating_point.velocity, per_load * self.friction.stribeck(operating_point) * at.normal_load.max(0.0)]
         });
         let [velocity, limit] = [0, 1].map(|k| Line { start: ends[0][k], rate: (ends[1][k] - ends[0][k]) / length });
         bristle.sticks_for(state.bristle, velocity, limit)

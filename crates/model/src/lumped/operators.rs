@@ -3,6 +3,9 @@
 //! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, BESIDE, FACES, FAR};
+use super::conditions::Conditions;
+use crate::Inputs;
+use crate::events::load_on_contact;
 use crate::growth::{PerturbationGrowth, grows_otherwise};
 use crate::tolerance::ToleranceBudget;
 use conduction::flash::Flash;
@@ -11,10 +14,11 @@ use conduction::moving_source::{self, MovingSource};
 use conduction::properties::Properties;
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
-use contact::friction::FrictionLaw;
+use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
 use elasticity::kinds::{mean_compliance, mean_expansion};
 use elasticity::tangential::tangential_stiffness;
+use numerics::scalar::Scalar;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.
@@ -323,6 +327,22 @@ impl LumpedOperators {
         self.has_common_form = self.allows_common_form();
     }
 
+    /// Operating point at these inputs, under the actuator's load.
+    #[inline]
+    pub(crate) fn operating_point<S: Scalar>(&self, inputs: &Inputs<S>) -> OperatingPoint<S> {
+        let load = load_on_contact(inputs.normal_load, self.scene.nominal_load);
+        OperatingPoint { velocity: inputs.velocity(self.scene.mean_radius), pressure: load * (1.0 / self.area) }
+    }
+
+    /// Stribeck factor at `now` under the pressure of the contact, Pa: behind a caliper it is not that of the actuator's load.
+    #[inline(always)]
+    pub(crate) fn stribeck<S: Scalar>(&self, now: &Conditions<S>, pressure: S) -> S {
+        match self.series_stiffness > 0.0 {
+            true => self.friction.stribeck(OperatingPoint { velocity: now.velocity, pressure }),
+            false => now.stribeck,
+        }
+    }
+
     /// Punch and strip.
     pub(crate) fn bodies(&self) -> [&BodyOperators; 2] {
         [&self.punch, &self.strip]
@@ -385,7 +405,7 @@ pub(crate) fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
 /// length, fin length and (with a base at prescribed temperature) height.
 fn stroke_cell(scene: &Scene) -> f64 {
     let strip = &scene.strip;
-    let mut reach = (strip.conductivity / strip.capacity() * scene.nominal_duration).sqrt();
+    let mut reach = (strip.diffusivity() * scene.nominal_duration).sqrt();
     if strip.convection > 0.0 {
         reach = reach.min((strip.conductivity * strip.height / strip.convection).sqrt());
     }
@@ -400,7 +420,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
     let mut operators = BodyOperators {
         heat: None,
         properties: Properties::of(body, scene.tolerance),
-        heat_capacity: body.capacity() * body.height,
+        heat_capacity: body.areal_capacity(),
         uniform_mean: 1.0,
         loses_to_air: false,
         lost_over_step: ([0.0; MAX_STATES], [0.0; PORTS]),
@@ -435,7 +455,7 @@ pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
     Slab {
         volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
         cooling: CoolingPort::Sides,
-        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
+        ..Slab::of(body)
     }
 }
 
@@ -470,10 +490,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
 pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
-    let slab = Slab {
-        surface_transfer: body.convection * cooled / reference,
-        ..Slab::bare(body.height, [body.conductivity, body.capacity()], body.far_boundary())
-    };
+    let slab = Slab { surface_transfer: body.convection * cooled / reference, ..Slab::of(body) };
     (slab, coverage)
 }
 

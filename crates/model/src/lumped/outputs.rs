@@ -11,6 +11,7 @@ use super::state::BodyState;
 use crate::Inputs;
 use conduction::properties::Properties;
 use conduction::reduced::{MAX_STATES, ReducedBody};
+use contact::friction::OperatingPoint;
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
 use scene::variables::{COUNT, ValueReference, reference};
@@ -150,9 +151,10 @@ impl Lumped {
             surface.strip_temperature
         };
         let kinetic = point.friction_coefficient * point.load * (faces * operators.power_factor);
-        // At standstill the Stribeck factor is the static ratio.
-        let limit =
-            point.kinetic_coefficient * point.load * (faces * operators.power_factor * self.friction.static_ratio());
+        let at_rest = OperatingPoint { velocity: S::from(0.0), pressure: point.pressure };
+        let limit = point.kinetic_coefficient
+            * point.load
+            * (self.friction.stribeck(at_rest) * (faces * operators.power_factor));
         let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
         let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
         let closed = state.punch.depth + self.strip_depth() - self.expansion_of_bodies();

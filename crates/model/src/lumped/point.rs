@@ -234,8 +234,9 @@ pub(crate) fn evaluate<S: Scalar>(
     let sides = (punch, strip);
     let bristle = operators.bristle(state.stiffness);
     let faces = scene.faces;
+    let stribeck = operators.stribeck(conditions, pressure);
     // Friction heat per unit of the kinetic friction coefficient at temperature.
-    let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
+    let driver = stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
         if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { separated(sides.0, sides.1) }
     };
@@ -250,9 +251,8 @@ pub(crate) fn evaluate<S: Scalar>(
         temperature = agree(friction, level, gain);
         flux = friction.kinetic_coefficient(temperature) * driver;
     }
-    let kinetic_at = |temperature: S| {
-        friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor)
-    };
+    let kinetic_at =
+        |temperature: S| friction.kinetic_coefficient(temperature) * stribeck * load * (faces * operators.power_factor);
     // Only slip generates heat: a bristle sticks where it is below its sliding limit.
     if let Some(bristle) = bristle
         && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
@@ -260,7 +260,7 @@ pub(crate) fn evaluate<S: Scalar>(
         temperature = level;
     }
     let kinetic_coefficient = friction.kinetic_coefficient(temperature);
-    let mu = kinetic_coefficient * conditions.stribeck;
+    let mu = kinetic_coefficient * stribeck;
     let kinetic = mu * load * (faces * operators.power_factor);
     let mut force = kinetic * conditions.sign;
     let mut wearing_speed = conditions.slip;

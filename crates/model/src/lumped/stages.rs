@@ -12,6 +12,7 @@ use super::stage_body::StageBody;
 use super::stage_partition::{Response, StageHeatPartition};
 use super::state::LumpedState;
 use super::stepper::Stepper;
+use contact::friction::OperatingPoint;
 use numerics::maximum::maximum;
 use scene::FadeLine;
 
@@ -43,7 +44,7 @@ pub(crate) struct Stages<const COMMON: bool> {
     /// Result of the bristle over the step.
     pub moved: Moved,
     velocity: Line,
-    stribeck: Pair,
+    pub stribeck: Pair,
     given_load: Pair,
     reference: f64,
 }
@@ -105,17 +106,21 @@ impl<const COMMON: bool> Stages<COMMON> {
         [at(0), at(1)]
     }
 
-    /// Contact load behind a caliper: wear reduces it, expansion increases it.
+    /// Contact load behind a caliper: wear reduces it, expansion increases it. Friction follows it.
     #[inline(never)]
     pub(crate) fn loads(
         &mut self,
         stepper: &Stepper,
         state: &LumpedState,
+        stages: [&Conditions; 2],
         punch: &StageBody<COMMON>,
         strip: &StageBody<COMMON>,
     ) {
         self.pressure =
             [0, 2].map(|point| self.behind_caliper(stepper, state, [punch, strip], point, self.given_load[point / 2]));
+        let operators = stepper.operators;
+        self.stribeck = [0, 1].map(|stage| operators.stribeck(stages[stage], self.pressure[stage]));
+        self.driver = [0, 1].map(|stage| self.stribeck[stage] * stages[stage].slip * operators.power_factor);
     }
 
     /// Pressure (Pa) behind a caliper at a point (1/3, 2/3, 1) where the actuator gives the load `given`, N.
@@ -431,6 +436,7 @@ impl<const COMMON: bool> Stages<COMMON> {
         } else {
             middle.load / operators.area
         };
+        let stribeck = operators.stribeck(middle, pressure);
         let heats = between(self.heat);
         let into = [between(punch.flux[0]), between(strip.flux[0])];
         let surfaces = self.partition.beside_insulator([in_punch.0, in_strip.0], into);
@@ -458,7 +464,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             let straight = between(
                 [0, 1].map(|stage| limit(self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage])),
             );
-            let excess = (limit(kinetic_coefficient, middle.stribeck, pressure) - straight) * self.moved.speed[1];
+            let excess = (limit(kinetic_coefficient, stribeck, pressure) - straight) * self.moved.speed[1];
             let power = self.moved.power;
             let bent = (power[1] + excess - between([power[0], power[2]])) / (operators.scene.faces * operators.area);
             // A transition between sticking and slipping only affects its own part: relative to the heat of the whole piece, it
@@ -467,7 +473,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             defect += (bent.abs() + transitions + released / stepper.cut) / stepper.cut;
             held = self.held_error(stepper, conditions[0].stribeck);
         } else {
-            let heat = kinetic_coefficient * middle.stribeck * middle.slip * operators.power_factor * pressure;
+            let heat = kinetic_coefficient * stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
         }
         // The residual overestimates the error of the mean flux, for which the Radau quadrature has two orders more. Changes
@@ -501,9 +507,11 @@ impl<const COMMON: bool> Stages<COMMON> {
         let Some(bristle) = self.bristle.filter(|_| [start; 2] != self.stribeck) else { return 0.0 };
         let (operators, friction, step) = (stepper.operators, stepper.friction, stepper.propagators.step);
         let plain = [0, 1].map(|stage| self.limit(stepper, self.kinetic_coefficient[stage], 1.0, self.pressure[stage]));
-        let limit = Line::through_stages(plain, step);
-        let exact =
-            bristle.deflection_by_parts(self.deflection_at_start, self.velocity, limit, step, |v| friction.stribeck(v));
+        let [limit, pressure] = [plain, self.pressure].map(|values| Line::through_stages(values, step));
+        let factor = |time: f64| {
+            friction.stribeck(OperatingPoint { velocity: self.velocity.at(time), pressure: pressure.at(time).max(0.0) })
+        };
+        let exact = bristle.deflection_by_parts(self.deflection_at_start, self.velocity, limit, step, factor);
         // A slipping bristle forgets within c/k: the errors of the steps add up to that of a step over 1 - exp(-h k/c).
         let forgotten =
             if bristle.damping > 0.0 { -(-step * bristle.stiffness / bristle.damping).exp_m1() } else { 1.0 };

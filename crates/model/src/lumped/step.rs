@@ -103,7 +103,7 @@ impl<'a> Stepper<'a> {
         let mut converged = false;
         for _ in 0..if COMMON { 1 } else { 40 } {
             if Stages::<COMMON>::has_caliper(self) {
-                stages.loads(self, state, &punch, &strip);
+                stages.loads(self, state, [first, last], &punch, &strip);
             }
             if punch.cools() {
                 punch.cool(reference, &around[0]);
@@ -187,7 +187,7 @@ impl<'a> Stepper<'a> {
         if COMMON && (state.punch.depth + worn[0] > room[0] || state.strip.depth + worn[1] > room[1]) {
             return None;
         }
-        let per_coefficient = last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
+        let per_coefficient = stages.stribeck[1] * last.sign * stages.pressure[1] * operators.per_pressure;
         let end_force = stages.kinetic_coefficient[1] * per_coefficient;
         // The states enter the temperatures tested above, and their new values are linear in them and in these fluxes: this test
         // replaces one of every number and a copy of the states, which would take a quarter of the step.

@@ -143,7 +143,7 @@ fn thousands_may_have_another_mark() {
         "time;speed_m_per_s;normal_load\n0;1,5;-1.234.567,25\n1;0;12.000,0\n",
         "time,speed_m_per_s,normal_load\n0,1.5,\"-1,234,567.25\"\n1,0,\"12,000.0\"\n",
     ] {
-        assert_eq!(table("thousands", text).unwrap().values, [1.5, -1_234_567.25, 0.0, 12_000.0]);
+        assert_eq!(table("groups", text).unwrap().values, [1.5, -1_234_567.25, 0.0, 12_000.0]);
     }
 }
 
@@ -166,7 +166,7 @@ fn times_of_day_count_from_the_first_row() {
             [0.0, 0.5, 60.0],
         ),
     ] {
-        assert_eq!(table("clock", text).unwrap().times, times);
+        assert_eq!(table("hours", text).unwrap().times, times);
     }
 }
 

@@ -57,7 +57,7 @@ pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
         if body.conductivity == 0.0 {
             return 0.0;
         }
-        let diffusivity = body.conductivity / body.capacity();
+        let diffusivity = body.diffusivity();
         let through = body.height * body.height / diffusivity;
         let transfer = transfer(body, &scene, speed);
         let held = body.far_is_prescribed();
@@ -67,7 +67,7 @@ pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
             // the contact's width together: its flux is 0 in the end.
             return 30.0 * along * along / diffusivity;
         }
-        through + if held || transfer == 0.0 { 0.0 } else { body.capacity() * body.height / transfer }
+        through + if held || transfer == 0.0 { 0.0 } else { body.areal_capacity() / transfer }
     };
     let slowest = time(&scene.punch, punch).max(time(&scene.strip, strip));
     // Duration until a steady state is reached, in units of the longest of the times in which heat leaves.

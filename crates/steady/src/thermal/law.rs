@@ -108,7 +108,7 @@ pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f
     let scene = with_steady_bodies(&scene, speed);
     let sliding = [scene.nominal_stroke; 2];
     let hot = cycle::solve_with(&scene, cells, &cold, sliding, [speed; 2], RESOLUTION, &SolveOptions::default())?;
-    let mean = scene.nominal_load / (scene.count * scene.contact_area());
+    let mean = scene.nominal_pressure();
     let mut worst = [0.0_f64; 3];
     for ((stroke, heat), without) in hot.state.strokes.iter().zip(&hot.heat.strokes).zip(&cold.strokes) {
         let found = [

@@ -15,7 +15,7 @@ use crate::{SteadyError, groove, punch_run_in};
 use conduction::line::{
     BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Step, Surroundings, ThermalBody,
 };
-use contact::friction::FrictionLaw;
+use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
 use contact::{ContactSolver, Normal};
@@ -154,7 +154,7 @@ impl Problem<'_> {
         let (ambient, velocity) = (self.scene().ambient_temperature, self.velocity());
         let kinetic_coefficient: Vec<f64> =
             local_temperature.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
-        let stribeck: f64 = self.friction.stribeck(velocity);
+        let stribeck = self.friction.stribeck(OperatingPoint { velocity, pressure: self.scene().nominal_pressure() });
         let sign: f64 = self.friction.sign(velocity);
         let weights = &self.contact.weights;
         let share = |i: usize| weights[i] * self.radii[i] * relative[i].max(0.0);

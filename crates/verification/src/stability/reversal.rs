@@ -14,6 +14,7 @@ use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
+use conduction::slab::Slab;
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
@@ -44,9 +45,7 @@ pub const AGREEMENT: f64 = 1e-3;
 pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
     let properties = StripProperties::bare(
-        path.height,
-        [path.conductivity, path.conductivity / path.diffusivity],
-        FarBoundary::Held,
+        Slab::bare(path.height, [path.conductivity, path.conductivity / path.diffusivity], FarBoundary::Held),
         SlidingPath::Closed(path.length),
     );
     let resolution = Resolution { duration, shortest: step, travel: f64::INFINITY, tolerance: 0.2 * AGREEMENT };

@@ -11,8 +11,9 @@
 //!
 //! Theory: docs/theory.md, sections 4.6, 4.2.
 
+use crate::slab::Slab;
 use nalgebra::Complex;
-use scene::FarBoundary;
+use scene::{Body, FarBoundary};
 
 /// Height and material of the body, with its conditions at both faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,19 @@ pub(super) struct Depth {
 }
 
 impl Depth {
+    /// The height of a body over `spread` times the area of the contact, without loss at the face.
+    pub(super) fn new(body: &Body, spread: f64) -> Depth {
+        let Slab { height, conductivity, capacity, base, .. } = Slab::of(body);
+        Depth {
+            height,
+            conductivity: spread * conductivity,
+            capacity: spread * capacity,
+            top: base.scaled(spread),
+            face: 0.0,
+            driven_top: base != FarBoundary::Held,
+        }
+    }
+
     pub(crate) fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
     }

@@ -46,23 +46,15 @@ pub fn reduce_mate(
         return Ok(None);
     }
     let spread = 1.0 / scene.coverage();
-    let conductivity = spread * body.conductivity;
     let length = cooled_length(scene);
     let transfer = if length > 0.0 { body.convection } else { 0.0 };
+    let depth = Depth { face: transfer * length / scene.width, ..Depth::new(body, spread) };
     let across = Across {
         half_width: cells.half_width(),
         sides: Sides::Radial(scene.mean_radius),
         cooled: 0.0,
         transfer: 0.0,
-        conductivity,
-    };
-    let depth = Depth {
-        height: body.height,
-        conductivity,
-        capacity: spread * body.capacity(),
-        top: body.far_boundary().scaled(spread),
-        face: transfer * length / scene.width,
-        driven_top: !body.far_is_prescribed(),
+        conductivity: depth.conductivity,
     };
     let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
     let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };

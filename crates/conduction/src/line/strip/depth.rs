@@ -18,11 +18,10 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use crate::lateral::{Lateral, spread};
-use crate::slab::{Slab, principal_root};
+use crate::slab::Slab;
 use elasticity::{self, Material};
 use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 use numerics::factorization::{self, Unfactorable};
-use scene::FarBoundary;
 
 /// Thermal expansion of the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -42,8 +41,6 @@ pub struct Depth {
     number: f64,
     /// `2 (1+nu) alpha` times A and B; `None`: no thermal expansion.
     dilatation: Option<(f64, f64)>,
-    /// exp(-q h).
-    fall: f64,
     /// Conduction out of the plane.
     lateral: Option<Lateral>,
 }
@@ -57,13 +54,13 @@ impl Depth {
             let factor = 2.0 * (1.0 + nu) * expansion.coefficient;
             (factor * direct, factor * reflected)
         });
-        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
+        Depth { slab: *slab, number, dilatation, lateral: None }
     }
 
     /// The layer at the wave number `number` with given coefficients A and B of the dilatation under a unit pressure,
     /// multiplied by `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
     pub fn with_dilatation(slab: &Slab, dilatation: Option<(f64, f64)>, number: f64) -> Depth {
-        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
+        Depth { slab: *slab, number, dilatation, lateral: None }
     }
 
     /// The layer with conduction out of the plane, beside the contact.
@@ -93,49 +90,17 @@ impl Depth {
     }
 
     fn respond_in_plane(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
-        let (q, h) = (self.number, self.slab.height);
+        let q = self.number;
         let impedance = self.slab.impedance(s, q);
         let Some((direct, reflected)) = self.dilatation else { return [impedance, Complex::from(0.0)] };
-        let kappa = principal_root(s / self.slab.diffusivity() + q * q);
-        // Integrals over the depth of the four products of exponentials.
-        let slow = self.fall;
-        // Decay through the depth, in units of 1/h, from which on the influence of the base is below rounding.
-        if kappa.re * h > 40.0 {
-            // The temperature at the base is zero to rounding.
-            let mut integral = direct / (kappa + q);
-            if reflected != 0.0 {
-                // B is nonzero only for q h up to 20, so the two decays differ.
-                integral += slow * reflected / (kappa - q);
-            }
-            return [impedance, -impedance * integral];
-        }
-        let reflection = match self.slab.base {
-            FarBoundary::Held => Complex::from(-1.0),
-            FarBoundary::Insulated => Complex::from(1.0),
-            FarBoundary::Convecting(transfer) => {
-                let beta = transfer / (kappa * self.slab.conductivity);
-                (1.0 - beta) / (1.0 + beta)
-            }
-        };
-        let fast = (-kappa * h).exp();
-        let together = (1.0 - slow * fast) / (kappa + q);
-        let difference = (kappa - q) * h;
-        let apart = if difference.norm_sqr() < CONFLUENT * CONFLUENT {
-            // (1 - exp(-x))/x
-            slow * h * (1.0 - 0.5 * difference + difference * difference / 6.0 - difference.powi(3) / 24.0)
-        } else {
-            (slow - fast) / (kappa - q)
-        };
-        let integral =
-            together * direct + apart * reflected + reflection * fast * (apart * direct + together * reflected);
-        [impedance, -impedance * integral / (1.0 + reflection * fast * fast)]
+        [impedance, -self.slab.moment(s, q, impedance, [direct, reflected])]
     }
 
     /// Reduces the layer to states, accurate at frequencies from `slowest` to `fastest` (1/s, of the excitation as of
     /// the layer's own decay); `ratio`: ratio of neighbouring shifts.
     pub(crate) fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
         let own = self.slowest_decay();
-        let first = own.max(self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
+        let first = own.max(self.slab.own_rate()).min(fastest);
         let steps = (fastest / first).ln() / ratio.ln();
         let intervals = steps.ceil().max(1.0);
         let factor = (steps / intervals * ratio.ln()).exp().max(1.5);
@@ -186,7 +151,7 @@ impl Depth {
             .iter()
             .map(|&s| {
                 // A complex step gives the derivative without cancellation.
-                let step = 1e-20 * (s + self.slab.diffusivity() * self.number * self.number);
+                let step = 1e-20 * (s + self.slowest_decay());
                 let value = self.impedance(Complex::new(s, step));
                 (value.re, value.im / step, self.distortion(Complex::from(s)).re)
             })
@@ -237,12 +202,10 @@ impl Depth {
 
     /// Decay rate kd q^2 of the mode along the layer, a lower bound of every rate.
     fn slowest_decay(&self) -> f64 {
-        self.slab.diffusivity() * self.number * self.number
+        self.slab.slowest_decay(self.number)
     }
 }
 
-/// Difference of two decays, in units of 1/h, below which their integral is evaluated by its series.
-const CONFLUENT: f64 = 1e-3;
 /// Number of frequencies at which the truncated part is tested.
 const FREQUENCIES: usize = 16;
 
@@ -331,6 +294,7 @@ pub fn dilatation(base: elasticity::Base, nu: f64, u: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scene::FarBoundary;
 
     #[test]
     fn long_waves_expand_uniformly_and_short_ones_like_a_half_plane() {

@@ -86,9 +86,8 @@ impl StripOperators {
         let resolution = &Resolution { tolerance, ..*resolution };
         let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
-        let bare = Slab::bare(properties.height, [properties.conductivity, properties.capacity], properties.base);
-        let convection = if full { 0.0 } else { properties.convection };
-        let slab = Slab { surface_transfer: convection, ..bare };
+        let bare = Slab { surface_transfer: 0.0, ..properties.slab };
+        let slab = if full { bare } else { properties.slab };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
         let fresh = properties.fresh(width, resolution).then_some(Fresh { way: 0.25 * period });
@@ -139,7 +138,7 @@ impl StripOperators {
             length,
             diffusivity,
             free_length: (length - widths.iter().sum::<f64>()).max(0.0),
-            convection,
+            convection: slab.surface_transfer,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
             state_layout,
             rate,
@@ -148,7 +147,7 @@ impl StripOperators {
             mean: reduction.mean.clone(),
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
-            held: properties.base == FarBoundary::Held,
+            held: bare.base == FarBoundary::Held,
             fresh,
             remembers: remembering.is_some(),
             steady: 10.0 * tolerance.min(1e-3),
@@ -174,9 +173,9 @@ impl StripOperators {
                 operators.contact_mean[k] = mean * operators.temperature[k];
             }
         }
-        if convection > 0.0 {
+        if slab.surface_transfer > 0.0 {
             operators.robin_correction =
-                Some(RobinCorrection::new(cells, convection, &operators.weight, |wave, polynomial| {
+                Some(RobinCorrection::new(cells, slab.surface_transfer, &operators.weight, |wave, polynomial| {
                     operators.over_cells(wave, |i| polynomial[i])
                 }));
         }
@@ -322,5 +321,5 @@ fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
     let nu = expansion.material.poissons_ratio();
     let free = expansion.base == elasticity::Base::Smooth && !matches!(properties.path, SlidingPath::Closed(_));
     let restrained = if free { 1.0 } else { 1.0 - nu };
-    -expansion.coefficient * (1.0 + nu) / restrained * properties.height
+    -expansion.coefficient * (1.0 + nu) / restrained * properties.slab.height
 }

@@ -4,6 +4,7 @@
 
 use super::depth::Expansion;
 use crate::lateral::Lateral;
+use crate::slab::Slab;
 use elasticity::OutOfRange;
 use scene::FarBoundary;
 use std::f64::consts::PI;
@@ -27,16 +28,8 @@ pub enum SlidingPath {
 /// A conducting strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StripProperties {
-    /// h, m.
-    pub height: f64,
-    /// K, W/(m K), > 0.
-    pub conductivity: f64,
-    /// rho c, J/(m3 K).
-    pub capacity: f64,
-    /// Heat transfer coefficient of the top beside the contact, W/(m2 K).
-    pub convection: f64,
-    /// Condition at the base.
-    pub base: FarBoundary,
+    /// Conduction through the height; the contact face is cooled beside the contact.
+    pub slab: Slab,
     /// Path of the contact.
     pub path: SlidingPath,
     /// Thermal expansion; `None`: no thermal distortion.
@@ -72,23 +65,22 @@ const RESOLVED_HARMONICS: f64 = 4000.0;
 const FLATTEST: f64 = 2000.0;
 
 impl StripProperties {
-    /// A strip of this height (m), conductivity (W/(m K)) and capacity (J/(m3 K)) that neither cools at its top nor expands.
-    pub fn bare(height: f64, [conductivity, capacity]: [f64; 2], base: FarBoundary, path: SlidingPath) -> Self {
-        let (convection, expansion, lateral) = (0.0, None, None);
-        StripProperties { height, conductivity, capacity, convection, base, path, expansion, lateral }
+    /// A strip that does not expand.
+    pub fn bare(slab: Slab, path: SlidingPath) -> Self {
+        StripProperties { slab, path, expansion: None, lateral: None }
     }
 
     pub(super) fn check(&self, width: f64) -> Result<(), OutOfRange> {
+        let Slab { height, conductivity, capacity, surface_transfer: convection, .. } = self.slab;
         for (quantity, value, requirement) in [
-            ("strip height", self.height, "positive, in m"),
-            ("strip conductivity", self.conductivity, "positive, in W/(m K)"),
-            ("strip heat capacity", self.capacity, "positive, in J/(m3 K)"),
+            ("strip height", height, "positive, in m"),
+            ("strip conductivity", conductivity, "positive, in W/(m K)"),
+            ("strip heat capacity", capacity, "positive, in J/(m3 K)"),
         ] {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, requirement)?;
         }
-        let convection = self.convection;
         let requirement = "at least a two thousandth of the contact's width";
-        OutOfRange::unless(self.height * FLATTEST >= width, "strip height", self.height, requirement)?;
+        OutOfRange::unless(height * FLATTEST >= width, "strip height", height, requirement)?;
         OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
         match self.path {
             // Full periodic contact must be accepted despite rounding of the width.
@@ -108,7 +100,8 @@ impl StripProperties {
     /// Whether the contact meets fresh material: on a straight path without strokes, or one on which harmonics that decay as slowly
     /// as the resolution asks, down to a quarter of the contact, would be too many.
     pub(super) fn fresh(&self, width: f64, resolution: &Resolution) -> bool {
-        let shortest = (resolution.fastest() * self.capacity / self.conductivity).sqrt().min(8.0 * PI / width);
+        let shortest =
+            (resolution.fastest() * self.slab.capacity / self.slab.conductivity).sqrt().min(8.0 * PI / width);
         match self.path {
             SlidingPath::Closed(along) | SlidingPath::Stroke { stroke: along, .. } => {
                 along * shortest > 2.0 * PI * RESOLVED_HARMONICS
@@ -134,12 +127,13 @@ impl StripProperties {
     /// at a tolerance of 1e-2, and 0.2 % at 1e-3.
     pub(super) fn period(&self, width: f64, resolution: &Resolution) -> (f64, f64) {
         let Resolution { duration, travel, tolerance, .. } = *resolution;
-        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
-        if self.convection > 0.0 {
-            reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
+        let Slab { height, conductivity, surface_transfer: convection, .. } = self.slab;
+        let mut reach = (self.slab.diffusivity() * duration).sqrt();
+        if convection > 0.0 {
+            reach = reach.min((conductivity * height / convection).sqrt());
         }
-        if self.base == FarBoundary::Held {
-            reach = reach.min(self.height);
+        if self.slab.base == FarBoundary::Held {
+            reach = reach.min(height);
         }
         let fresh = self.fresh(width, resolution);
         match self.path {
@@ -151,7 +145,7 @@ impl StripProperties {
             _ => {
                 let spread = -4.0 * tolerance.ln();
                 let resting = reach * spread.sqrt();
-                let sliding = spread * self.conductivity / self.capacity * duration / travel;
+                let sliding = spread * conductivity / self.slab.capacity * duration / travel;
                 let margin = 0.5 * (sliding + (sliding * (sliding + 4.0 * width)).sqrt());
                 (2.0 * (width + resting).max(2.0 * (width + margin.min(resting))), f64::INFINITY)
             }

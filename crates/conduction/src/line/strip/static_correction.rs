@@ -44,8 +44,6 @@ pub(crate) struct StaticCorrection {
     pub fresh: Option<Fresh>,
 }
 
-/// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
-const HALF_PLANE: f64 = 18.0;
 /// Wave number times contact width below which the integrand of the endless path has no further structure.
 const LOWEST_WAVE_NUMBER: f64 = 1e-7;
 /// Wave number times contact width below which the removed integrand is smooth in the root of the wave number, for
@@ -133,7 +131,7 @@ impl StaticCorrection {
         let images = !fresh && width > 0.3 * self.period;
         let reach = if images { width + self.period } else { width };
         let last = (self.reduction.last as f64 + 0.5) * self.spacing();
-        let mut end = HALF_PLANE / self.slab.height;
+        let mut end = self.slab.half_plane_from();
         if self.expansion.is_some() {
             // Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
             end = end.max(4.0 * last);
@@ -238,7 +236,7 @@ impl StaticCorrection {
         }
         for (wave, layer, place) in integrals.beyond.iter() {
             let [temperature, distortion] = self.respond(layer, turning(wave.number));
-            let in_layer = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
+            let in_layer = self.lateral.is_some() || wave.number < self.bare.half_plane_from();
             let temperature = if in_layer { temperature - half_plane(wave.number) } else { Complex::from(0.0) };
             gains.add(place, wave.count * copies(wave.number) / PI, [temperature, distortion]);
         }

@@ -168,6 +168,7 @@ impl PreparedStep {
 mod tests {
     use super::super::*;
     use crate::line::{Step, cache_capacity, strip};
+    use crate::slab::Slab;
     use elasticity::Material;
     use scene::FarBoundary;
 
@@ -178,12 +179,9 @@ mod tests {
         let material = Material::new(2e11, 0.3).unwrap();
         let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
         let properties = StripProperties {
-            convection: 30.0,
             expansion: Some(expansion),
             ..StripProperties::bare(
-                0.02,
-                [50.0, 3.6e6],
-                FarBoundary::Held,
+                Slab { surface_transfer: 30.0, ..Slab::bare(0.02, [50.0, 3.6e6], FarBoundary::Held) },
                 SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             )
         };

@@ -5,19 +5,21 @@ mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
 use crate::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
+use crate::slab::Slab;
 use elasticity::{self, Cells, Material};
 use scene::FarBoundary;
 
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties::bare(height, [1.0, 1.0], base, path)
+    StripProperties::bare(Slab::bare(height, [1.0, 1.0], base), path)
 }
 
 pub(crate) fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {
-    StripProperties { conductivity: 55.0, capacity: 7800.0 * 460.0, convection, ..unit(height, base, path) }
+    let bare = Slab::bare(height, [55.0, 7800.0 * 460.0], base);
+    StripProperties::bare(Slab { surface_transfer: convection, ..bare }, path)
 }
 
 fn cast_iron(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
-    StripProperties { conductivity: 54.0, capacity: 7200.0 * 460.0, ..unit(height, base, path) }
+    StripProperties::bare(Slab::bare(height, [54.0, 7200.0 * 460.0], base), path)
 }
 
 fn expanding(nu: f64, base: elasticity::Base) -> Option<Expansion> {
@@ -72,8 +74,7 @@ fn a_contact_that_creeps_is_heated_as_one_at_rest() {
         SlidingPath::Closed(10.0 * length),
         SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
     ] {
-        let properties =
-            StripProperties { conductivity: 1.46, capacity: 2520.0 * 790.0, ..unit(0.05, FarBoundary::Held, path) };
+        let properties = StripProperties::bare(Slab::bare(0.05, [1.46, 2520.0 * 790.0], FarBoundary::Held), path);
         let cells = Cells::uniform(0.5 * length, 9).unwrap();
         for (duration, tolerance) in [(0.01, 1e-2), (1.0, 1e-1), (1.0, 1e-2), (100.0, 1e-2), (100.0, 1e-3)] {
             let resolution =

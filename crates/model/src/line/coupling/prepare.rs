@@ -10,6 +10,7 @@ use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Boundary, Exchange, GAMMA, Stage, Surroundings};
+use contact::friction::OperatingPoint;
 
 impl ThermalCoupling {
     /// Prepares bodies and heat partitions for a part of `step` (s) that begins at `start` (s from the start of the piece).
@@ -32,7 +33,8 @@ impl ThermalCoupling {
         } else {
             given.friction.coefficient * state.reference.fade
         };
-        let (stribeck, sign) = (given.friction.stribeck(reference_velocity), given.friction.sign(reference_velocity));
+        let operating_point = OperatingPoint { velocity: reference_velocity, ..path.operating_point(start + step) };
+        let (stribeck, sign) = (given.friction.stribeck(operating_point), given.friction.sign(reference_velocity));
         heat.reference = FrozenCoefficients {
             velocity: reference_velocity,
             exact: flat && velocity == [reference_velocity; 2],

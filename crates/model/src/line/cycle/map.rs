@@ -417,7 +417,7 @@ impl CycleMap {
 fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
     let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
-    faces * (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
+    faces * (body.convection_forced * speed.powf(0.8) + radiation) / body.areal_capacity()
 }
 
 /// Inputs of steady sliding: ambient and external temperatures are the ambient temperature.

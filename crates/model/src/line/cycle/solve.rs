@@ -272,7 +272,7 @@ impl CycleMap {
     /// Elastic displacement under the mean pressure, m: scale of shapes.
     fn shape_scale(&self) -> f64 {
         let operators = self.operators();
-        let mean = operators.scene.nominal_load / (operators.scene.count * operators.scene.contact_area());
+        let mean = operators.scene.nominal_pressure();
         operators.displacement_scale * mean
     }
 

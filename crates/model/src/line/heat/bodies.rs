@@ -12,6 +12,7 @@ use conduction::line::property_body::PropertyBody;
 use conduction::line::punch;
 use conduction::line::strip::{Expansion, Reductions, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::properties::Properties;
+use conduction::slab::Slab;
 use elasticity::block::Block;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
@@ -147,11 +148,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64, known: &mut Reductions) -
         None
     };
     let properties = StripProperties {
-        height: body.height,
-        conductivity: body.conductivity,
-        capacity: body.capacity(),
-        convection: body.convection * cooled_part(scene),
-        base: body.far_boundary(),
+        slab: Slab { surface_transfer: body.convection * cooled_part(scene), ..Slab::of(body) },
         path: path_of(scene),
         expansion,
         lateral: Lateral::of(scene),

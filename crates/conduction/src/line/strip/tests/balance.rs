@@ -144,7 +144,7 @@ fn faces_and_cells_are_reciprocal_in_reversed_sliding() {
 fn convection_acts_beside_the_contact_only() {
     // A strip of so high a conductivity that its temperature is uniform: all heat leaves through the free surface.
     let mut properties = steel(0.02, FarBoundary::Insulated, SlidingPath::Closed(0.3), 400.0);
-    properties.conductivity = 1e6;
+    properties.slab.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
     let resolution = Resolution { duration: 1e4, shortest: 1.0, travel: f64::INFINITY, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();

@@ -1,7 +1,7 @@
 //! Responses are functions of step length and velocity alone, whatever the velocity table holds.
 
 use super::{march, steel, unit};
-use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::{Observed, Stage, Step, ThermalBody};
 use elasticity::Cells;
 use scene::FarBoundary;
@@ -11,7 +11,8 @@ fn responses_do_not_depend_on_which_velocities_came_before() {
     let cells = Cells::graded(0.03, 9).unwrap();
     let resolution = Resolution { duration: 100.0, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-2 };
     for path in [SlidingPath::Unidirectional, SlidingPath::Stroke { stroke: 0.02, length: 0.0 }] {
-        let properties = StripProperties { convection: 0.2, ..unit(0.5, FarBoundary::Held, path) };
+        let mut properties = unit(0.5, FarBoundary::Held, path);
+        properties.slab.surface_transfer = 0.2;
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
         let influence = |body: &mut StripHeat, velocity: f64| {
             body.prepare(&Step::new(0.3, [velocity; 2]));
