@@ -187,6 +187,7 @@ fn without_effect(file: &SceneFile, trajectory: &Trajectory, scene: &Scene) -> V
 /// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
 /// fails, or within which the run is to end, ends the recording.
 pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Progress) -> Result<Recording> {
+    let at = &trajectory.within(at)?[..];
     let points = trajectory.points(at)?;
     let begin = Instant::now();
     let packaged = &file.packaged;

@@ -159,14 +159,24 @@ impl Trajectory {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
+    /// The times `at` (s); one beyond an end by rounding is that end.
+    ///
+    /// # Errors
+    /// A time outside of the trajectory.
+    pub(crate) fn within(&self, at: &[f64]) -> Result<Vec<f64>> {
+        let (first, last) = self.span();
+        let rounding = 1e-12 * first.abs().max(last.abs());
+        if let Some(outside) = at.iter().find(|time| !(first - rounding..=last + rounding).contains(*time)) {
+            let [outside, first, last] = [*outside, first, last].map(Number);
+            bail!("at = {outside} s is outside of the simulated time, {first} s to {last} s");
+        }
+        Ok(at.iter().map(|time| time.clamp(first, last)).collect())
+    }
+
     /// Communication points: all times, those of `also` and of the record, and between them those of [`division`]: where no step is given they follow the
     /// inputs, else no step is longer than it.
     pub(crate) fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
         let (first, last) = self.span();
-        if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
-            let [outside, first, last] = [*outside, first, last].map(Number);
-            bail!("at = {outside} s is outside of the simulated time, {first} s to {last} s");
-        }
         let mut more = also.to_vec();
         more.sort_unstable_by(f64::total_cmp);
         more.dedup();
@@ -285,9 +295,10 @@ mod tests {
         assert_eq!(ramp(0.5).points(&[]).unwrap(), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
         assert_eq!(ramp(10.0).points(&[1.0, 1.25]).unwrap(), [1.0, 1.25, 3.0, 3.5]);
         for (also, wanted) in [(0.5, "1 s to 3.5 s"), (4.0, "at = 4 s")] {
-            let told = ramp(1.0).points(&[also]).unwrap_err().to_string();
+            let told = ramp(1.0).within(&[also]).unwrap_err().to_string();
             assert!(told.contains(wanted), "{told}");
         }
+        assert_eq!(ramp(1.0).within(&[1.0 - 1e-15, 2.0, 3.5 * (1.0 + 1e-15)]).unwrap(), [1.0, 2.0, 3.5]);
         let told = ramp(1e-9).points(&[]).unwrap_err().to_string();
         assert!(told.contains("2.500e9 communication steps"), "{told}");
     }
