@@ -11,7 +11,8 @@
 //! There is no advection to stabilise at any Peclet number, and for fluxes and velocities linear in time the states are
 //! propagated exactly ([`propagate`]). Only modes whose decay is slow against the shortest resolved step have states;
 //! fast phase rotation is not decay. The rest is direct feedthrough, a matrix that depends on the velocity
-//! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
+//! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small. What it adds to the
+//! distortion acts on a flux with a lag: heat has to enter before it expands.
 //!
 //! On an open path, or one too long for its harmonics, the contact meets fresh material: the wave numbers are the odd
 //! multiples of pi/L, heat left behind is dropped before it returns with a periodic image ([`fresh`]), and the direct
@@ -112,6 +113,26 @@ impl StripHeat {
         let operators = StripOperators::new(properties, cells, resolution, known)?;
         let step = PreparedStep::new(&operators);
         Ok(StripHeat { operators: Arc::new(operators), step })
+    }
+
+    /// Place of the lagged fluxes in the state.
+    fn lagged(&self) -> std::ops::Range<usize> {
+        let first = self.operators.mean_states() + self.operators.stretches();
+        first..first + self.operators.lagged()
+    }
+
+    /// Adds the distortion that the modes leave out at a stage without its own flux; `known`: the flux before the stage.
+    fn add_lagged(&self, stage: Stage, state: &[f64], known: &[f64], scratch: &mut Scratch, distortion: &mut [f64]) {
+        if !self.operators.expands || !self.step.touches {
+            return;
+        }
+        let weights = self.step.stage(stage);
+        let [factor, known_weight, _] = weights.lag;
+        let fluxes = state[self.lagged()].iter().zip(known);
+        for (lagged, (before, known)) in scratch.seen.iter_mut().zip(fluxes) {
+            *lagged = factor * before + known_weight * known;
+        }
+        dense::multiply_add(weights.current_response().feedthrough.as_slice(), &scratch.seen, distortion);
     }
 
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
@@ -248,14 +269,16 @@ impl ThermalBody for StripHeat {
         state: &[f64],
         surroundings: &Surroundings,
         deviation: &[f64],
-        response: [&mut [f64]; 2],
+        [temperature, distortion]: [&mut [f64]; 2],
         work: &mut Workspace,
     ) -> First {
         let (scratch, cooling) = (work.strip(), surroundings.deviation.cooling);
         scratch.first.iter_mut().zip(deviation).for_each(|(value, deviation)| *value = deviation - cooling);
         self.deviate_given_back(scratch, state);
         let around = surroundings.without_fluxes_at(Stage::First, self.operators.held);
-        First { faces: self.base_from(scratch, state, &around, Stage::First, response) }
+        let faces = self.base_from(scratch, state, &around, Stage::First, [temperature, &mut *distortion]);
+        self.add_lagged(Stage::First, state, deviation, scratch, distortion);
+        First { faces }
     }
 
     fn end(
@@ -264,13 +287,15 @@ impl ThermalBody for StripHeat {
         state: &[f64],
         surroundings: &Surroundings,
         flux: &[f64],
-        response: [&mut [f64]; 2],
+        [temperature, distortion]: [&mut [f64]; 2],
         work: &mut Workspace,
     ) -> End {
         let scratch = work.strip();
         self.effective(scratch, surroundings, Stage::First, flux);
         let around = surroundings.without_fluxes_at(Stage::End, self.operators.held);
-        End { faces: self.base_from(scratch, state, &around, Stage::End, response) }
+        let faces = self.base_from(scratch, state, &around, Stage::End, [temperature, &mut *distortion]);
+        self.add_lagged(Stage::End, state, flux, scratch, distortion);
+        End { faces }
     }
 
     fn advance(
@@ -287,6 +312,11 @@ impl ThermalBody for StripHeat {
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);
         self.advance_by(work.strip(), [re, im], after, surroundings, flux);
+        let ([factor, known, own], lagged) = (self.step.end.lag, self.lagged());
+        let fluxes = before[lagged.clone()].iter().zip(flux[0].iter().zip(flux[1]));
+        for (after, (before, (first, end))) in after[lagged].iter_mut().zip(fluxes) {
+            *after = factor * before + known * first + own * end;
+        }
         self.leave_behind(before, after);
     }
 
@@ -309,7 +339,7 @@ impl Observed for StripHeat {
     }
 
     fn states(&self) -> usize {
-        self.operators.mean_states() + self.operators.stretches() + self.rates_given_back() + TAIL
+        self.lagged().end + self.rates_given_back() + TAIL
     }
 
     fn workspace(&self) -> Workspace {
@@ -372,7 +402,7 @@ impl Observed for StripHeat {
         let Scratch { moved, response, .. } = &mut *scratch;
         operators.observe_one(moved, &mut response[0], operators.mean_distortion * level, distortion);
         operators.table.respond(1, velocity, &mut scratch.frozen);
-        dense::multiply_add(scratch.frozen.as_slice(), flux, distortion);
+        dense::multiply_add(scratch.frozen.as_slice(), &state[self.lagged()], distortion);
     }
 
     fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {

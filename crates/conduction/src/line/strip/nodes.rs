@@ -44,7 +44,7 @@ impl InterpolationNodes {
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
-        feedthrough: FeedthroughTerms<'_>,
+        feedthrough: (FeedthroughTerms<'_>, f64),
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {

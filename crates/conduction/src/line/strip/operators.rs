@@ -50,6 +50,8 @@ pub(crate) struct StripOperators {
     /// Displacement into the body per mean temperature of the mean mode, m/K.
     pub mean_distortion: f64,
     pub expands: bool,
+    /// Wave number of the first harmonic without states, 1/m.
+    pub unresolved: f64,
     /// The temperature of the base is prescribed.
     pub held: bool,
     /// The contact meets fresh material: no heat that it left behind returns by the modes.
@@ -147,6 +149,7 @@ impl StripOperators {
             mean: reduction.mean.clone(),
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
+            unresolved: spacing * (last + 1) as f64,
             held: bare.base == FarBoundary::Held,
             fresh,
             remembers: remembering.is_some(),
@@ -203,6 +206,7 @@ impl StripOperators {
             states: if at_end { self.rate.len() } else { 0 },
             waves: self.waves.len(),
             rank: self.robin_correction.as_ref().map_or(0, |_| RANK),
+            lagged: self.lagged(),
         }
     }
 
@@ -226,6 +230,17 @@ impl StripOperators {
     pub(crate) fn stretches(&self) -> usize {
         let modes = 2 * self.rate.len();
         if self.fresh.is_some() { 2 * modes + ENDS } else { modes }
+    }
+
+    /// Number of states of the distortion that the modes leave out: the flux into each cell, with a lag.
+    pub(crate) fn lagged(&self) -> usize {
+        if self.expands { self.widths.len() } else { 0 }
+    }
+
+    /// Rate at which the distortion that the modes leave out follows the flux, 1/s: that of the first harmonic without states over the
+    /// moving strip.
+    pub(crate) fn lag_rate(&self, [from, to]: [f64; 2]) -> f64 {
+        self.unresolved * (self.diffusivity * self.unresolved + 0.5 * (from.abs() + to.abs()))
     }
 
     /// See [`Fresh::felt`]; all of the interval where the path is not of fresh material.

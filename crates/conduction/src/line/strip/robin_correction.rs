@@ -330,7 +330,8 @@ mod tests {
             let closed = (identity - transfer * &projection * &slow[0] * &v).try_inverse().unwrap();
             let returned = transfer * &v * &closed * &projection * &slow[0];
             let expected = slow.each_ref().map(|slow| slow + slow * &returned);
-            let mut response = StageResponse::new(Layout { count, states: 0, waves: numbers.len(), rank: RANK });
+            let mut response =
+                StageResponse::new(Layout { count, states: 0, waves: numbers.len(), rank: RANK, lagged: 0 });
             let [re, im, ..] = response.parts().own;
             for (wave, own) in own.iter().enumerate() {
                 [re[wave], im[wave]] = *own;

@@ -21,6 +21,8 @@ pub(crate) struct Layout {
     pub waves: usize,
     /// Polynomials of the Robin correction.
     pub rank: usize,
+    /// Lagged fluxes.
+    pub lagged: usize,
 }
 
 impl Layout {
@@ -34,6 +36,8 @@ impl Layout {
 pub(crate) struct StageResponse {
     /// Surface influence matrices of the contact's flux, direct feedthrough included.
     pub influence: SurfaceInfluence,
+    /// Direct feedthrough to the distortion, of the lagged flux, m3/W; empty without thermal expansion.
+    pub feedthrough: DMatrix<f64>,
     layout: Layout,
     rest: Vec<f64>,
 }
@@ -71,6 +75,7 @@ impl StageResponse {
         let matrix = || dense::untouched(layout.count);
         StageResponse {
             influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
+            feedthrough: dense::untouched(layout.lagged),
             rest: vec![0.0; layout.lengths().iter().sum()],
             layout,
         }
@@ -118,21 +123,34 @@ impl StageResponse {
         [response, solution]
     }
 
+    /// Keeps the direct feedthrough to the distortion.
+    pub(crate) fn keep_feedthrough(&mut self, feedthrough: FeedthroughTerms<'_>) {
+        let target = self.feedthrough.as_mut_slice();
+        match feedthrough {
+            _ if target.is_empty() => {}
+            [(one, share)] => dense::combine(target, [one[1].as_slice()], [*share]),
+            [(one, share), (other, rest)] => {
+                dense::combine(target, [one[1].as_slice(), other[1].as_slice()], [*share, *rest]);
+            }
+            _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),
+        }
+    }
+
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
     pub(crate) fn combine(
         &mut self,
         responses: [&StageResponse; 4],
         factors: [f64; 4],
-        feedthrough: FeedthroughTerms<'_>,
+        (feedthrough, own): (FeedthroughTerms<'_>, f64),
     ) {
         let parts = responses.map(|response| &response.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = responses.map(|response| response.influence.temperature.as_slice());
-        sum(self.influence.temperature.as_mut_slice(), parts, factors, feedthrough, 0);
+        sum(self.influence.temperature.as_mut_slice(), parts, factors, (feedthrough, 1.0), 0);
         if !feedthrough[0].0[1].is_empty() {
             let parts = responses.map(|response| response.influence.distortion.as_slice());
-            sum(self.influence.distortion.as_mut_slice(), parts, factors, feedthrough, 1);
+            sum(self.influence.distortion.as_mut_slice(), parts, factors, (feedthrough, own), 1);
         }
     }
 }
@@ -146,15 +164,15 @@ fn sum(
     target: &mut [f64],
     [a, b, c, d]: [&[f64]; 4],
     factors: [f64; 4],
-    feedthrough: FeedthroughTerms<'_>,
+    (feedthrough, own): (FeedthroughTerms<'_>, f64),
     moving: usize,
 ) {
     let [f, g, h, i] = factors;
     match feedthrough {
-        [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, *share]),
+        [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, own * share]),
         [(one, share), (other, rest)] => {
             let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
-            dense::combine(target, sources, [f, g, h, i, *share, *rest]);
+            dense::combine(target, sources, [f, g, h, i, own * share, own * rest]);
         }
         _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),
     }

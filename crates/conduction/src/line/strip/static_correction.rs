@@ -1,5 +1,5 @@
 //! Direct feedthrough of the strip as a function of the velocity: the static correction of all that decays fast against
-//! the shortest step.
+//! the shortest step. Its distortion acts on lagged fluxes ([`super::operators::StripOperators::lag_rate`]).
 //!
 //! Two parts. For modes with states it is the truncated part `Z - Z_reduced` at the frequency -i q v of a mode at rest
 //! in the punch's frame over the moving material, with a real part of up to 2 over the nominal duration: slower heat is not

@@ -21,6 +21,8 @@ pub(crate) struct PreparedStep {
     pub velocity: [f64; 2],
     /// No cell exchanges heat: the influence on the cells is not there.
     pub open: bool,
+    /// A cell may exchange heat.
+    pub touches: bool,
     pub first: StageWeights,
     pub end: StageWeights,
     /// Index of the cached responses after the first, by the bits of length and velocities.
@@ -68,9 +70,10 @@ impl DirectFeedthrough {
     }
 }
 
-/// Adds a multiple of the direct feedthrough to the influence matrices.
-fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, influence: &mut SurfaceInfluence) {
-    for (matrix, gain) in [(warm, &mut influence.temperature), (moved, &mut influence.distortion)] {
+/// Adds multiples of the direct feedthrough to the influence matrices of temperature and distortion.
+fn add([warm, moved]: &[DMatrix<f64>; 2], parts: [f64; 2], influence: &mut SurfaceInfluence) {
+    let gains = [&mut influence.temperature, &mut influence.distortion];
+    for ((matrix, gain), part) in [warm, moved].into_iter().zip(gains).zip(parts) {
         if !matrix.is_empty() {
             dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
         }
@@ -93,6 +96,7 @@ impl PreparedStep {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             open: false,
+            touches: true,
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             kept: KeyedCache::new(vec![(); cached]),
@@ -125,6 +129,7 @@ impl PreparedStep {
     }
 
     pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], open: bool) {
+        self.touches = !open;
         // Responses that are kept serve an open contact too.
         let open = open && !self.keeps(velocity);
         if self.length == length && self.velocity == velocity && self.open == open {

@@ -29,6 +29,8 @@ pub(crate) struct StageWeights {
     /// velocity.
     pub responses: Vec<StageResponse>,
     pub current: usize,
+    /// Factor of a lagged flux over the interval, and its weights of the known flux and of the stage's own.
+    pub lag: [f64; 3],
     /// Length of the interval, s.
     length: f64,
     /// Decay factor of each state over the part of the interval whose heat the contact still feels, and its length, s.
@@ -62,6 +64,7 @@ impl StageWeights {
             responses: (0..=cached).map(|_| StageResponse::new(layout)).collect(),
             current: 0,
             decay: vec![0.0; states],
+            lag: [1.0, 0.0, 0.0],
             length: f64::NAN,
             felt: f64::NAN,
             nodes: InterpolationNodes::new(layout),
@@ -86,13 +89,17 @@ impl StageWeights {
         let interval =
             Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
         let response = &mut self.responses[self.current];
+        let own = self.lag[2];
+        response.keep_feedthrough(feedthrough);
         let interpolated = drift < operators.steady && phase < SHORT_ROTATION && felt == 1.0;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.nodes.interpolate(operators, &interval, length, middle, feedthrough, workspace, response);
+            self.nodes.interpolate(operators, &interval, length, middle, (feedthrough, own), workspace, response);
         } else {
             interval.respond(operators, velocity, workspace, response);
-            feedthrough.iter().for_each(|(responses, share)| add(responses, *share, &mut response.influence));
+            feedthrough
+                .iter()
+                .for_each(|(responses, share)| add(responses, [*share, own * share], &mut response.influence));
         }
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, workspace, response);
@@ -134,6 +141,10 @@ impl StageWeights {
                 self.mean_weight[k] = stage_fluxes(self.at_end, falling.re, rising.re);
             }
         }
+        let rate = operators.lag_rate(velocity);
+        let (factor, falling, rising) = PhaseRate { turning: [0.0; 2], step: length }.weights(rate, Complex::from(1.0));
+        let [known, own] = stage_fluxes(self.at_end, falling.re, rising.re);
+        self.lag = [factor.re, rate * known, rate * own];
         let felt = length * operators.felt(length, velocity);
         if self.felt != felt {
             self.felt = felt;
