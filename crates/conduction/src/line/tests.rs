@@ -2,6 +2,7 @@
 
 use super::punch::mate::reduce_mate;
 use super::punch::reduce;
+use super::strip::tests::cooled_steel;
 use super::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use crate::slab::Slab;
@@ -98,32 +99,16 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
     sizes
 }
 
-#[test]
-fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
-    let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
-        let properties = StripProperties::bare(Slab::bare(0.05, [conductivity, capacity], FarBoundary::Held), path);
-        let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
-        Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
-    };
-    let of_scene = |changes: &[(&str, f64)]| {
-        let mut values = STARTS;
-        changes.iter().for_each(|(name, value)| values[reference(name) as usize] = *value);
-        Scene::new(&values, None).unwrap()
-    };
-    let punch = |scene: &Scene, cells: &Cells| {
-        Box::new(reduce(scene, cells, 1e-3, 2.0).unwrap().unwrap()) as Box<dyn ThermalBody>
-    };
-    let length = 0.0754;
-    let cells = Cells::uniform(0.5 * length, 8).unwrap();
-    let (steel, ceramic) = ((55.0, 3.588e6), (1.46, 1.991e6));
-    let still = strip(steel, SlidingPath::Closed(length), &cells);
-    let paths = [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional];
-    let mut pairs: Vec<_> =
-        paths.map(|path| (format!("{path:?}"), [still.clone(), strip(ceramic, path, &cells)])).into();
-    let (block, cells) =
-        (of_scene(&[("punch.width", 0.04), ("punch.convection", 300.0)]), Cells::graded(0.02, 9).unwrap());
-    pairs.push(("block".into(), [punch(&block, &cells), strip(steel, SlidingPath::Unidirectional, &cells)]));
-    let ring = of_scene(&[
+/// A scene with these values, all others at their start.
+fn scene(changes: &[(&str, f64)]) -> Scene {
+    let mut values = STARTS;
+    changes.iter().for_each(|(name, value)| values[reference(name) as usize] = *value);
+    Scene::new(&values, None).unwrap()
+}
+
+/// A sliding clutch: a thin ring of friction material on a ring of steel.
+fn clutch() -> Scene {
+    scene(&[
         ("contact.geometry", 2.0),
         ("contact.mean_radius", 0.0945),
         ("depth", 0.59376),
@@ -133,15 +118,83 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
         ("strip.path", 2.0),
         ("strip.length", 0.0),
         ("strip.height", 0.012),
-    ]);
-    let cells = Cells::graded(0.0195, 9).unwrap();
-    let mate = reduce_mate(&ring, &cells, 1e-3, 2.0).unwrap().unwrap();
-    pairs.push(("ring".into(), [punch(&ring, &cells), Box::new(mate)]));
+    ])
+}
+
+fn block(cells: &Cells) -> Box<dyn ThermalBody> {
+    let scene = scene(&[("punch.width", 2.0 * cells.half_width()), ("punch.convection", 300.0)]);
+    Box::new(reduce(&scene, cells, 1e-3, 2.0).unwrap().unwrap())
+}
+
+/// Punch and mate of [`clutch`].
+fn rings(cells: &Cells) -> [Box<dyn ThermalBody>; 2] {
+    let scene = clutch();
+    let mate = reduce_mate(&scene, cells, 1e-3, 2.0).unwrap().unwrap();
+    [Box::new(reduce(&scene, cells, 1e-3, 2.0).unwrap().unwrap()), Box::new(mate)]
+}
+
+#[test]
+fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
+    let strip = |(conductivity, capacity): (f64, f64), path: SlidingPath, cells: &Cells| {
+        let properties = StripProperties::bare(Slab::bare(0.05, [conductivity, capacity], FarBoundary::Held), path);
+        let resolution = Resolution { duration: 200.0, shortest: 0.2, travel: f64::INFINITY, tolerance: 1e-4 };
+        Box::new(StripHeat::new(&properties, cells, &resolution).unwrap()) as Box<dyn ThermalBody>
+    };
+    let length = 0.0754;
+    let cells = Cells::uniform(0.5 * length, 8).unwrap();
+    let (steel, ceramic) = ((55.0, 3.588e6), (1.46, 1.991e6));
+    let still = strip(steel, SlidingPath::Closed(length), &cells);
+    let paths = [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional];
+    let mut pairs: Vec<_> =
+        paths.map(|path| (format!("{path:?}"), [still.clone(), strip(ceramic, path, &cells)])).into();
+    let cells = Cells::graded(0.02, 9).unwrap();
+    pairs.push(("block".into(), [block(&cells), strip(steel, SlidingPath::Unidirectional, &cells)]));
+    pairs.push(("rings".into(), rings(&Cells::graded(0.0195, 9).unwrap())));
     for (name, bodies) in &mut pairs {
         for velocity in [0.01, 0.05, 0.5] {
             for step in [1e-12, 1e-10, 1e-8, 1e-6, 1e-3, 3e-3, 1e-2, 0.1] {
                 let [first, last] = decay(bodies, velocity, step, 60);
                 assert!(last < 0.1 * first, "{name} {velocity} m/s, {step} s: {first:e} W/m2 became {last:e}");
+            }
+        }
+    }
+}
+
+/// Heat expands what it has entered: in steps shorter than those that the states resolve the distortion by a flux is in proportion to
+/// the step. Distortion that appears at once raises the pressure that causes it, however short the step.
+#[test]
+fn distortion_vanishes_with_the_step() {
+    let [wide, narrow] = [0.0377, 0.0195].map(|half_width| Cells::graded(half_width, 9).unwrap());
+    let resolution = Resolution { duration: 100.0, shortest: 0.1, travel: 1e3, tolerance: 1e-3 };
+    let mut bodies = vec![("block".to_owned(), block(&wide))];
+    bodies.extend(["ring", "mate"].map(str::to_owned).into_iter().zip(rings(&narrow)));
+    for path in
+        [SlidingPath::Closed(0.754), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
+    {
+        for conductivity in [55.0, 1.46] {
+            let mut properties = cooled_steel(path);
+            properties.slab.conductivity = conductivity;
+            let strip = StripHeat::new(&properties, &wide, &resolution).unwrap();
+            bodies.push((format!("{path:?}, {conductivity} W/(m K)"), Box::new(strip)));
+        }
+    }
+    for (name, body) in &mut bodies {
+        for velocity in [0.0, 0.1, 10.0] {
+            for stage in [Stage::First, Stage::End] {
+                let mut rate = |step: f64| {
+                    body.prepare(&Step::new(step, [velocity; 2]));
+                    body.influence(stage).distortion.amax() / step
+                };
+                let resolved = rate(0.01 / (1.0 + velocity));
+                assert!(resolved > 0.0, "{name} does not expand");
+                for step in [1e-3, 1e-4, 1e-5, 1e-6] {
+                    let found = rate(step / (1.0 + velocity));
+                    println!("{name} {velocity} {stage:?} {step:e}: {:.3}", found / resolved);
+                    assert!(
+                        found > resolved / 3.0 && found < 3.0 * resolved,
+                        "{name}, {velocity} m/s, {stage:?}, {step} s: {found:e} for {resolved:e} m3/(W s)"
+                    );
+                }
             }
         }
     }

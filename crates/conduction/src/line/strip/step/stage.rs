@@ -8,7 +8,7 @@ use crate::line::strip::interval::{Interval, IntervalWorkspace, stage_fluxes};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::{LEAST_DRIFT, PhaseRate};
-use crate::line::strip::stage_response::{FeedthroughTerms, StageResponse};
+use crate::line::strip::stage_response::{FeedthroughTerms, Layout, StageResponse};
 use crate::line::strip::state_layout::{self, phases};
 use nalgebra::Complex;
 
@@ -67,7 +67,7 @@ impl StageWeights {
             lag: [1.0, 0.0, 0.0],
             length: f64::NAN,
             felt: f64::NAN,
-            nodes: InterpolationNodes::new(layout),
+            nodes: InterpolationNodes::new(Layout { lagged: 0, ..layout }),
             phases: [vec![0.0; waves], vec![0.0; waves]],
         }
     }

@@ -1,6 +1,6 @@
 //! Responses are functions of step length and velocity alone, whatever the velocity table holds.
 
-use super::{cooled_steel, march, steel, unit};
+use super::{march, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::{Observed, Stage, Step, ThermalBody};
 use elasticity::Cells;
@@ -52,35 +52,4 @@ fn a_layer_as_thin_as_is_accepted_conducts_through_its_height() {
     }
     let refused = StripHeat::new(&layer(thinnest.next_down()), &cells, &resolution).unwrap_err().to_string();
     assert!(refused.contains("strip height") && refused.contains("two thousandth"), "{refused}");
-}
-
-/// Heat expands what it has entered: in steps shorter than those that the modes resolve the distortion by a flux is in proportion to the
-/// step. Distortion that appears at once raises the pressure that causes it, however short the step.
-#[test]
-fn distortion_vanishes_with_the_step() {
-    let cells = Cells::graded(0.0377, 9).unwrap();
-    let resolution = Resolution { duration: 100.0, shortest: 0.1, travel: 1e3, tolerance: 1e-3 };
-    for path in
-        [SlidingPath::Closed(0.754), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
-    {
-        for conductivity in [55.0, 1.46] {
-            let mut properties = cooled_steel(path);
-            properties.slab.conductivity = conductivity;
-            let mut strip = StripHeat::new(&properties, &cells, &resolution).unwrap();
-            for velocity in [0.0, 0.1, 10.0] {
-                let mut rate = |step: f64| {
-                    strip.prepare(&Step::new(step, [velocity; 2]));
-                    strip.influence(Stage::End).distortion.amax() / step
-                };
-                let resolved = rate(0.01 / (1.0 + velocity));
-                for step in [1e-3, 1e-4, 1e-5, 1e-6] {
-                    let found = rate(step / (1.0 + velocity));
-                    assert!(
-                        found > resolved / 3.0 && found < 3.0 * resolved,
-                        "{path:?}, {conductivity} W/(m K), {velocity} m/s, {step} s: {found:e} for {resolved:e} m3/(W s)"
-                    );
-                }
-            }
-        }
-    }
 }
