@@ -189,7 +189,6 @@ fn distortion_vanishes_with_the_step() {
                 assert!(resolved > 0.0, "{name} does not expand");
                 for step in [1e-3, 1e-4, 1e-5, 1e-6] {
                     let found = rate(step / (1.0 + velocity));
-                    println!("{name} {velocity} {stage:?} {step:e}: {:.3}", found / resolved);
                     assert!(
                         found > resolved / 3.0 && found < 3.0 * resolved,
                         "{name}, {velocity} m/s, {stage:?}, {step} s: {found:e} for {resolved:e} m3/(W s)"
