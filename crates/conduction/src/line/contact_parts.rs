@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with fluxes in W/m2, temperatures in K and h_c in W/(m2 K). A body has the same states whatever parts are in contact; they remember
-//! the temperature of the parts that are not. Valid where at most one edge lies between two neighbouring cells.
+//! the temperature of the parts that are not.
 //!
 //! Theory: docs/theory.md, section 6.5.
 
