@@ -24,11 +24,10 @@
 
 mod projection;
 
-use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody, lagging};
+use super::reduced::lagging;
 use nalgebra::Complex;
-use numerics::grading::LEAST_PANEL;
-use numerics::maximum::maximum;
-use projection::{Basis, Eigen, Grid};
+use numerics::grading::towards_face;
+use projection::Grid;
 use scene::{Body, FarBoundary};
 
 /// Location of the cooling beyond the constant heat transfer.
@@ -93,10 +92,6 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
     Complex::new(0.5 * z.im / im, im)
 }
 
-/// Ratios of neighbouring shifts to be tried, and the largest factor by which the error falls from one to the next.
-const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
-const LARGEST_FALL: f64 = 4.0;
-
 /// Shifts of the responses to a prescribed temperature or a flux at the base, over the slab's own rate `kd/h^2`. Both may jump: a heat
 /// path may open at any time.
 const BASE_SHIFTS: [f64; 4] = [1.0, 16.0, 160.0, 1600.0];
@@ -106,6 +101,9 @@ const CONFLUENT: f64 = 1e-3;
 
 /// q h beyond which the slab equals a half-plane: 2 exp(-2 q h) = 5e-16.
 const HALF_PLANE: f64 = 18.0;
+
+/// Temperature field through the height: its value and slope at the depth z.
+type Field = Box<dyn Fn(f64) -> (f64, f64)>;
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
@@ -227,269 +225,156 @@ impl Slab {
         self.capacity * self.height
     }
 
-    /// Reduces the slab to a few states that follow the exact impedance on the frequencies from `1/duration` (1/s) up, to
-    /// `tolerance` relative to the temperature rise of the whole duration.
-    pub fn reduce(&self, duration: f64, tolerance: f64) -> ReducedBody {
-        // Above this frequency the impedance is below the tolerance.
-        let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
-        let effusivity = (self.conductivity * self.capacity).sqrt();
-        let own = self.own_rate();
-        // Above the last of these a heated layer is thinner than the grid resolves.
-        let fastest =
-            (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
-        // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
-        let fastest = fastest.max(4.0 * BASE_SHIFTS[3] * own);
-        let scan = SlabSweep::new(self, 1.0 / duration, fastest);
-        let grid = Grid::new(self, fastest.max(own));
-        let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
-        // Indices of the next ratio, of the first one not yet reached, and of the first one with too many functions.
-        let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
-        while next < end {
-            let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
-                (end, next) = (next, open);
-                continue;
-            };
-            open = next + 1;
-            let eigen = basis.eigen();
-            let error = scan.largest_error(basis.impedance(&eigen));
-            if best.as_ref().is_none_or(|(known, ..)| error < *known) {
-                best = Some((error, basis, eigen));
+    /// Thermal effusivity of the contact face, W s^(1/2)/(m2 K).
+    fn effusivity(&self) -> f64 {
+        (self.conductivity * self.capacity).sqrt()
+    }
+
+    /// Ends of the panels of a quadrature through the height for fields that decay as those of the rate `fastest`, 1/s.
+    fn panels(&self, fastest: f64) -> Vec<f64> {
+        let mut ends = towards_face((self.diffusivity() / fastest).sqrt(), self.height, 3.0);
+        // Fields that begin at the base decay over a fortieth of the height at least.
+        ends.extend([0.5, 0.7, 0.85, 0.95, 1.0].map(|part| part * self.height));
+        ends
+    }
+
+    /// Fields of uniform temperature and of constant fluxes.
+    fn stationary_fields(&self) -> Vec<Field> {
+        let (h, held) = (self.height, self.base == FarBoundary::Held);
+        let mut fields: Vec<Field> = Vec::new();
+        if !held {
+            fields.push(Box::new(|_| (1.0, 0.0)));
+        }
+        let fin = (self.volume_transfer / self.conductivity).sqrt();
+        if fin * h > 1e-3 {
+            fields.push(self.contact_response(0.0));
+            if !held {
+                fields.push(self.base_response(0.0));
             }
-            if error <= 0.1 * tolerance {
-                break;
+        } else {
+            fields.push(Box::new(move |z| (1.0 - z / h, -1.0 / h)));
+        }
+        if !held {
+            fields.push(Box::new(move |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
+        }
+        if self.cooling == CoolingPort::Sides && held {
+            fields.push(Box::new(move |z| (1.0 - (z / h).powi(2), -2.0 * z / (h * h))));
+        }
+        fields
+    }
+
+    /// Response to a contact flux at the real frequency `shift`, 1/s.
+    fn contact_response(&self, shift: f64) -> Field {
+        let (kappa, h) = (self.decay(shift), self.height);
+        // Sum of a wave leaving the contact and its reflection; scaled against overflow.
+        let reflection = match self.base {
+            FarBoundary::Held => -1.0,
+            FarBoundary::Insulated => 1.0,
+            FarBoundary::Convecting(transfer) => {
+                let beta = transfer / (self.conductivity * kappa);
+                (1.0 - beta) / (1.0 + beta)
             }
-            // Spaces that cannot meet the tolerance are skipped; the last is always tried.
-            let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
-            next = (next + falls.max(1)).min(end - 1).max(open);
-        }
-        let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");
-        // Modes are computed for the accepted space only.
-        let body = basis.modes(&eigen);
-        ReducedBody { error: scan.largest_error(|s| body.impedance(s)), ..body }
+        };
+        Box::new(move |z| {
+            let down = (-kappa * z).exp();
+            // The reflection is below rounding over a longer path: exp(-40) = 4e-18.
+            let up = if kappa * (h - z) > 20.0 { 0.0 } else { reflection * (-kappa * (2.0 * h - z)).exp() };
+            (down + up, kappa * (up - down))
+        })
     }
 
-    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` with an initial ratio of `ratio`;
-    /// `None` if there are too many.
-    fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
-        let own = self.own_rate();
-        let mut shifts = Vec::new();
-        let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
-        while shift < fastest {
-            shifts.push(shift);
-            shift *= step;
-            // The impedance falls with frequency, and with it the weight of its errors.
-            step *= 1.08;
+    /// Response to the boundary value at the base at the real frequency `shift`, 1/s; under a prescribed temperature, what it lacks
+    /// of the stationary response, since a trial function vanishes there.
+    fn base_response(&self, shift: f64) -> Field {
+        let (kappa, h) = (self.decay(shift), self.height);
+        if self.base == FarBoundary::Held {
+            let [steady, response] = [0.0, shift].map(|shift| BaseField::new(self, shift));
+            return Box::new(move |z| (steady.at(z) - response.at(z), steady.slope(z) - response.slope(z)));
         }
-        shifts.push(fastest);
-        let mut basis = Basis::new(self, grid);
-        basis.stationary();
-        for &shift in &shifts {
-            basis.add_contact_response(shift);
-        }
-        for factor in BASE_SHIFTS {
-            basis.add_base_response(factor * own);
-        }
-        if basis.count() > MAX_SLAB_STATES + 1 {
-            return None;
-        }
-        Some(basis)
-    }
-}
-
-/// Reduction error sweep: frequencies at which a reduced response is compared with the exact one, on the imaginary axis,
-/// where the largest error bounds that of the response to any bounded flux.
-struct SlabSweep {
-    /// Frequencies and the exact response.
-    exact: Vec<(Complex<f64>, Complex<f64>)>,
-    /// Exact response at the slowest frequency, the scale of the errors.
-    scale: f64,
-}
-
-impl SlabSweep {
-    fn new(slab: &Slab, slowest: f64, fastest: f64) -> SlabSweep {
-        let points = 40;
-        let exact = (0..=points)
-            // The spectrum of a constant flux lies below its own frequency, so the sweep begins there.
-            .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
-            .map(|frequency| Complex::new(0.0, frequency))
-            .map(|s| (s, slab.impedance(s, 0.0)));
-        SlabSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+        Box::new(move |z| {
+            let (up, down) = ((-kappa * (h - z)).exp(), (-kappa * (h + z)).exp());
+            (up + down, kappa * (up - down))
+        })
     }
 
-    fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
-        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, maximum)
+    /// Heat of a field, J/m2.
+    fn heat_of(&self, grid: &Grid, field: &[f64]) -> f64 {
+        self.areal_capacity() * grid.mean(field)
+    }
+
+    /// Heat of the product of two fields, J/(m2 K): the inner product of the projection.
+    fn heat(&self, grid: &Grid, left: &[f64], right: &[f64]) -> f64 {
+        self.capacity * grid.integral(left, right)
+    }
+
+    /// Conduction through the height by the product of two slopes, W/(m2 K).
+    fn conduction(&self, grid: &Grid, left: &[f64], right: &[f64]) -> f64 {
+        self.conductivity * grid.integral(left, right)
     }
 }
 
-impl ReducedBody {
-    /// Contact impedance of the reduced body at the complex frequency `s` (1/s), K m2/W.
-    pub(crate) fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
-        let contact = Port::Contact as usize;
-        let states: Complex<f64> = (0..self.count)
-            .map(|k| self.contact_temperature.states[k] * self.input[contact][k] / (self.rate[k] + s))
-            .sum();
-        states + self.contact_temperature.direct[contact]
+/// Height over the decay length of lateral cooling below which the stationary field is a straight line to rounding.
+const THIN: f64 = 1e-6;
+
+/// Temperature field per unit temperature prescribed at the base, at a real frequency; zero for other bases.
+struct BaseField {
+    kappa: f64,
+    height: f64,
+    beta: f64,
+    held: bool,
+}
+
+impl BaseField {
+    fn new(slab: &Slab, shift: f64) -> BaseField {
+        BaseField {
+            kappa: slab.decay(shift),
+            height: slab.height,
+            beta: slab.surface_transfer / slab.conductivity,
+            held: slab.base == FarBoundary::Held,
+        }
+    }
+
+    /// `cosh(kappa z) + (beta/kappa) sinh(kappa z)` over its value at the base, in exponentials that do not overflow.
+    fn at(&self, z: f64) -> f64 {
+        if !self.held {
+            return 0.0;
+        }
+        let (u, whole) = (self.kappa * z, self.kappa * self.height);
+        if whole < THIN {
+            return (1.0 + self.beta * z) / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        let scaled = |u: f64| (1.0 + ratio) * (u - whole).exp() + (1.0 - ratio) * (-u - whole).exp();
+        scaled(u) / scaled(whole)
+    }
+
+    /// Slope of [`BaseField::at`], 1/m.
+    fn slope(&self, z: f64) -> f64 {
+        let (u, whole) = (self.kappa * z, self.kappa * self.height);
+        if whole < THIN {
+            return self.beta / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
+        self.kappa * ((1.0 + ratio) * (u - whole).exp() - (1.0 - ratio) * (-u - whole).exp()) / at_base
+    }
+
+    /// Mean of [`BaseField::at`] over the height.
+    fn mean(&self) -> f64 {
+        if !self.held {
+            return 0.0;
+        }
+        let whole = self.kappa * self.height;
+        if whole < THIN {
+            return (1.0 + 0.5 * self.beta * self.height) / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        // Twice exp(-whole) times sinh(whole) + ratio (cosh(whole) - 1), and times the profile at the base.
+        let integral = -(-2.0 * whole).exp_m1() + ratio * (-whole).exp_m1().powi(2);
+        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
+        integral / (whole * at_base)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reduced::Observation;
-    use nalgebra::{DMatrix, DVector};
-
-    fn iron(base: FarBoundary) -> Slab {
-        Slab::bare(0.011, [54.0, 7200.0 * 460.0], base)
-    }
-
-    fn cases() -> Vec<Slab> {
-        let mut cases = Vec::new();
-        for base in
-            [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(200.0), FarBoundary::Convecting(1e6)]
-        {
-            for (surface, volume, cooling) in
-                [(0.0, 0.0, CoolingPort::Surface), (80.0, 0.0, CoolingPort::Surface), (0.0, 4e3, CoolingPort::Sides)]
-            {
-                cases.push(Slab { surface_transfer: surface, volume_transfer: volume, cooling, ..iron(base) });
-            }
-        }
-        cases
-    }
-
-    #[test]
-    fn reduced_impedance_follows_the_exact_one() {
-        for slab in cases() {
-            for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
-                let body = slab.reduce(1000.0, tolerance);
-                println!("{:?} tol {tolerance:e}: {} states, error {:.1e}", slab.base, body.count, body.error);
-                assert!(body.error <= 0.1 * tolerance, "{slab:?} {tolerance}: {} at {} states", body.error, body.count);
-                assert!(body.rate[..body.count].iter().all(|&rate| rate >= 0.0));
-            }
-        }
-    }
-
-    #[test]
-    fn heat_is_conserved_and_steady_flows_are_exact() {
-        for slab in cases() {
-            let body = slab.reduce(1000.0, 1e-3);
-            if body.rate[0] == 0.0 {
-                // No heat leaves: the flow is zero for every state and for the flux.
-                assert!(body.base_flow.states[..body.count].iter().all(|flow| flow.abs() < 1e-9 * 7200.0 * 460.0));
-                assert!(body.base_flow.direct[0].abs() < 1e-10, "{:?}", body.base_flow.direct);
-                continue;
-            }
-            // Constant unit contact flux: all of it leaves, in the exact proportion.
-            let steady = |observation: &Observation, port: usize| -> f64 {
-                (0..body.count).map(|k| observation.states[k] * body.input[port][k] / body.rate[k]).sum::<f64>()
-                    + observation.direct[port]
-            };
-            let (ambient, base) = (steady(&body.ambient_flow, 0), steady(&body.base_flow, 0));
-            assert!((ambient + base - 1.0).abs() < 1e-10, "{slab:?}: {ambient} + {base}");
-            let surface = slab.impedance(Complex::from(0.0), 0.0).re;
-            assert!(
-                (steady(&body.contact_temperature, 0) / surface - 1.0).abs() < 1e-8,
-                "{slab:?}: {} {surface}",
-                steady(&body.contact_temperature, 0)
-            );
-            if slab.surface_transfer > 0.0 {
-                assert!((ambient - slab.surface_transfer * surface).abs() < 1e-8, "{slab:?}: {ambient}");
-            }
-            // Uniform temperature everywhere: zero flow.
-            let both = |observation: &Observation| {
-                steady(observation, Port::Ambient as usize)
-                    + if slab.base == FarBoundary::Held { steady(observation, Port::Base as usize) } else { 0.0 }
-            };
-            let level = both(&body.contact_temperature);
-            assert!((level - 1.0).abs() < 1e-7, "{slab:?}: {level}");
-            assert!(both(&body.ambient_flow).abs() < 1e-4, "{slab:?} {}", both(&body.ambient_flow));
-            assert!(both(&body.base_flow).abs() < 1e-4, "{slab:?} {}", both(&body.base_flow));
-        }
-    }
-
-    #[test]
-    fn a_temperature_of_the_base_arrives_by_diffusion() {
-        // Slab that is insulated at the contact: Carslaw and Jaeger, section 3.4.
-        let slab = iron(FarBoundary::Held);
-        for tolerance in [1e-1, 1e-2, 1e-3] {
-            let body = slab.reduce(1000.0, tolerance);
-            let time = slab.height.powi(2) / slab.diffusivity();
-            let exact = |t: f64| {
-                let term = |n: i32| {
-                    let root = (f64::from(n) + 0.5) * std::f64::consts::PI;
-                    2.0 * (-root * root * t).exp() / (root * if n % 2 == 0 { 1.0 } else { -1.0 })
-                };
-                1.0 - (0..400).map(term).sum::<f64>()
-            };
-            let base = Port::Base as usize;
-            for (part, bound) in [(0.0, 4e-3), (1e-4, 4e-3), (0.001, 4e-3), (0.01, 1e-3), (0.1, 1e-4), (1.0, 1e-5)] {
-                let states: f64 = (0..body.count)
-                    .map(|k| {
-                        let grown = -(-body.rate[k] * part * time).exp_m1() / body.rate[k];
-                        body.contact_temperature.states[k] * body.input[base][k] * grown
-                    })
-                    .sum();
-                let found = states + body.contact_temperature.direct[base];
-                // By reciprocity a flux into the contact does not leave at once through the base.
-                assert!(body.base_flow.direct[0].abs() < 4e-3, "{}", body.base_flow.direct[0]);
-                let expected = if part < 1e-3 { 0.0 } else { exact(part) };
-                println!("{part} of h^2/kd: {found:.6} {expected:.6}, {} states", body.count);
-                assert!((found - expected).abs() < bound, "after {part} of h^2/kd: {found} for {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_heat_path_at_the_base_cools_the_contact_by_diffusion() {
-        // Slab at 1 K, insulated at the contact, with a conductance G to 0 K: Carslaw and Jaeger, section 3.11.
-        let slab = iron(FarBoundary::Insulated);
-        let time = slab.height.powi(2) / slab.diffusivity();
-        for tolerance in [1e-1, 1e-2, 1e-3] {
-            let body = slab.reduce(1000.0, tolerance);
-            for biot in [0.1, 1.0, 10.0, 1e3, 1e9] {
-                let roots: Vec<f64> = (0..2000)
-                    .map(|n| {
-                        let (mut low, mut high) = (0.0, 0.5 * std::f64::consts::PI);
-                        for _ in 0..60 {
-                            let middle = 0.5 * (low + high);
-                            let root = f64::from(n) * std::f64::consts::PI + middle;
-                            if root * middle.tan() < biot { low = middle } else { high = middle }
-                        }
-                        f64::from(n) * std::f64::consts::PI + low
-                    })
-                    .collect();
-                let exact = |part: f64| -> [f64; 2] {
-                    let terms = roots.iter().map(|root| {
-                        let size = 2.0 * biot / (biot * (biot + 1.0) + root * root) * (-root * root * part).exp();
-                        // cos(root) has the sign of n; at the base it cancels.
-                        [size / root.cos(), size]
-                    });
-                    terms.fold([0.0; 2], |sum, term| [sum[0] + term[0], sum[1] + term[1]])
-                };
-                // da/dt = -(R + g b b^T) a, with the flux of the path at the reduced temperature of the base.
-                let (port, conductance) = (Port::Base as usize, biot * slab.conductivity / slab.height);
-                let inputs = DVector::from_fn(body.count, |k, _| body.input[port][k]);
-                let gain = conductance / (1.0 + conductance * body.base_temperature.direct[port]);
-                let rates = DMatrix::from_fn(body.count, body.count, |i, j| {
-                    gain * inputs[i] * inputs[j] + if i == j { body.rate[i] } else { 0.0 }
-                });
-                let eigen = rates.symmetric_eigen();
-                let start = eigen.eigenvectors.tr_mul(&DVector::from_fn(body.count, |k, _| body.uniform[k]));
-                for part in [0.0, 1e-3, 0.01, 0.1, 1.0] {
-                    let decayed =
-                        DVector::from_fn(body.count, |k, _| start[k] * (-eigen.eigenvalues[k] * part * time).exp());
-                    let states = &eigen.eigenvectors * decayed;
-                    let flux = -gain * states.dot(&inputs);
-                    let [contact, base] = [&body.contact_temperature, &body.base_temperature].map(|seen| {
-                        (0..body.count).map(|k| seen.states[k] * states[k]).sum::<f64>() + seen.direct[port] * flux
-                    });
-                    let expected = if part == 0.0 { [1.0, 1.0] } else { exact(part) };
-                    println!("{tolerance} {biot} {part}: {contact:.6} {base:.6} for {expected:?}");
-                    assert!((contact - expected[0]).abs() < 1e-3, "{biot} {part}: {contact} for {expected:?}");
-                    // Before, the flux has not left the layer over which it is spread.
-                    let resolved = part >= 0.01;
-                    assert!(!resolved || (base - expected[1]).abs() < 4e-3, "{biot} {part}: {base} for {expected:?}");
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -1,16 +1,117 @@
-//! Galerkin projection of the slab: trial functions, their products, and the resulting modes.
+//! Reduction of the slab by Galerkin projection: trial functions, their products, and the resulting modes. What the slab is made of
+//! enters by its fields, its two inner products and its exact impedance alone.
 //!
 //! Theory: docs/theory.md, section 4.2.
 
-use super::{CoolingPort, Slab};
-use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use super::{BASE_SHIFTS, BaseField, CoolingPort, Slab};
+use crate::reduced::{MAX_SLAB_STATES, MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
-use numerics::grading::towards_face;
+use numerics::grading::LEAST_PANEL;
+use numerics::maximum::maximum;
 use scene::FarBoundary;
+
+/// Ratios of neighbouring shifts to be tried, and the largest factor by which the error falls from one to the next.
+const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
+const LARGEST_FALL: f64 = 4.0;
+
+impl Slab {
+    /// Reduces the slab to a few states that follow the exact impedance on the frequencies from `1/duration` (1/s) up, to
+    /// `tolerance` relative to the temperature rise of the whole duration.
+    pub fn reduce(&self, duration: f64, tolerance: f64) -> ReducedBody {
+        // Above this frequency the impedance is below the tolerance.
+        let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
+        let own = self.own_rate();
+        // Above the last of these a heated layer is thinner than the grid resolves.
+        let fastest =
+            (1.0 / (tolerance * rise * self.effusivity())).powi(2).max(3.0 / duration).min(own / LEAST_PANEL.powi(2));
+        // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
+        let fastest = fastest.max(4.0 * BASE_SHIFTS[3] * own);
+        let scan = SlabSweep::new(self, 1.0 / duration, fastest);
+        let grid = Grid::new(self, fastest.max(own));
+        let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
+        // Indices of the next ratio, of the first one not yet reached, and of the first one with too many functions.
+        let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
+        while next < end {
+            let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
+                (end, next) = (next, open);
+                continue;
+            };
+            open = next + 1;
+            let eigen = basis.eigen();
+            let error = scan.largest_error(basis.impedance(&eigen));
+            if best.as_ref().is_none_or(|(known, ..)| error < *known) {
+                best = Some((error, basis, eigen));
+            }
+            if error <= 0.1 * tolerance {
+                break;
+            }
+            // Spaces that cannot meet the tolerance are skipped; the last is always tried.
+            let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
+            next = (next + falls.max(1)).min(end - 1).max(open);
+        }
+        let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");
+        // Modes are computed for the accepted space only.
+        let body = basis.modes(&eigen);
+        ReducedBody { error: scan.largest_error(|s| body.impedance(s)), ..body }
+    }
+
+    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` with an initial ratio of `ratio`;
+    /// `None` if there are too many.
+    fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
+        let own = self.own_rate();
+        let mut shifts = Vec::new();
+        let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
+        while shift < fastest {
+            shifts.push(shift);
+            shift *= step;
+            // The impedance falls with frequency, and with it the weight of its errors.
+            step *= 1.08;
+        }
+        shifts.push(fastest);
+        let mut basis = Basis::new(self, grid);
+        basis.stationary();
+        for &shift in &shifts {
+            basis.add_contact_response(shift);
+        }
+        for factor in BASE_SHIFTS {
+            basis.add_base_response(factor * own);
+        }
+        if basis.count() > MAX_SLAB_STATES + 1 {
+            return None;
+        }
+        Some(basis)
+    }
+}
+
+/// Reduction error sweep: frequencies at which a reduced response is compared with the exact one, on the imaginary axis,
+/// where the largest error bounds that of the response to any bounded flux.
+struct SlabSweep {
+    /// Frequencies and the exact response.
+    exact: Vec<(Complex<f64>, Complex<f64>)>,
+    /// Exact response at the slowest frequency, the scale of the errors.
+    scale: f64,
+}
+
+impl SlabSweep {
+    fn new(slab: &Slab, slowest: f64, fastest: f64) -> SlabSweep {
+        let points = 40;
+        let exact = (0..=points)
+            // The spectrum of a constant flux lies below its own frequency, so the sweep begins there.
+            .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
+            .map(|frequency| Complex::new(0.0, frequency))
+            .map(|s| (s, slab.impedance(s, 0.0)));
+        SlabSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+    }
+
+    fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
+        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, maximum)
+    }
+}
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
 pub(super) struct Grid {
+    height: f64,
     position: Vec<f64>,
     weight: Vec<f64>,
 }
@@ -25,11 +126,9 @@ const GAUSS_10: [(f64, f64); 5] = [
 ];
 
 impl Grid {
-    pub(super) fn new(slab: &Slab, fastest: f64) -> Grid {
-        let mut edges = towards_face((slab.diffusivity() / fastest).sqrt(), slab.height, 3.0);
-        // Fields that begin at the base decay over a fortieth of the height at least.
-        edges.extend([0.5, 0.7, 0.85, 0.95, 1.0].map(|part| part * slab.height));
-        let mut grid = Grid { position: Vec::new(), weight: Vec::new() };
+    fn new(slab: &Slab, fastest: f64) -> Grid {
+        let edges = slab.panels(fastest);
+        let mut grid = Grid { height: slab.height, position: Vec::new(), weight: Vec::new() };
         for pair in edges.windows(2) {
             let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
             for (node, weight) in GAUSS_10 {
@@ -40,6 +139,22 @@ impl Grid {
             }
         }
         grid
+    }
+
+    /// Mean over the height.
+    pub(super) fn mean(&self, values: &[f64]) -> f64 {
+        self.weight.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>() / self.height
+    }
+
+    /// Integral of left times right over the height; the grid has a whole number of groups of two.
+    pub(super) fn integral(&self, left: &[f64], right: &[f64]) -> f64 {
+        let mut sum = [0.0; 2];
+        let groups = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
+        for ((weight, left), right) in groups {
+            sum[0] += weight[0] * left[0] * right[0];
+            sum[1] += weight[1] * left[1] * right[1];
+        }
+        sum[0] + sum[1]
     }
 }
 
@@ -86,24 +201,12 @@ pub(super) struct Basis<'a> {
 }
 
 impl<'a> Basis<'a> {
-    pub(super) fn new(slab: &'a Slab, grid: &'a Grid) -> Self {
+    fn new(slab: &'a Slab, grid: &'a Grid) -> Self {
         Basis { slab, grid, functions: Vec::new() }
     }
 
-    pub(super) fn count(&self) -> usize {
+    fn count(&self) -> usize {
         self.functions.len()
-    }
-
-    /// Integral of left times right over the height; the grid has a whole number of groups of two.
-    fn product(&self, left: &[f64], right: &[f64]) -> f64 {
-        let mut sum = [0.0; 2];
-        let groups =
-            self.grid.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
-        for ((weight, left), right) in groups {
-            sum[0] += weight[0] * left[0] * right[0];
-            sum[1] += weight[1] * left[1] * right[1];
-        }
-        sum[0] + sum[1]
     }
 
     fn function(&self, evaluate: impl Fn(f64) -> (f64, f64)) -> TrialFunction {
@@ -118,96 +221,52 @@ impl<'a> Basis<'a> {
 
     /// Adds a function after orthogonalising it (twice is enough); drops it if it is linearly dependent.
     fn add(&mut self, mut function: TrialFunction) {
-        let capacity = self.slab.capacity;
-        let before = (capacity * self.product(&function.value, &function.value)).sqrt();
+        let heat = |left: &TrialFunction, right: &TrialFunction| self.slab.heat(self.grid, &left.value, &right.value);
+        let before = heat(&function, &function).sqrt();
         for _ in 0..2 {
-            for known in 0..self.functions.len() {
-                let part = capacity * self.product(&self.functions[known].value, &function.value);
-                function.combine(-part, &self.functions[known]);
+            for known in &self.functions {
+                let part = heat(known, &function);
+                function.combine(-part, known);
             }
         }
-        let norm = (capacity * self.product(&function.value, &function.value)).sqrt();
+        let norm = heat(&function, &function).sqrt();
         if norm > 1e-7 * before {
             function.scale(1.0 / norm);
             self.functions.push(function);
         }
     }
 
-    /// Adds the uniform temperature and the quasi-steady profiles of constant fluxes.
-    pub(super) fn stationary(&mut self) {
-        let slab = *self.slab;
-        let h = slab.height;
-        let held = slab.base == FarBoundary::Held;
-        if !held {
-            self.add(self.function(|_| (1.0, 0.0)));
-        }
-        let fin = (slab.volume_transfer / slab.conductivity).sqrt();
-        if fin * h > 1e-3 {
-            self.add_contact_response(0.0);
-            if !held {
-                self.add_base_response(0.0);
-            }
-        } else {
-            self.add(self.function(|z| (1.0 - z / h, -1.0 / h)));
-        }
-        if !held {
-            self.add(self.function(|z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
-        }
-        if slab.cooling == CoolingPort::Sides && held {
-            self.add(self.function(|z| (1.0 - (z / h).powi(2), -2.0 * z / (h * h))));
+    /// Adds the stationary fields.
+    fn stationary(&mut self) {
+        for field in self.slab.stationary_fields() {
+            self.add(self.function(field));
         }
     }
 
-    /// Exact response to a contact flux at the real frequency `shift`.
-    pub(super) fn add_contact_response(&mut self, shift: f64) {
-        let slab = *self.slab;
-        let (kappa, h) = (slab.decay(shift), slab.height);
-        // Sum of a wave leaving the contact and its reflection; scaled against overflow.
-        let reflection = match slab.base {
-            FarBoundary::Held => -1.0,
-            FarBoundary::Insulated => 1.0,
-            FarBoundary::Convecting(transfer) => {
-                let beta = transfer / (slab.conductivity * kappa);
-                (1.0 - beta) / (1.0 + beta)
-            }
-        };
-        self.add(self.function(|z| {
-            let down = (-kappa * z).exp();
-            // The reflection is below rounding over a longer path: exp(-40) = 4e-18.
-            let up = if kappa * (h - z) > 20.0 { 0.0 } else { reflection * (-kappa * (2.0 * h - z)).exp() };
-            (down + up, kappa * (up - down))
-        }));
+    /// Adds the response to a contact flux at the real frequency `shift`.
+    fn add_contact_response(&mut self, shift: f64) {
+        self.add(self.function(self.slab.contact_response(shift)));
     }
 
-    /// Exact response to the boundary value at the base at the real frequency `shift`; under a prescribed temperature, what it lacks
-    /// of the stationary response, since a function of the space vanishes there.
-    pub(super) fn add_base_response(&mut self, shift: f64) {
-        let slab = *self.slab;
-        let (kappa, h) = (slab.decay(shift), slab.height);
-        if slab.base == FarBoundary::Held {
-            let [steady, response] = [0.0, shift].map(|shift| BaseLift::new(&slab, shift));
-            self.add(self.function(|z| (steady.at(z) - response.at(z), steady.slope(z) - response.slope(z))));
-        } else {
-            self.add(self.function(|z| {
-                let (up, down) = ((-kappa * (h - z)).exp(), (-kappa * (h + z)).exp());
-                (up + down, kappa * (up - down))
-            }));
-        }
+    /// Adds the response to the boundary value at the base at the real frequency `shift`.
+    fn add_base_response(&mut self, shift: f64) {
+        self.add(self.function(self.slab.base_response(shift)));
     }
 
     /// Load vectors of the four ports on a function: contact, cooling, ambient, flux into a base without prescribed temperature.
     fn loads(&self, function: &TrialFunction) -> [f64; PORTS] {
         let slab = self.slab;
-        let integral: f64 = self.grid.weight.iter().zip(function.value.iter()).map(|(w, v)| w * v).sum();
+        let mean = self.grid.mean(&function.value);
         let cooling = match slab.cooling {
             CoolingPort::Surface => function.contact,
-            CoolingPort::Sides => integral / slab.height,
+            CoolingPort::Sides => mean,
         };
         let through_base = match slab.base {
             FarBoundary::Convecting(transfer) => transfer * function.base,
             FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
-        let ambient = slab.surface_transfer * function.contact + slab.volume_transfer * integral + through_base;
+        let ambient =
+            slab.surface_transfer * function.contact + slab.volume_transfer * slab.height * mean + through_base;
         let base = if slab.base == FarBoundary::Held { 0.0 } else { function.base };
         [function.contact, cooling, ambient, base]
     }
@@ -218,14 +277,14 @@ impl<'a> Basis<'a> {
             FarBoundary::Convecting(transfer) => transfer * left.base * right.base,
             FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
-        slab.conductivity * self.product(&left.slope, &right.slope)
-            + slab.volume_transfer * self.product(&left.value, &right.value)
+        slab.conduction(self.grid, &left.slope, &right.slope)
+            + slab.volume_transfer * self.grid.integral(&left.value, &right.value)
             + slab.surface_transfer * left.contact * right.contact
             + through_base
     }
 
     /// Solves the eigenvalue problem of the projection.
-    pub(super) fn eigen(&self) -> Eigen {
+    fn eigen(&self) -> Eigen {
         let count = self.count();
         let mut stiffness = DMatrix::zeros(count, count);
         for i in 0..count {
@@ -242,7 +301,7 @@ impl<'a> Basis<'a> {
 
     /// Contact impedance by complex frequency (1/s), K m2/W, of the body that [`Basis::modes`] makes, to the accuracy of the
     /// eigenvalues.
-    pub(super) fn impedance(&self, eigen: &Eigen) -> impl Fn(Complex<f64>) -> Complex<f64> {
+    fn impedance(&self, eigen: &Eigen) -> impl Fn(Complex<f64>) -> Complex<f64> {
         let residues = eigen.order.iter().enumerate().map(|(k, &index)| {
             let contact: f64 =
                 self.functions.iter().zip(&eigen.vectors.column(index)).map(|(f, part)| f.contact * part).sum();
@@ -261,7 +320,7 @@ impl<'a> Basis<'a> {
     }
 
     /// Body with these modes, the fastest one as a static correction.
-    pub(super) fn modes(&self, eigen: &Eigen) -> ReducedBody {
+    fn modes(&self, eigen: &Eigen) -> ReducedBody {
         let modes: Vec<TrialFunction> = (eigen.order)
             .iter()
             .map(|&index| {
@@ -284,13 +343,10 @@ impl<'a> Basis<'a> {
 
     fn assemble(&self, modes: &[TrialFunction], rates: &[f64]) -> ReducedBody {
         let slab = self.slab;
-        let areal = slab.areal_capacity();
         let kept = (modes.len() - 1).max(1);
         let lossless = self.is_lossless();
-        let integral = |mode: &TrialFunction| -> f64 {
-            self.grid.weight.iter().zip(mode.value.iter()).map(|(w, v)| w * v).sum::<f64>()
-        };
-        let lift = BaseLift::new(slab, 0.0);
+        let lift = BaseField::new(slab, 0.0);
+        let lifted: Vec<f64> = self.grid.position.iter().map(|&z| lift.at(z)).collect();
         let mut body = ReducedBody {
             count: kept,
             rate: [0.0; MAX_STATES],
@@ -311,7 +367,7 @@ impl<'a> Basis<'a> {
         body.contact_temperature.direct[base] = lift.at(0.0);
         // Heat of the stationary field, less that of the states: it enters and leaves with the base temperature itself, through the base, so
         // it is not part of the flow determined by the balance.
-        body.stored.direct[base] = if lift.held { areal * lift.mean() } else { 0.0 };
+        body.stored.direct[base] = slab.heat_of(self.grid, &lifted);
         body.base_temperature.direct[base] = lift.at(slab.height);
         body.mean_temperature.direct[base] = lift.mean();
         body.cooled_temperature.direct[base] = match slab.cooling {
@@ -324,10 +380,10 @@ impl<'a> Basis<'a> {
         for (k, (mode, &rate)) in modes.iter().zip(rates).enumerate() {
             let mut loads = self.loads(mode);
             // Orthogonal to the uniform temperature where that is a mode.
-            let mean = if lossless && k > 0 { 0.0 } else { integral(mode) / slab.height };
+            let mean = if lossless && k > 0 { 0.0 } else { self.grid.mean(&mode.value) };
+            let heat = if lossless && k > 0 { 0.0 } else { slab.heat_of(self.grid, &mode.value) };
             let lag = slab.lag(rate);
-            let lifted = self.grid.position.iter().zip(&self.grid.weight).zip(mode.value.iter());
-            let projection = lag * slab.capacity * lifted.map(|((&z, w), v)| w * v * lift.at(z)).sum::<f64>();
+            let projection = lag * slab.heat(self.grid, &mode.value, &lifted);
             if lift.held {
                 loads[base] = rate * projection;
             } else if lag < 1.0 {
@@ -358,14 +414,14 @@ impl<'a> Basis<'a> {
             }
             if k < kept {
                 body.rate[k] = rate;
-                body.stored.states[k] = areal * mean * if lift.held { lag } else { 1.0 };
+                body.stored.states[k] = heat * if lift.held { lag } else { 1.0 };
                 if lift.held {
                     body.stored.direct[base] -= body.stored.states[k] * projection;
                 }
                 body.uniform[k] = match lift.held {
                     // In equilibrium with a base and air as warm.
                     true => (loads[Port::Ambient as usize] + loads[base]) / rate,
-                    false => areal * mean,
+                    false => heat,
                 };
                 for port in 0..PORTS {
                     body.input[port][k] = loads[port];
@@ -378,6 +434,15 @@ impl<'a> Basis<'a> {
 }
 
 impl ReducedBody {
+    /// Contact impedance of the reduced body at the complex frequency `s` (1/s), K m2/W.
+    pub(crate) fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
+        let contact = Port::Contact as usize;
+        let states: Complex<f64> = (0..self.count)
+            .map(|k| self.contact_temperature.states[k] * self.input[contact][k] / (self.rate[k] + s))
+            .sum();
+        states + self.contact_temperature.direct[contact]
+    }
+
     /// Closes the heat balance: the flow out of the base is input - d(stored)/dt - flow to ambient. For a convecting base
     /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there; through an `insulated` one
     /// nothing but that flux passes.
@@ -393,68 +458,5 @@ impl ReducedBody {
             }
             self.base_flow.direct[port] = entering - storing - self.ambient_flow.direct[port];
         }
-    }
-}
-
-/// Height over the decay length of lateral cooling below which the stationary field is a straight line to rounding.
-const THIN: f64 = 1e-6;
-
-/// Temperature field per unit temperature prescribed at the base, at a real frequency; zero for other bases.
-struct BaseLift {
-    kappa: f64,
-    height: f64,
-    beta: f64,
-    held: bool,
-}
-
-impl BaseLift {
-    pub(super) fn new(slab: &Slab, shift: f64) -> BaseLift {
-        BaseLift {
-            kappa: slab.decay(shift),
-            height: slab.height,
-            beta: slab.surface_transfer / slab.conductivity,
-            held: slab.base == FarBoundary::Held,
-        }
-    }
-
-    /// `cosh(kappa z) + (beta/kappa) sinh(kappa z)` over its value at the base, in exponentials that do not overflow.
-    fn at(&self, z: f64) -> f64 {
-        if !self.held {
-            return 0.0;
-        }
-        let (u, whole) = (self.kappa * z, self.kappa * self.height);
-        if whole < THIN {
-            return (1.0 + self.beta * z) / (1.0 + self.beta * self.height);
-        }
-        let ratio = self.beta / self.kappa;
-        let scaled = |u: f64| (1.0 + ratio) * (u - whole).exp() + (1.0 - ratio) * (-u - whole).exp();
-        scaled(u) / scaled(whole)
-    }
-
-    /// Slope of [`BaseLift::at`], 1/m.
-    fn slope(&self, z: f64) -> f64 {
-        let (u, whole) = (self.kappa * z, self.kappa * self.height);
-        if whole < THIN {
-            return self.beta / (1.0 + self.beta * self.height);
-        }
-        let ratio = self.beta / self.kappa;
-        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
-        self.kappa * ((1.0 + ratio) * (u - whole).exp() - (1.0 - ratio) * (-u - whole).exp()) / at_base
-    }
-
-    /// Mean of [`BaseLift::at`] over the height.
-    fn mean(&self) -> f64 {
-        if !self.held {
-            return 0.0;
-        }
-        let whole = self.kappa * self.height;
-        if whole < THIN {
-            return (1.0 + 0.5 * self.beta * self.height) / (1.0 + self.beta * self.height);
-        }
-        let ratio = self.beta / self.kappa;
-        // Twice exp(-whole) times sinh(whole) + ratio (cosh(whole) - 1), and times the profile at the base.
-        let integral = -(-2.0 * whole).exp_m1() + ratio * (-whole).exp_m1().powi(2);
-        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
-        integral / (whole * at_base)
     }
 }
