@@ -136,19 +136,14 @@ impl Block {
             }
         }
         self.solve_in_place(&mut pressed)?;
-        let along: Vec<[DMatrix<f64>; 2]> =
-            (0..self.mesh.x.intervals()).map(|column| self.moments_across(column, functions)).collect();
+        let along = self.moments_along(functions);
         let up = self.moments_of_profiles(fields);
         let mut result = DMatrix::zeros(cells.len(), fields.len());
         for (row, [up_values, up_slopes]) in up.iter().enumerate() {
             // int T div u = sum over the functions a, b of u_x int X N_a' int Z N_b + u_z int X N_a int Z N_b'.
-            let rows = up_values.nrows() * pressed_cells;
-            let mut sums = [(); 2].map(|()| DMatrix::zeros(rows, functions.count));
-            for (column, [values, slopes]) in along.iter().enumerate() {
-                let [along_x, along_z] = self.local_displacements(self.mesh.element(column, row), &pressed);
-                sums[0].gemm(1.0, &along_x, slopes, 1.0);
-                sums[1].gemm(1.0, &along_z, values, 1.0);
-            }
+            let [along_x, along_z] = self.displacements_along(row, &pressed);
+            let [values, slopes] = &along;
+            let sums = [along_x * slopes, along_z * values];
             for (field, &(index, _)) in fields.iter().enumerate() {
                 let mut answer = result.column_mut(field);
                 let mut answer = answer.rows_mut(0, pressed_cells);
@@ -173,19 +168,28 @@ impl Block {
         Ok(result)
     }
 
-    /// Integrals over a column of elements of the functions across times the shape functions (rows) and their slopes.
-    fn moments_across(&self, column: usize, across: &FunctionsAcross<'_>) -> [DMatrix<f64>; 2] {
-        let (start, size) = (self.mesh.x.points[column], self.mesh.x.size(column));
-        let order = self.mesh.x.orders[column];
-        let rule = gauss_legendre(order + 5 + (0.5 * across.steepest * size).ceil() as usize);
-        let values = DMatrix::from_fn(rule.len(), across.count, |at, index| {
-            (across.value)(index, start + 0.5 * size * (1.0 + rule[at].0))
-        });
-        weighted_shapes(order, size, rule.iter().map(|&(xi, weight)| (xi, 0.5 * size * weight)))
-            .map(|all| all * &values)
+    /// Integrals over the columns of elements of the functions across (columns) times the shape functions, and times their slopes.
+    fn moments_along(&self, across: &FunctionsAcross<'_>) -> [DMatrix<f64>; 2] {
+        let x = &self.mesh.x;
+        let mut moments =
+            [(); 2].map(|()| DMatrix::zeros(x.intervals() + x.orders.iter().sum::<usize>(), across.count));
+        let mut first = 0;
+        for (column, &order) in x.orders.iter().enumerate() {
+            let (start, size) = (x.points[column], x.size(column));
+            let rule = gauss_legendre(order + 5 + (0.5 * across.steepest * size).ceil() as usize);
+            let values = DMatrix::from_fn(rule.len(), across.count, |at, index| {
+                (across.value)(index, start + 0.5 * size * (1.0 + rule[at].0))
+            });
+            let shapes = weighted_shapes(order, size, rule.iter().map(|&(xi, weight)| (xi, 0.5 * size * weight)));
+            for (moments, shapes) in moments.iter_mut().zip(shapes) {
+                shapes.mul_to(&values, &mut moments.rows_mut(first, order + 1));
+            }
+            first += order + 1;
+        }
+        moments
     }
 
-    /// [`Self::moments_across`] through the height, for every row of elements and every field.
+    /// [`Self::moments_along`] through the height, for every row of elements and every field.
     fn moments_of_profiles(&self, fields: &[(usize, &[f64])]) -> Vec<[DMatrix<f64>; 2]> {
         let mut next = 0;
         (self.depth_points().chunk_by(|one, other| one.row == other.row))
@@ -200,29 +204,31 @@ impl Block {
             .collect()
     }
 
-    /// Both components of the displacements `solutions` (columns) in an element: rows by function b through the height,
-    /// then solution; columns by function a across.
-    fn local_displacements(&self, element: usize, solutions: &Mat<f64>) -> [DMatrix<f64>; 2] {
-        let (column, row) = self.mesh.column_and_row(element);
-        let Shape { order_x, order_z, .. } = self.mesh.shape(element);
-        let degrees = self.mesh.element_degrees(column, row);
-        let skeleton = DMatrix::from_fn(2 * degrees.len(), solutions.ncols(), |i, k| {
-            if degrees[i / 2] < self.mesh.free { solutions[(2 * degrees[i / 2] + i % 2, k)] } else { 0.0 }
-        });
-        let (functions, _) = local_functions(order_x, order_z);
-        let mut interior = DMatrix::zeros(2 * (functions.len() - degrees.len()), solutions.ncols());
-        self.elements[self.kind[element]].recover(&skeleton, &mut interior);
-        let mut components = [(); 2].map(|()| DMatrix::zeros((order_z + 1) * solutions.ncols(), order_x + 1));
-        for (i, &(a, b)) in functions.iter().enumerate() {
-            for (component, matrix) in components.iter_mut().enumerate() {
-                for k in 0..solutions.ncols() {
-                    matrix[(b * solutions.ncols() + k, a)] = if i < degrees.len() {
-                        skeleton[(2 * i + component, k)]
-                    } else {
-                        interior[(2 * (i - degrees.len()) + component, k)]
-                    };
+    /// Both components of the displacements `solutions` (columns) in a row of elements: rows by function b through the height, then
+    /// solution; columns by element, then function a across.
+    fn displacements_along(&self, row: usize, solutions: &Mat<f64>) -> [DMatrix<f64>; 2] {
+        let (x, count) = (&self.mesh.x, solutions.ncols());
+        let functions_across = x.intervals() + x.orders.iter().sum::<usize>();
+        let mut components = [(); 2].map(|()| DMatrix::zeros((self.mesh.z.orders[row] + 1) * count, functions_across));
+        let mut first = 0;
+        for column in 0..x.intervals() {
+            let element = self.mesh.element(column, row);
+            let Shape { order_x, order_z, .. } = self.mesh.shape(element);
+            let degrees = self.mesh.element_degrees(column, row);
+            let skeleton = DMatrix::from_fn(2 * degrees.len(), count, |i, k| {
+                if degrees[i / 2] < self.mesh.free { solutions[(2 * degrees[i / 2] + i % 2, k)] } else { 0.0 }
+            });
+            let (functions, _) = local_functions(order_x, order_z);
+            let mut interior = DMatrix::zeros(2 * (functions.len() - degrees.len()), count);
+            self.elements[self.kind[element]].recover(&skeleton, &mut interior);
+            for (i, &(a, b)) in functions.iter().enumerate() {
+                let (from, i) = if i < degrees.len() { (&skeleton, i) } else { (&interior, i - degrees.len()) };
+                for (component, matrix) in components.iter_mut().enumerate() {
+                    let mut target = matrix.view_mut((b * count, first + a), (count, 1));
+                    from.row(2 * i + component).transpose_to(&mut target);
                 }
             }
+            first += order_x + 1;
         }
         components
     }
