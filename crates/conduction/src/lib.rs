@@ -17,6 +17,7 @@ pub mod moving_source;
 pub mod properties;
 pub mod reduced;
 pub mod slab;
+mod trial_functions;
 
 /// Stefan-Boltzmann constant, W/(m2 K4).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;

@@ -25,9 +25,9 @@
 mod projection;
 
 use super::reduced::lagging;
+use super::trial_functions::Points;
 use nalgebra::Complex;
 use numerics::grading::towards_face;
-use projection::Grid;
 use scene::{Body, FarBoundary};
 
 /// Location of the cooling beyond the constant heat transfer.
@@ -298,18 +298,18 @@ impl Slab {
     }
 
     /// Heat of a field, J/m2.
-    fn heat_of(&self, grid: &Grid, field: &[f64]) -> f64 {
-        self.areal_capacity() * grid.mean(field)
+    fn heat_of(&self, points: &Points, field: &[f64]) -> f64 {
+        self.areal_capacity() * points.mean(field)
     }
 
     /// Heat of the product of two fields, J/(m2 K): the inner product of the projection.
-    fn heat(&self, grid: &Grid, left: &[f64], right: &[f64]) -> f64 {
-        self.capacity * grid.integral(left, right)
+    fn heat(&self, points: &Points, left: &[f64], right: &[f64]) -> f64 {
+        self.capacity * points.product(left, right)
     }
 
     /// Conduction through the height by the product of two slopes, W/(m2 K).
-    fn conduction(&self, grid: &Grid, left: &[f64], right: &[f64]) -> f64 {
-        self.conductivity * grid.integral(left, right)
+    fn conduction(&self, points: &Points, left: &[f64], right: &[f64]) -> f64 {
+        self.conductivity * points.product(left, right)
     }
 }
 

@@ -48,7 +48,6 @@ use distortion::Distortion;
 use elasticity::Cells;
 use elasticity::block::{Block, BlockError};
 use elasticity::discretization::{BodyError, punch_block};
-use galerkin::Points;
 use scene::{Geometry, Scene};
 use shift_selection::{Scale, Selection};
 
@@ -147,7 +146,7 @@ fn project(
         distortion.resolve(steepest);
     }
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
-    let points = Points::new(depth.height, steepest, &extra);
+    let points = galerkin::points(depth.height, steepest, &extra);
     let shift_selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
     let assembly = Assembly::new(across, depth, cooled, (cells, wanted.divides), (&points, &shift_selection));
     let mut operators = assembly.operators();

@@ -5,6 +5,7 @@
 
 use super::{BASE_SHIFTS, BaseField, CoolingPort, Slab};
 use crate::reduced::{MAX_SLAB_STATES, MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use crate::trial_functions::{Function, Points};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
 use numerics::grading::LEAST_PANEL;
@@ -28,12 +29,12 @@ impl Slab {
         // The fastest state, which becomes a static correction, is to be one of the contact, not of a base that jumps.
         let fastest = fastest.max(4.0 * BASE_SHIFTS[3] * own);
         let scan = SlabSweep::new(self, 1.0 / duration, fastest);
-        let grid = Grid::new(self, fastest.max(own));
+        let points = Points::new(&self.panels(fastest.max(own)), &[]);
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
         // Indices of the next ratio, of the first one not yet reached, and of the first one with too many functions.
         let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
         while next < end {
-            let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
+            let Some(basis) = self.space(&points, 0.05 / duration, fastest, RATIOS[next]) else {
                 (end, next) = (next, open);
                 continue;
             };
@@ -58,7 +59,7 @@ impl Slab {
 
     /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` with an initial ratio of `ratio`;
     /// `None` if there are too many.
-    fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
+    fn space<'a>(&'a self, points: &'a Points, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
         let own = self.own_rate();
         let mut shifts = Vec::new();
         let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
@@ -69,14 +70,10 @@ impl Slab {
             step *= 1.08;
         }
         shifts.push(fastest);
-        let mut basis = Basis::new(self, grid);
-        basis.stationary();
-        for &shift in &shifts {
-            basis.add_contact_response(shift);
-        }
-        for factor in BASE_SHIFTS {
-            basis.add_base_response(factor * own);
-        }
+        let mut basis = Basis::new(self, points);
+        let by_contact = shifts.iter().map(|&shift| self.contact_response(shift));
+        let by_base = BASE_SHIFTS.iter().map(|factor| self.base_response(factor * own));
+        self.stationary_fields().into_iter().chain(by_contact).chain(by_base).for_each(|field| basis.add(field));
         if basis.count() > MAX_SLAB_STATES + 1 {
             return None;
         }
@@ -109,84 +106,8 @@ impl SlabSweep {
     }
 }
 
-/// Gauss points through the height, graded towards both faces down to the shortest decay length.
-pub(super) struct Grid {
-    height: f64,
-    position: Vec<f64>,
-    weight: Vec<f64>,
-}
-
-/// Ten-point Gauss-Legendre rule on [0, 1] (half of it; the rule is symmetric).
-const GAUSS_10: [(f64, f64); 5] = [
-    (0.148_874_338_981_631_2, 0.295_524_224_714_752_9),
-    (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
-    (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
-    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
-    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
-];
-
-impl Grid {
-    fn new(slab: &Slab, fastest: f64) -> Grid {
-        let edges = slab.panels(fastest);
-        let mut grid = Grid { height: slab.height, position: Vec::new(), weight: Vec::new() };
-        for pair in edges.windows(2) {
-            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for (node, weight) in GAUSS_10 {
-                for sign in [-1.0, 1.0] {
-                    grid.position.push(middle + sign * half * node);
-                    grid.weight.push(half * weight);
-                }
-            }
-        }
-        grid
-    }
-
-    /// Mean over the height.
-    pub(super) fn mean(&self, values: &[f64]) -> f64 {
-        self.weight.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>() / self.height
-    }
-
-    /// Integral of left times right over the height; the grid has a whole number of groups of two.
-    pub(super) fn integral(&self, left: &[f64], right: &[f64]) -> f64 {
-        let mut sum = [0.0; 2];
-        let groups = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
-        for ((weight, left), right) in groups {
-            sum[0] += weight[0] * left[0] * right[0];
-            sum[1] += weight[1] * left[1] * right[1];
-        }
-        sum[0] + sum[1]
-    }
-}
-
-/// A trial function: values and slopes at the grid points, and values at the two faces.
-struct TrialFunction {
-    value: Vec<f64>,
-    slope: Vec<f64>,
-    contact: f64,
-    base: f64,
-}
-
-impl TrialFunction {
-    fn combine(&mut self, factor: f64, other: &TrialFunction) {
-        for (mine, its) in self.value.iter_mut().zip(&other.value) {
-            *mine += factor * its;
-        }
-        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
-            *mine += factor * its;
-        }
-        self.contact += factor * other.contact;
-        self.base += factor * other.base;
-    }
-
-    fn scale(&mut self, factor: f64) {
-        self.value.iter_mut().chain(&mut self.slope).for_each(|value| *value *= factor);
-        self.contact *= factor;
-        self.base *= factor;
-    }
-}
-
 /// Eigenvalues and eigenvectors of the projected problem.
-pub(super) struct Eigen {
+struct Eigen {
     rates: DVector<f64>,
     vectors: DMatrix<f64>,
     /// Order of the columns, the slowest first.
@@ -194,91 +115,53 @@ pub(super) struct Eigen {
 }
 
 /// Trial functions, orthonormal in the capacity-weighted product.
-pub(super) struct Basis<'a> {
+struct Basis<'a> {
     slab: &'a Slab,
-    grid: &'a Grid,
-    functions: Vec<TrialFunction>,
+    points: &'a Points,
+    functions: Vec<Function>,
 }
 
 impl<'a> Basis<'a> {
-    fn new(slab: &'a Slab, grid: &'a Grid) -> Self {
-        Basis { slab, grid, functions: Vec::new() }
+    fn new(slab: &'a Slab, points: &'a Points) -> Self {
+        Basis { slab, points, functions: Vec::new() }
     }
 
     fn count(&self) -> usize {
         self.functions.len()
     }
 
-    fn function(&self, evaluate: impl Fn(f64) -> (f64, f64)) -> TrialFunction {
-        let values: Vec<(f64, f64)> = self.grid.position.iter().map(|&z| evaluate(z)).collect();
-        TrialFunction {
-            value: values.iter().map(|pair| pair.0).collect(),
-            slope: values.iter().map(|pair| pair.1).collect(),
-            contact: evaluate(0.0).0,
-            base: evaluate(self.slab.height).0,
-        }
-    }
-
-    /// Adds a function after orthogonalising it (twice is enough); drops it if it is linearly dependent.
-    fn add(&mut self, mut function: TrialFunction) {
-        let heat = |left: &TrialFunction, right: &TrialFunction| self.slab.heat(self.grid, &left.value, &right.value);
-        let before = heat(&function, &function).sqrt();
-        for _ in 0..2 {
-            for known in &self.functions {
-                let part = heat(known, &function);
-                function.combine(-part, known);
-            }
-        }
-        let norm = heat(&function, &function).sqrt();
-        if norm > 1e-7 * before {
-            function.scale(1.0 / norm);
-            self.functions.push(function);
-        }
-    }
-
-    /// Adds the stationary fields.
-    fn stationary(&mut self) {
-        for field in self.slab.stationary_fields() {
-            self.add(self.function(field));
-        }
-    }
-
-    /// Adds the response to a contact flux at the real frequency `shift`.
-    fn add_contact_response(&mut self, shift: f64) {
-        self.add(self.function(self.slab.contact_response(shift)));
-    }
-
-    /// Adds the response to the boundary value at the base at the real frequency `shift`.
-    fn add_base_response(&mut self, shift: f64) {
-        self.add(self.function(self.slab.base_response(shift)));
+    /// Adds a field, unless it depends on the others.
+    fn add(&mut self, field: impl Fn(f64) -> (f64, f64)) {
+        let product = |left: &[f64], right: &[f64]| self.slab.heat(self.points, left, right);
+        Function::new(self.points, field).join(&mut self.functions, product);
     }
 
     /// Load vectors of the four ports on a function: contact, cooling, ambient, flux into a base without prescribed temperature.
-    fn loads(&self, function: &TrialFunction) -> [f64; PORTS] {
+    fn loads(&self, function: &Function) -> [f64; PORTS] {
         let slab = self.slab;
-        let mean = self.grid.mean(&function.value);
+        let mean = self.points.mean(&function.value);
         let cooling = match slab.cooling {
             CoolingPort::Surface => function.contact,
             CoolingPort::Sides => mean,
         };
         let through_base = match slab.base {
-            FarBoundary::Convecting(transfer) => transfer * function.base,
+            FarBoundary::Convecting(transfer) => transfer * function.far,
             FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
         let ambient =
             slab.surface_transfer * function.contact + slab.volume_transfer * slab.height * mean + through_base;
-        let base = if slab.base == FarBoundary::Held { 0.0 } else { function.base };
+        let base = if slab.base == FarBoundary::Held { 0.0 } else { function.far };
         [function.contact, cooling, ambient, base]
     }
 
-    fn stiffness(&self, left: &TrialFunction, right: &TrialFunction) -> f64 {
+    fn stiffness(&self, left: &Function, right: &Function) -> f64 {
         let slab = self.slab;
         let through_base = match slab.base {
-            FarBoundary::Convecting(transfer) => transfer * left.base * right.base,
+            FarBoundary::Convecting(transfer) => transfer * left.far * right.far,
             FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
-        slab.conduction(self.grid, &left.slope, &right.slope)
-            + slab.volume_transfer * self.grid.integral(&left.value, &right.value)
+        slab.conduction(self.points, &left.slope, &right.slope)
+            + slab.volume_transfer * self.points.product(&left.value, &right.value)
             + slab.surface_transfer * left.contact * right.contact
             + through_base
     }
@@ -321,15 +204,9 @@ impl<'a> Basis<'a> {
 
     /// Body with these modes, the fastest one as a static correction.
     fn modes(&self, eigen: &Eigen) -> ReducedBody {
-        let modes: Vec<TrialFunction> = (eigen.order)
+        let modes: Vec<Function> = (eigen.order)
             .iter()
-            .map(|&index| {
-                let mut mode = self.function(|_| (0.0, 0.0));
-                for (function, &weight) in self.functions.iter().zip(eigen.vectors.column(index).iter()) {
-                    mode.combine(weight, function);
-                }
-                mode
-            })
+            .map(|&index| Function::sum(&self.functions, eigen.vectors.column(index).iter()))
             .collect();
         let lossless = self.is_lossless();
         let rates: Vec<f64> = modes
@@ -341,12 +218,12 @@ impl<'a> Basis<'a> {
         self.assemble(&modes, &rates)
     }
 
-    fn assemble(&self, modes: &[TrialFunction], rates: &[f64]) -> ReducedBody {
+    fn assemble(&self, modes: &[Function], rates: &[f64]) -> ReducedBody {
         let slab = self.slab;
         let kept = (modes.len() - 1).max(1);
         let lossless = self.is_lossless();
         let lift = BaseField::new(slab, 0.0);
-        let lifted: Vec<f64> = self.grid.position.iter().map(|&z| lift.at(z)).collect();
+        let lifted: Vec<f64> = self.points.position.iter().map(|&z| lift.at(z)).collect();
         let mut body = ReducedBody {
             count: kept,
             rate: [0.0; MAX_STATES],
@@ -367,7 +244,7 @@ impl<'a> Basis<'a> {
         body.contact_temperature.direct[base] = lift.at(0.0);
         // Heat of the stationary field, less that of the states: it enters and leaves with the base temperature itself, through the base, so
         // it is not part of the flow determined by the balance.
-        body.stored.direct[base] = slab.heat_of(self.grid, &lifted);
+        body.stored.direct[base] = slab.heat_of(self.points, &lifted);
         body.base_temperature.direct[base] = lift.at(slab.height);
         body.mean_temperature.direct[base] = lift.mean();
         body.cooled_temperature.direct[base] = match slab.cooling {
@@ -380,10 +257,10 @@ impl<'a> Basis<'a> {
         for (k, (mode, &rate)) in modes.iter().zip(rates).enumerate() {
             let mut loads = self.loads(mode);
             // Orthogonal to the uniform temperature where that is a mode.
-            let mean = if lossless && k > 0 { 0.0 } else { self.grid.mean(&mode.value) };
-            let heat = if lossless && k > 0 { 0.0 } else { slab.heat_of(self.grid, &mode.value) };
+            let mean = if lossless && k > 0 { 0.0 } else { self.points.mean(&mode.value) };
+            let heat = if lossless && k > 0 { 0.0 } else { slab.heat_of(self.points, &mode.value) };
             let lag = slab.lag(rate);
-            let projection = lag * slab.heat(self.grid, &mode.value, &lifted);
+            let projection = lag * slab.heat(self.points, &mode.value, &lifted);
             if lift.held {
                 loads[base] = rate * projection;
             } else if lag < 1.0 {
@@ -396,7 +273,7 @@ impl<'a> Basis<'a> {
             let observed = [
                 (&mut body.contact_temperature, mode.contact),
                 (&mut body.cooled_temperature, loads[Port::Cooling as usize]),
-                (&mut body.base_temperature, mode.base * lag),
+                (&mut body.base_temperature, mode.far * lag),
                 (&mut body.mean_temperature, mean),
                 (&mut body.ambient_flow, flow),
             ];

@@ -5,13 +5,14 @@
 use super::across::{Across, Sides, Wave};
 use super::bands::{Product, bands};
 use super::depth::Depth;
-use super::galerkin::{Points, Shape, lag};
+use super::galerkin::{Shape, lag};
 use super::shift_selection::Selection;
 use super::steady::{SteadyBeyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::line::contact_parts::PARTS;
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
+use crate::trial_functions::Points;
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use scene::FarBoundary;

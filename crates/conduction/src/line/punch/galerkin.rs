@@ -5,6 +5,7 @@
 
 use super::depth::Depth;
 use crate::reduced::lagging;
+use crate::trial_functions::{Function, Points};
 use nalgebra::DMatrix;
 use numerics::factorization;
 use numerics::grading::towards_face;
@@ -23,46 +24,11 @@ pub(super) fn lag(depth: &Depth, shape: &Shape) -> f64 {
     lagging(shape.rate_through_height, [first, second])
 }
 
-/// Points through the height: a quadrature that resolves every trial function, then extra points at which values of the
-/// functions are needed.
-#[derive(Clone, Debug)]
-pub(super) struct Points {
-    position: Vec<f64>,
-    weight: Vec<f64>,
-}
-
-/// Points of every panel of the quadrature.
-const PANEL: usize = 10;
-
-impl Points {
-    /// Points for decays up to `steepest`, with the extra points `extra`.
-    pub(crate) fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
-        let mut edges = towards_face(1.0 / steepest, height, 3.0);
-        edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
-        let rule = elasticity::block::lobatto::gauss_legendre(PANEL);
-        let mut points = Points { position: Vec::new(), weight: Vec::new() };
-        for pair in edges.windows(2) {
-            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for &(node, weight) in &rule {
-                points.position.push(middle + half * node);
-                points.weight.push(half * weight);
-            }
-        }
-        points.position.extend(extra);
-        points
-    }
-
-    /// Integral of left times right over the height.
-    fn product(&self, left: &[f64], right: &[f64]) -> f64 {
-        // Two running sums for vector instructions; the ten points of a panel come in pairs.
-        let mut sum = [0.0; 2];
-        let pairs = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
-        for ((weight, left), right) in pairs {
-            sum[0] += weight[0] * left[0] * right[0];
-            sum[1] += weight[1] * left[1] * right[1];
-        }
-        sum[0] + sum[1]
-    }
+/// Points for decays up to `steepest` (1/m) through a body of this height, with the extra points `extra`.
+pub(super) fn points(height: f64, steepest: f64, extra: &[f64]) -> Points {
+    let mut ends = towards_face(1.0 / steepest, height, 3.0);
+    ends.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
+    Points::new(&ends, extra)
 }
 
 /// Eigenvalues (ascending, at least 0) and eigenvectors of a conduction matrix. The slower half is that of the inverse: rounding of
@@ -86,39 +52,6 @@ fn decaying(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     }
     rates.iter_mut().for_each(|rate| *rate = rate.max(0.0));
     (rates, vectors)
-}
-
-/// Values and slopes of a function at the points, and its values at contact and top.
-#[derive(Clone, Debug)]
-struct Function {
-    value: Vec<f64>,
-    slope: Vec<f64>,
-    contact: f64,
-    top: f64,
-}
-
-impl Function {
-    fn new(height: f64, points: &Points, evaluate: impl Fn(f64) -> (f64, f64)) -> Function {
-        let (value, slope) = points.position.iter().map(|&z| evaluate(z)).unzip();
-        Function { value, slope, contact: evaluate(0.0).0, top: evaluate(height).0 }
-    }
-
-    fn add(&mut self, factor: f64, other: &Function) {
-        for (mine, its) in self.value.iter_mut().zip(&other.value) {
-            *mine += factor * its;
-        }
-        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
-            *mine += factor * its;
-        }
-        self.contact += factor * other.contact;
-        self.top += factor * other.top;
-    }
-
-    fn scale(&mut self, factor: f64) {
-        self.value.iter_mut().chain(&mut self.slope).for_each(|value| *value *= factor);
-        self.contact *= factor;
-        self.top *= factor;
-    }
 }
 
 /// One decaying shape (Ritz mode) through the height; `C integral Z^2 dz = 1`.
@@ -178,7 +111,7 @@ impl Basis {
             for kappa in HELD_DECAYS.map(|part| part / h) {
                 self.add(
                     points,
-                    Function::new(h, points, |z| {
+                    Function::new(points, |z| {
                         // cosh(kappa z)/cosh(kappa h), and sinh(kappa z) over the same.
                         let (way, back) = ((kappa * (z - h)).exp(), (-2.0 * kappa * z).exp());
                         let whole = 1.0 + (-2.0 * kappa * h).exp();
@@ -191,13 +124,13 @@ impl Basis {
         self.add_uniform(points);
         if !self.depth.has_steady_state(self.decay) {
             // Quasi-steady profile of a constant flux while the mean temperature rises linearly.
-            self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
+            self.add(points, Function::new(points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
         }
         if self.depth.driven_top {
             if self.depth.has_steady_state(self.decay) {
                 self.add_from_top(points, self.decay);
             } else {
-                self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
+                self.add(points, Function::new(points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
             }
             for decay in TOP_DECAYS {
                 self.add_from_top(points, self.decay.hypot(decay / h));
@@ -208,7 +141,7 @@ impl Basis {
     /// Adds the uniform temperature through the height, the first function.
     pub(crate) fn add_uniform(&mut self, points: &Points) {
         self.has_uniform = true;
-        self.add(points, Function::new(self.depth.height, points, |_| (1.0, 0.0)));
+        self.add(points, Function::new(points, |_| (1.0, 0.0)));
     }
 
     /// Whether the uniform temperature is a trial function.
@@ -218,34 +151,24 @@ impl Basis {
 
     fn add_from_top(&mut self, points: &Points, kappa: f64) {
         let field = self.depth.driven_from_top(kappa);
-        self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
+        self.add(points, Function::new(points, |z| field.at(z)));
     }
 
     /// Adds the response to a contact flux at the real rate `rate`, 1/s; false if it is linearly dependent.
     pub(crate) fn add_response(&mut self, points: &Points, rate: f64) -> bool {
         let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
         let profile = self.depth.profile(kappa);
-        self.add(points, Function::new(self.depth.height, points, profile))
+        self.add(points, Function::new(points, profile))
     }
 
-    /// Adds a function after orthogonalising it (twice is enough); false if it is linearly dependent.
-    fn add(&mut self, points: &Points, mut function: Function) -> bool {
+    /// Adds a function after orthogonalising it; false if it is linearly dependent.
+    fn add(&mut self, points: &Points, function: Function) -> bool {
         let capacity = self.depth.capacity;
-        let before = (capacity * points.product(&function.value, &function.value)).sqrt();
-        for _ in 0..2 {
-            for known in &self.functions {
-                let part = capacity * points.product(&known.value, &function.value);
-                function.add(-part, known);
-            }
+        let joined = function.join(&mut self.functions, |left, right| capacity * points.product(left, right));
+        if joined {
+            self.project(points);
         }
-        let norm = (capacity * points.product(&function.value, &function.value)).sqrt();
-        if norm.is_nan() || norm <= 1e-7 * before {
-            return false;
-        }
-        function.scale(1.0 / norm);
-        self.functions.push(function);
-        self.project(points);
-        true
+        joined
     }
 
     /// Completes the reduced conduction matrix by its last row and solves the eigenvalue problem for the decaying shapes.
@@ -259,7 +182,7 @@ impl Basis {
             // The uniform temperature has no slope; this removes its rounding error.
             let inside = if i == 0 && self.has_uniform { 0.0 } else { points.product(&other.slope, &newest.slope) };
             let entry = self.depth.conductivity * inside
-                + transfer * other.top * newest.top
+                + transfer * other.far * newest.far
                 + self.depth.face * other.contact * newest.contact;
             self.stiffness[(i, last)] = entry;
             self.stiffness[(last, i)] = entry;
@@ -295,29 +218,17 @@ impl Basis {
         let quadrature = points.weight.len();
         (self.residues().enumerate())
             .map(|(k, (rate, contact))| {
-                let mut values = vec![0.0; points.position.len()];
-                let mut top = 0.0;
-                for (i, function) in self.functions.iter().enumerate() {
-                    let part = self.vectors[(i, k)];
-                    top += part * function.top;
-                    for (value, its) in values.iter_mut().zip(&function.value) {
-                        *value += part * its;
-                    }
-                }
+                let mut shape = Function::sum(&self.functions, self.vectors.column(k).iter());
                 // Orthogonal to the uniform temperature where that is a shape of its own.
                 let uniform = self.has_uniform && self.depth.top == FarBoundary::Insulated && self.depth.face == 0.0;
-                let integral = if uniform && k > 0 {
-                    0.0
-                } else {
-                    values.iter().zip(&points.weight).map(|(value, weight)| value * weight).sum()
-                };
+                let integral = if uniform && k > 0 { 0.0 } else { points.integral(&shape.value) };
                 Shape {
                     rate,
                     rate_through_height: self.rates[k],
                     contact,
-                    top,
+                    top: shape.far,
                     integral,
-                    extra: values.split_off(quadrature),
+                    extra: shape.value.split_off(quadrature),
                 }
             })
             .collect()
@@ -339,7 +250,7 @@ mod tests {
             face: 0.0,
             driven_top: false,
         };
-        let points = Points::new(0.1, 1e5, &[]);
+        let points = points(0.1, 1e5, &[]);
         let mut basis = Basis::new(depth, 0.0);
         basis.add_means(&points);
         for rate in [0.0, 0.01, 1.0, 1e2, 1e4] {

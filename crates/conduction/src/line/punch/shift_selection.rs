@@ -18,8 +18,9 @@
 use super::across::{Across, Sides, Wave};
 use super::bands::Spread;
 use super::depth::Depth;
-use super::galerkin::{Basis, Points};
+use super::galerkin::Basis;
 use crate::slab::principal_root;
+use crate::trial_functions::Points;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
 use scene::FarBoundary;
