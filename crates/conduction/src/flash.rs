@@ -117,7 +117,8 @@ impl Flash {
     /// Reduces `source` on decay rates from .3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in [`MAX_FLASH_STATES`] states: steps take
     /// that many abreast, so that fewer would save nothing. Fewer remain where the rates are too close to each other.
     pub fn new(source: &MovingSource, duration: f64, tolerance: f64) -> Flash {
-        let diffusivity = source.slab().diffusivity();
+        let [conductivity, capacity] = source.slab().spreading();
+        let diffusivity = conductivity / capacity;
         let own = diffusivity / source.half_length().powi(2);
         // Slower decays than these (over the duration, or over the contact's own diffusion time along the path) have no effect.
         let slowest = (0.3 / duration).max(1e-6 * own);

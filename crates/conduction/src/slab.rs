@@ -106,9 +106,14 @@ const HALF_PLANE: f64 = 18.0;
 type Field = Box<dyn Fn(f64) -> (f64, f64)>;
 
 impl Slab {
-    /// Thermal diffusivity, m2/s.
+    /// Thermal diffusivity of the contact face, m2/s.
     pub(crate) fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
+    }
+
+    /// Conductivity (W/(m K)) and capacity (J/(m3 K)) of where heat spreads fastest along the slab.
+    pub(crate) fn spreading(&self) -> [f64; 2] {
+        [self.conductivity, self.capacity]
     }
 
     /// Exact temperature of the contact face per uniform heat flux into it, K m2/W, at the complex

@@ -256,8 +256,8 @@ impl<'a> Basis<'a> {
         body.ambient_flow.direct[ambient] = -(slab.surface_transfer + slab.volume_transfer * slab.height);
         for (k, (mode, &rate)) in modes.iter().zip(rates).enumerate() {
             let mut loads = self.loads(mode);
+            let mean = self.points.mean(&mode.value);
             // Orthogonal to the uniform temperature where that is a mode.
-            let mean = if lossless && k > 0 { 0.0 } else { self.points.mean(&mode.value) };
             let heat = if lossless && k > 0 { 0.0 } else { slab.heat_of(self.points, &mode.value) };
             let lag = slab.lag(rate);
             let projection = lag * slab.heat(self.points, &mode.value, &lifted);

@@ -127,8 +127,9 @@ impl StripProperties {
     /// at a tolerance of 1e-2, and 0.2 % at 1e-3.
     pub(super) fn period(&self, width: f64, resolution: &Resolution) -> (f64, f64) {
         let Resolution { duration, travel, tolerance, .. } = *resolution;
-        let Slab { height, conductivity, surface_transfer: convection, .. } = self.slab;
-        let mut reach = (self.slab.diffusivity() * duration).sqrt();
+        let Slab { height, surface_transfer: convection, .. } = self.slab;
+        let [conductivity, capacity] = self.slab.spreading();
+        let mut reach = (conductivity / capacity * duration).sqrt();
         if convection > 0.0 {
             reach = reach.min((conductivity * height / convection).sqrt());
         }
@@ -145,7 +146,7 @@ impl StripProperties {
             _ => {
                 let spread = -4.0 * tolerance.ln();
                 let resting = reach * spread.sqrt();
-                let sliding = spread * conductivity / self.slab.capacity * duration / travel;
+                let sliding = spread * conductivity / capacity * duration / travel;
                 let margin = 0.5 * (sliding + (sliding * (sliding + 4.0 * width)).sqrt());
                 (2.0 * (width + resting).max(2.0 * (width + margin.min(resting))), f64::INFINITY)
             }
