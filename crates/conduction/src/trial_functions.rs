@@ -80,13 +80,16 @@ impl Function {
         sum
     }
 
+    /// Values at the points of the sum of the functions times these factors.
+    pub(crate) fn sum_of_values<'a>(functions: &[Function], factors: impl Iterator<Item = &'a f64>) -> Vec<f64> {
+        let mut values = vec![0.0; functions[0].value.len()];
+        functions.iter().zip(factors).for_each(|(function, &factor)| add(&mut values, factor, &function.value));
+        values
+    }
+
     fn add(&mut self, factor: f64, other: &Function) {
-        for (mine, its) in self.value.iter_mut().zip(&other.value) {
-            *mine += factor * its;
-        }
-        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
-            *mine += factor * its;
-        }
+        add(&mut self.value, factor, &other.value);
+        add(&mut self.slope, factor, &other.slope);
         self.contact += factor * other.contact;
         self.far += factor * other.far;
     }
@@ -115,4 +118,9 @@ impl Function {
         others.push(self);
         true
     }
+}
+
+/// Adds `factor` times the values of `other`.
+fn add(values: &mut [f64], factor: f64, other: &[f64]) {
+    values.iter_mut().zip(other).for_each(|(value, other)| *value += factor * other);
 }

@@ -218,17 +218,19 @@ impl Basis {
         let quadrature = points.weight.len();
         (self.residues().enumerate())
             .map(|(k, (rate, contact))| {
-                let mut shape = Function::sum(&self.functions, self.vectors.column(k).iter());
+                let factors = self.vectors.column(k);
+                let mut values = Function::sum_of_values(&self.functions, factors.iter());
+                let top = self.functions.iter().zip(&factors).map(|(function, factor)| factor * function.far).sum();
                 // Orthogonal to the uniform temperature where that is a shape of its own.
                 let uniform = self.has_uniform && self.depth.top == FarBoundary::Insulated && self.depth.face == 0.0;
-                let integral = if uniform && k > 0 { 0.0 } else { points.integral(&shape.value) };
+                let integral = if uniform && k > 0 { 0.0 } else { points.integral(&values) };
                 Shape {
                     rate,
                     rate_through_height: self.rates[k],
                     contact,
-                    top: shape.far,
+                    top,
                     integral,
-                    extra: shape.value.split_off(quadrature),
+                    extra: values.split_off(quadrature),
                 }
             })
             .collect()
