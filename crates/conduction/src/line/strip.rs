@@ -135,10 +135,11 @@ impl StripHeat {
         dense::multiply_add(weights.current_response().feedthrough.as_slice(), &scratch.seen, distortion);
     }
 
-    /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before
-    /// the tail of the state.
-    fn rates_given_back(&self) -> usize {
-        self.operators.robin_correction.as_ref().map_or(0, |_| RANK)
+    /// Place of the Robin correction in the state: its rates of change over the last step, W/(m2 s) by polynomial, and the
+    /// projected temperature that drives it.
+    fn given_back(&self) -> std::ops::Range<usize> {
+        let first = self.lagged().end;
+        first..first + self.operators.robin_correction.as_ref().map_or(0, |_| 2 * RANK)
     }
 
     /// Number of Fourier modes, and of interpolation nodes in the velocity table.
@@ -204,22 +205,22 @@ impl StripHeat {
     fn held_fluxes(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let given = self.mean_flux(flux, self.free_cooling(surroundings));
-        if operators.robin_correction.is_none() {
-            return [given, 0.0];
-        }
-        let observed = &operators.mean.contact_temperature;
-        let level = self.held_mean(state) + self.held_background(observed, state, surroundings, given);
-        // The Robin correction raises the temperature that drives it, through the static correction of the mean mode.
+        let Some(robin_correction) = &operators.robin_correction else { return [given, 0.0] };
         let covered = 1.0 - operators.free_length / operators.length;
-        let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
-        let returned = operators.convection * (level - surroundings.end.ambient) / (1.0 - feedback);
+        let returned = self.held_amounts(state, surroundings)[0] / robin_correction.unit[0];
         [given + covered * returned, returned]
     }
 
-    /// Mean temperature of the modes over the contact at frozen state.
-    fn held_mean(&self, state: &[f64]) -> f64 {
-        let (re, _) = self.operators.wave_states(state);
-        state_layout::dot(&self.operators.contact_mean, re)
+    /// Polynomial coefficients of the Robin correction at frozen state, W/m2.
+    fn held_amounts(&self, state: &[f64], surroundings: &Surroundings) -> [f64; RANK] {
+        let mut amounts = [0.0; RANK];
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let levels = state[self.given_back()][RANK..].iter().zip(&robin_correction.unit);
+            for (amount, (level, unit)) in amounts.iter_mut().zip(levels) {
+                *amount = self.operators.convection * (level - unit * surroundings.end.ambient);
+            }
+        }
+        amounts
     }
 
     /// Observation of the mean mode under the contact at frozen state: on an open path without the heat that the
@@ -307,7 +308,7 @@ impl ThermalBody for StripHeat {
         work: &mut Workspace,
     ) {
         let operators = &*self.operators;
-        let (mean, tail) = (operators.mean_states(), before.len() - TAIL - self.rates_given_back());
+        let (mean, tail) = (operators.mean_states(), self.given_back().start);
         after[..mean].copy_from_slice(&before[..mean]);
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);
@@ -339,7 +340,7 @@ impl Observed for StripHeat {
     }
 
     fn states(&self) -> usize {
-        self.lagged().end + self.rates_given_back() + TAIL
+        self.given_back().end + TAIL
     }
 
     fn workspace(&self) -> Workspace {
@@ -353,6 +354,10 @@ impl Observed for StripHeat {
             state[k] = mean.uniform[k % mean.count] * rise;
         }
         // The heat balance starts from states of 0, so the initial heat is booked as received through the contact.
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let levels = state[self.given_back()][RANK..].iter_mut().zip(&robin_correction.unit);
+            levels.for_each(|(level, unit)| *level = unit * rise);
+        }
         let tail = state.len() - TAIL;
         if self.operators.held {
             state[tail + 3] = rise;
@@ -382,10 +387,14 @@ impl Observed for StripHeat {
         self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
-        let Scratch { amplitude, response, .. } = &mut *scratch;
+        let Scratch { amplitude, response, total, frozen, .. } = &mut *scratch;
         operators.observe_one(amplitude, &mut response[0], level, temperature);
-        operators.table.respond(0, velocity, &mut scratch.frozen);
-        dense::multiply_add(scratch.frozen.as_slice(), flux, temperature);
+        operators.table.respond(0, velocity, frozen);
+        total.iter_mut().zip(flux).for_each(|(total, flux)| *total = flux - surroundings.end.cooling);
+        if let Some(robin_correction) = &operators.robin_correction {
+            robin_correction.lift(&self.held_amounts(state, surroundings), total);
+        }
+        dense::multiply_add(frozen.as_slice(), total, temperature);
     }
 
     fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {

@@ -10,7 +10,7 @@ use super::stage_response::RANK;
 use super::state_layout::{Carrier, Parts, add_products, carry, observe};
 use super::step::OWN;
 use super::step::StageWeights;
-use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
+use super::{AMBIENT, BASE, CONTACT, StripHeat};
 use crate::line::{BESIDE, Boundary, FACES, FaceInfluence, GAMMA, Stage, Surroundings};
 use crate::reduced::Observation;
 use numerics::dense;
@@ -20,7 +20,7 @@ impl StripHeat {
     /// of the first stage: it is linear in time like the fluxes of the contact, with the slope of the step before.
     pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
         if let Some(robin_correction) = &self.operators.robin_correction {
-            let rates = &state[state.len() - TAIL - RANK..state.len() - TAIL];
+            let (rates, _) = state[self.given_back()].split_at(RANK);
             let back = -GAMMA * self.step.length;
             robin_correction.lift(&std::array::from_fn(|degree| back * rates[degree]), &mut scratch.first);
         }
@@ -133,14 +133,15 @@ impl StripHeat {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
         let mut levels = self.known_levels(scratch, state, surroundings, stage);
-        let mut own = 0.0;
+        let (mut own, mut amounts) = (0.0, [0.0; RANK]);
         if let Some(robin_correction) = &operators.robin_correction {
             scratch.end.fill(0.0);
             let (projected, ambient) = (&scratch.projected[stage as usize], surroundings.at(stage).ambient);
-            let amounts = robin_correction.amounts(weights.current_response(), projected, ambient, &scratch.end);
+            amounts = robin_correction.amounts(weights.current_response(), projected, ambient, &scratch.end);
             own = self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
         self.observe(scratch, levels, [&mut *temperature, distortion]);
+        self.add_direct(stage, (&amounts, 0.0), temperature);
         // On an open path the air acts on the material that arrives: the heat left behind does not return.
         let fluxes = [self.mean_flux(&scratch.first, 0.0), own].map(|flux| operators.remembered() * flux);
         let mean = &operators.mean;
@@ -153,6 +154,15 @@ impl StripHeat {
                 + observed.direct[BASE] * around.far
         });
         [self.beside(everywhere, temperature), base]
+    }
+
+    /// Adds the direct feedthrough of the Robin correction with the coefficients `amounts` and of a uniform flux, W/m2.
+    fn add_direct(&self, stage: Stage, (amounts, uniform): (&[f64; RANK], f64), temperature: &mut [f64]) {
+        let [direct, by_uniform] = self.step.stage(stage).current_response().direct();
+        if !direct.is_empty() {
+            dense::multiply_add(direct, amounts, temperature);
+        }
+        dense::multiply_add(by_uniform, &[uniform], temperature);
     }
 
     /// Mean temperature of the surface beside the contact, from that of the whole surface and those of the cells.
@@ -201,11 +211,16 @@ impl StripHeat {
         scratch.amplitude.iter_mut().chain(&mut scratch.moved).for_each(|part| part.fill(0.0));
         operators.transform(by_cell, &mut scratch.fold, &mut scratch.heat_end);
         self.add_own_flux(scratch, stage, entering, &mut levels);
+        let mut amounts = [0.0; RANK];
         if let Some(robin_correction) = &operators.robin_correction {
-            let amounts = RobinCorrection::solution(response, &self.project(robin_correction, scratch, levels[0]));
+            let mut driving = self.project(robin_correction, scratch, levels[0]);
+            let directly = robin_correction.project_cells(response.direct()[1]);
+            driving.iter_mut().zip(directly).for_each(|(driving, direct)| *driving += covered * direct);
+            amounts = RobinCorrection::solution(response, &driving);
             entering += self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
         self.observe(scratch, levels, [&mut *temperature, distortion]);
+        self.add_direct(stage, (&amounts, covered), temperature);
         entering *= operators.remembered();
         let whole = |observed| {
             self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
@@ -242,11 +257,15 @@ impl StripHeat {
         self.effective(scratch, surroundings, Stage::End, contact[1]);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
         self.keep_account(scratch, state, surroundings, contact, fluxes);
-        if operators.robin_correction.is_some() {
-            let ([first, end], tail) = (&scratch.returned, state.len() - TAIL);
+        if let Some(robin_correction) = &operators.robin_correction {
+            let [first, end] = &scratch.returned;
+            let (rates, levels) = state[self.given_back()].split_at_mut(RANK);
             let per_change = 1.0 / ((1.0 - GAMMA) * self.step.length);
-            let rates = state[tail - RANK..tail].iter_mut().zip(first.iter().zip(end));
-            rates.for_each(|(rate, (first, end))| *rate = per_change * (end - first));
+            let changes = rates.iter_mut().zip(first.iter().zip(end));
+            changes.for_each(|(rate, (first, end))| *rate = per_change * (end - first));
+            let (ambient, levels) =
+                (surroundings.end.ambient, levels.iter_mut().zip(end.iter().zip(&robin_correction.unit)));
+            levels.for_each(|(level, (end, unit))| *level = end / operators.convection + unit * ambient);
         }
         operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
         let weights = &self.step.end;

@@ -58,7 +58,7 @@ impl IntervalWorkspace {
 }
 
 impl Interval<'_> {
-    /// Stage response for a velocity that is linear over the interval.
+    /// Stage response for a velocity that is linear over the interval, without direct feedthrough and Robin correction.
     pub(crate) fn respond(
         &self,
         operators: &StripOperators,
@@ -66,7 +66,7 @@ impl Interval<'_> {
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
-        self.respond_open(operators, velocity, workspace, response);
+        self.weigh(operators, velocity, workspace, response);
         let IntervalWorkspace { nodes, influence: [warm, moved], .. } = workspace;
         for (influence, own) in [&mut *warm, &mut *moved].into_iter().zip(response.own().chunks_exact(2)) {
             let parts = own[0].iter().zip(own[1]).zip(&operators.weight);
@@ -78,7 +78,7 @@ impl Interval<'_> {
         self.assemble(operators, workspace, response);
     }
 
-    /// The same without the influence on the cells, for an open contact.
+    /// Weights and Robin correction of an open contact, which needs no influence on the cells.
     pub(crate) fn respond_open(
         &self,
         operators: &StripOperators,
@@ -104,25 +104,32 @@ impl Interval<'_> {
         level * operators.remembered() * distortion / operators.length
     }
 
-    /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
+    /// Influence matrices from the mode responses and the mean mode, and those on the polynomials of the Robin correction.
     pub(crate) fn assemble(
         &self,
         operators: &StripOperators,
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {
-        let IntervalWorkspace { nodes, slow, robin, .. } = workspace;
+        let IntervalWorkspace { nodes, slow, .. } = workspace;
         let levels = [0, 1].map(|moving| self.level(operators, moving));
         operators.distance_sum.set(nodes, &operators.widths, levels, slow);
         let (SurfaceInfluence { temperature, distortion }, parts) = response.gains_and_parts();
-        for (slow, gain) in slow.iter().zip([&mut *temperature, &mut *distortion]).filter(|(slow, _)| !slow.is_empty())
-        {
+        let responses = slow.iter().zip([temperature, distortion]).zip(parts.by_modes);
+        for ((slow, gain), lifted) in responses.filter(|((slow, _), _)| !slow.is_empty()) {
             gain.copy_from(slow);
+            if let Some(robin_correction) = &operators.robin_correction {
+                robin_correction.lift_by(slow.as_slice(), lifted);
+            }
         }
+    }
+
+    /// Completes a response to which the direct feedthrough has been added by its Robin correction.
+    pub(crate) fn close(operators: &StripOperators, workspace: &mut IntervalWorkspace, response: &mut StageResponse) {
         if let Some(robin_correction) = &operators.robin_correction {
-            let distortion = if operators.expands { distortion.as_mut_slice() } else { &mut [] };
-            let slow = slow.each_ref().map(|slow| slow.as_slice());
-            robin_correction.close(slow, [temperature.as_mut_slice(), distortion], parts, robin);
+            let (influence, parts) = response.gains_and_parts();
+            let distortion = if operators.expands { influence.distortion.as_mut_slice() } else { &mut [] };
+            robin_correction.close([influence.temperature.as_mut_slice(), distortion], parts, &mut workspace.robin);
         }
     }
 

@@ -66,8 +66,6 @@ pub(crate) struct StripOperators {
     /// Observation matrices of the real and imaginary amplitudes, the even and odd parts on the cells: (N + 1)/2 rows,
     /// one column per mode.
     pub seen: [Vec<f64>; 2],
-    /// Mean temperature over the contact per real part of each state.
-    pub contact_mean: Vec<f64>,
     pub error: f64,
 }
 
@@ -157,7 +155,6 @@ impl StripOperators {
             table,
             robin_correction: None,
             seen: Default::default(),
-            contact_mean: Vec::new(),
             error: reduction.error,
             numbers: waves.iter().map(|wave| wave.number).collect(),
             waves,
@@ -169,13 +166,6 @@ impl StripOperators {
             let sign = [1.0, -1.0][part];
             columns.flat_map(|(column, weight)| column.iter().map(move |shape| sign * weight * shape)).collect()
         });
-        operators.contact_mean = vec![0.0; operators.rate.len()];
-        for wave in 0..operators.waves.len() {
-            let mean = operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width;
-            for k in of_mode(&operators.state_layout, wave) {
-                operators.contact_mean[k] = mean * operators.temperature[k];
-            }
-        }
         if slab.surface_transfer > 0.0 {
             operators.robin_correction =
                 Some(RobinCorrection::new(cells, slab.surface_transfer, &operators.weight, |wave, polynomial| {

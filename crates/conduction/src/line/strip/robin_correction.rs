@@ -1,9 +1,9 @@
 //! Robin correction of the strip under the contact.
 //!
 //! The modes have the convection of the free surface on the whole top. Under the contact there is none: fluxes
-//! `H0 (T - T_ambient)` into the cells cancel it, T being the temperature of the modes. They are taken in a space of
-//! polynomials over the contact, which resolves both the smooth temperatures of a wide zone and the heat itself; the
-//! linear system per stage has the dimension of that space:
+//! `H0 (T - T_ambient)` into the cells cancel it, T being the whole temperature, G the response of modes and direct feedthrough
+//! together. They are taken in a space of polynomials over the contact, which resolves both the smooth temperatures of a wide
+//! zone and the heat itself; the linear system per stage has the dimension of that space:
 //!
 //! ```text
 //! y = H0 V'W (T - T_ambient),   T = B + G (q + V y)   =>   (1 - H0 V'W G V) y = H0 V'W (B + G q - T_ambient)
@@ -39,11 +39,11 @@ pub(crate) struct RobinCorrection {
 const HALF: usize = RANK / 2;
 const PRODUCTS: usize = HALF * HALF;
 
-/// Workspace of the influence with the Robin correction: response of the modes to the polynomials V, of temperature and distortion,
-/// and what it gives back for a flux into each cell.
+/// Workspace of the influence with the Robin correction: temperature response to the polynomials V, and what it gives back for a flux
+/// into each cell.
 #[derive(Clone, Debug)]
 pub(crate) struct RobinWorkspace {
-    lifted: [Vec<f64>; 2],
+    lifted: Vec<f64>,
     returned: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ impl RobinWorkspace {
     /// For `count` cells.
     pub(crate) fn new(count: usize) -> RobinWorkspace {
         let zeros = || vec![0.0; RANK * count];
-        RobinWorkspace { lifted: [zeros(), zeros()], returned: zeros() }
+        RobinWorkspace { lifted: zeros(), returned: zeros() }
     }
 }
 
@@ -187,63 +187,85 @@ impl RobinCorrection {
         }
     }
 
-    /// Computes the solution of a stage, and V'W G for even fluxes, from the response of the modes to its own flux; `level`: of the mean
-    /// mode, per heat.
+    /// Computes the solution of a stage, and V'W G for even fluxes, from the response of the modes to its own flux and the direct
+    /// feedthrough; `level`: of the mean mode, per heat.
     pub(crate) fn solve(&self, level: f64, parts: Parts<'_>) {
-        let Parts { own: [own_re, own_im, ..], response, solution, .. } = parts;
+        let Parts { own: [own_re, own_im, ..], response, solution, direct, .. } = parts;
         let (mut same, mut mixed) = ([0.0; 2 * PRODUCTS], [0.0; PRODUCTS]);
         dense::multiply_add(&self.by_real, own_re, &mut same);
         dense::multiply_add(&self.by_imaginary, own_im, &mut mixed);
         same[0] += level * self.unit[0] * self.unit[0];
-        // Without a polynomial of a degree its row and column are those of the unit matrix.
-        let mut matrix = IDENTITY;
+        // V'W G V; without a polynomial of a degree its row and column are 0.
+        let mut gain = [[0.0; RANK]; RANK];
+        for (b, column) in direct.chunks_exact(self.widths.len()).enumerate() {
+            gain.iter_mut().zip(self.project_cells(column)).for_each(|(row, projected)| row[b] = projected);
+        }
         for (k, (even, (odd, mixed))) in same[..PRODUCTS].iter().zip(same[PRODUCTS..].iter().zip(&mixed)).enumerate() {
             let (a, b) = (2 * (k % HALF), 2 * (k / HALF));
-            matrix[a][b] -= self.transfer * even;
-            matrix[a + 1][b + 1] -= self.transfer * odd;
+            gain[a][b] += even;
+            gain[a + 1][b + 1] += odd;
             // A polynomial of odd degree gives an imaginary amplitude.
-            matrix[a + 1][b] -= self.transfer * mixed;
-            matrix[b][a + 1] += self.transfer * mixed;
+            gain[a + 1][b] += mixed;
+            gain[b][a + 1] -= mixed;
         }
         // Where no cell exchanges heat, the flux into the cells is even.
         let (columns, _) = response.as_chunks_mut::<RANK>();
         for (column, (even, width)) in columns.iter_mut().zip(self.polynomials.iter().zip(&self.widths)) {
-            *column = std::array::from_fn(|a| even * width * if a % 2 == 0 { same[a / 2] } else { mixed[a / 2] });
+            *column = gain.map(|row| even * width * row[0]);
         }
-        let inverse = inverse(matrix);
-        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
-            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
-        }
+        self.set_solution(&gain, solution);
     }
 
-    /// Computes V'W G of a stage whose modes have the influence matrices `slow` (N x N: temperature, distortion; the latter may be
-    /// empty), and adds the response by way of the correction to `influence`.
+    /// Sets `lifted` to the responses to the polynomials V by an influence matrix, N x N.
+    pub(crate) fn lift_by(&self, influence: &[f64], lifted: &mut [f64]) {
+        lifted.fill(0.0);
+        let count = self.widths.len();
+        dense::multiply_add_columns(influence, &self.polynomials, &mut lifted[..self.polynomials.len()], count);
+    }
+
+    /// V'W of values on the cells.
+    pub(crate) fn project_cells(&self, values: &[f64]) -> [f64; RANK] {
+        let mut projected = [0.0; RANK];
+        for (own, polynomial) in projected.iter_mut().zip(self.polynomials.chunks_exact(self.widths.len())) {
+            *own = polynomial.iter().zip(&self.widths).zip(values).map(|((p, width), value)| p * width * value).sum();
+        }
+        projected
+    }
+
+    /// Computes V'W G and the solution of a stage from its responses to the polynomials, and adds the response by way of the
+    /// correction to `influence` (N x N: temperature, distortion; the latter may be empty), which has the direct feedthrough.
     ///
     /// The strip is homogeneous along the path and the cells are symmetric about x = 0: G_jl/w_l is the same for a pair of
     /// cells and its mirror image, so V'W G follows from G V.
-    pub(crate) fn close(
-        &self,
-        slow: [&[f64]; 2],
-        influence: [&mut [f64]; 2],
-        parts: Parts<'_>,
-        workspace: &mut RobinWorkspace,
-    ) {
+    pub(crate) fn close(&self, influence: [&mut [f64]; 2], parts: Parts<'_>, workspace: &mut RobinWorkspace) {
         let count = self.widths.len();
-        let Parts { response, solution, .. } = parts;
+        let Parts { response, solution, by_modes: [warm, moved], direct, .. } = parts;
         let RobinWorkspace { lifted, returned } = workspace;
-        for (slow, lifted) in slow.iter().zip(&mut *lifted).filter(|(slow, _)| !slow.is_empty()) {
-            lifted.fill(0.0);
-            dense::multiply_add_columns(slow, &self.polynomials, &mut lifted[..self.polynomials.len()], count);
-        }
+        dense::combine(lifted, [&*warm, &*direct], [1.0; 2]);
         let (columns, _) = response.as_chunks_mut::<RANK>();
         for ((l, column), width) in columns.iter_mut().enumerate().zip(&self.widths) {
-            let mirrored = |a: usize| lifted[0][a * count + count - 1 - l];
+            let mirrored = |a: usize| lifted[a * count + count - 1 - l];
             *column = std::array::from_fn(|a| if a % 2 == 0 { width * mirrored(a) } else { -width * mirrored(a) });
         }
+        let mut gain = [[0.0; RANK]; RANK];
+        for (b, column) in lifted.chunks_exact(count).enumerate() {
+            gain.iter_mut().zip(self.project_cells(column)).for_each(|(row, projected)| row[b] = projected);
+        }
+        self.set_solution(&gain, solution);
         returned.fill(0.0);
         dense::multiply_add_columns(solution, response, returned, RANK);
+        let lifted = [&lifted[..], &moved[..]];
         for (influence, lifted) in influence.into_iter().zip(lifted).filter(|(influence, _)| !influence.is_empty()) {
             dense::multiply_add_columns(lifted, returned, influence, count);
+        }
+    }
+
+    /// Sets the solution `(1 - H0 gain)^-1 H0`, by columns.
+    fn set_solution(&self, gain: &[[f64; RANK]; RANK], solution: &mut [f64]) {
+        let inverse =
+            inverse(std::array::from_fn(|a| std::array::from_fn(|b| IDENTITY[a][b] - self.transfer * gain[a][b])));
+        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
         }
     }
 }
@@ -292,7 +314,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     /// With the polynomials V and the widths W, the influence with the correction is `G + G V (1 - H0 V'W G V)^-1 H0 V'W G`; G by its
-    /// definition as a sum over modes and the mean mode.
+    /// definition as a sum over modes and the mean mode, and a direct feedthrough, which the distortion leaves out of G V.
     #[test]
     fn the_closed_influence_is_that_of_the_definition() {
         let (transfer, level) = (40.0, 0.3);
@@ -323,28 +345,37 @@ mod tests {
                 })
             };
             let slow = [influence(1.0), influence(-1e-7)];
+            let fast = DMatrix::from_fn(count, count, |j, l| widths[l] * 0.2 / (1.0 + 900.0 * (x[j] - x[l]).abs()));
+            let total = &slow[0] + &fast;
             let rank = robin.rank;
             let v = DMatrix::from_column_slice(count, rank, &robin.polynomials);
             let projection = v.transpose() * DMatrix::from_diagonal(&DVector::from_column_slice(widths));
             let identity = DMatrix::identity(rank, rank);
-            let closed = (identity - transfer * &projection * &slow[0] * &v).try_inverse().unwrap();
-            let returned = transfer * &v * &closed * &projection * &slow[0];
-            let expected = slow.each_ref().map(|slow| slow + slow * &returned);
+            let closed = (identity - transfer * &projection * &total * &v).try_inverse().unwrap();
+            let returned = transfer * &v * &closed * &projection * &total;
+            let expected = [&total, &slow[1]].map(|gain| gain + gain * &returned);
             let mut response =
                 StageResponse::new(Layout { count, states: 0, waves: numbers.len(), rank: RANK, lagged: 0 });
+            let Parts { by_modes, direct, .. } = response.parts();
+            for (slow, lifted) in slow.iter().zip(by_modes) {
+                robin.lift_by(slow.as_slice(), lifted);
+            }
+            robin.lift_by(fast.as_slice(), direct);
+            let mut found = [total, slow[1].clone()];
+            let [temperature, distortion] = &mut found;
+            robin.close(
+                [temperature.as_mut_slice(), distortion.as_mut_slice()],
+                response.parts(),
+                &mut RobinWorkspace::new(count),
+            );
             let [re, im, ..] = response.parts().own;
             for (wave, own) in own.iter().enumerate() {
                 [re[wave], im[wave]] = *own;
             }
             robin.solve(level, response.parts());
-            let mut found = slow.clone();
-            let [temperature, distortion] = &mut found;
-            robin.close(
-                slow.each_ref().map(|slow| slow.as_slice()),
-                [temperature.as_mut_slice(), distortion.as_mut_slice()],
-                response.parts(),
-                &mut RobinWorkspace::new(count),
-            );
+            // An open contact has it from the modes.
+            let solved = DMatrix::from_column_slice(RANK, RANK, response.robin()[1]);
+            assert!((solved.view((0, 0), (rank, rank)) - transfer * &closed).amax() < 1e-11 * transfer, "{count}");
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected).amax() < 1e-12 * expected.amax(), "{count}");
             }

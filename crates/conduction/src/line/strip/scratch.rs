@@ -15,8 +15,9 @@ pub(crate) struct Scratch {
     /// Even and odd parts of fluxes, and of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub response: [[Vec<f64>; 2]; 2],
-    /// Workspace of the direct feedthrough at frozen state.
+    /// Workspace of the direct feedthrough at frozen state, and of the total fluxes into the cells there.
     pub frozen: DMatrix<f64>,
+    pub total: Vec<f64>,
     /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
@@ -41,6 +42,7 @@ impl Scratch {
             fold: halves(),
             response: [halves(), halves()],
             frozen: DMatrix::zeros(count, count),
+            total: vec![0.0; count],
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),

@@ -26,8 +26,11 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    fn lengths(&self) -> [usize; 5] {
-        [4 * self.states, 4 * self.waves, 4 * self.waves, self.rank * self.count, self.rank * self.rank]
+    fn lengths(&self) -> [usize; 8] {
+        let lifted = self.rank * self.count;
+        let robin = [lifted, self.rank * self.rank, 2 * lifted, lifted];
+        let [response, solution, by_modes, direct] = robin;
+        [4 * self.states, 4 * self.waves, 4 * self.waves, response, solution, by_modes, direct, self.count]
     }
 }
 
@@ -56,6 +59,11 @@ pub(crate) struct Parts<'a> {
     pub response: &'a mut [f64],
     /// `(1 - H0 V'W G V)^-1 H0`, by columns.
     pub solution: &'a mut [f64],
+    /// G V by the modes alone, by columns: temperature, distortion.
+    pub by_modes: [&'a mut [f64]; 2],
+    /// Direct feedthrough of the polynomials V, by columns, and of a uniform unit flux.
+    pub direct: &'a mut [f64],
+    pub uniform: &'a mut [f64],
 }
 
 fn halves<T>(slice: &mut [T]) -> [&mut [T]; 2] {
@@ -88,13 +96,12 @@ impl StageResponse {
 
     /// Influence matrices and parts.
     pub(crate) fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
-        let [states, waves, _, polynomials, _] = self.layout.lengths();
-        let (weights, rest) = self.rest.split_at_mut(states);
-        let (carried, rest) = rest.split_at_mut(waves);
-        let (own, rest) = rest.split_at_mut(waves);
-        let (response, solution) = rest.split_at_mut(polynomials);
-        let parts =
-            Parts { weights: quarters(weights), carried: quarters(carried), own: quarters(own), response, solution };
+        let mut rest = &mut self.rest[..];
+        let [weights, carried, own, response, solution, by_modes, direct, uniform] =
+            self.layout.lengths().map(|length| rest.split_off_mut(..length).expect("the parts have these lengths"));
+        let [weights, carried, own] = [weights, carried, own].map(quarters);
+        let by_modes = halves(by_modes);
+        let parts = Parts { weights, carried, own, response, solution, by_modes, direct, uniform };
         (&mut self.influence, parts)
     }
 
@@ -118,9 +125,31 @@ impl StageResponse {
 
     /// See [`Parts::response`] and [`Parts::solution`].
     pub(crate) fn robin(&self) -> [&[f64]; 2] {
-        let [states, waves, own, polynomials, _] = self.layout.lengths();
-        let (response, solution) = self.rest[states + waves + own..].split_at(polynomials);
-        [response, solution]
+        [3, 4].map(|part| self.part(part))
+    }
+
+    /// See [`Parts::direct`] and [`Parts::uniform`].
+    pub(crate) fn direct(&self) -> [&[f64]; 2] {
+        [6, 7].map(|part| self.part(part))
+    }
+
+    fn part(&self, number: usize) -> &[f64] {
+        let lengths = self.layout.lengths();
+        let first: usize = lengths[..number].iter().sum();
+        &self.rest[first..first + lengths[number]]
+    }
+
+    /// Keeps the direct feedthrough of the polynomials and of a uniform flux.
+    pub(crate) fn keep_direct(&mut self, feedthrough: FeedthroughTerms<'_>) {
+        let Parts { direct, uniform, .. } = self.parts();
+        direct.fill(0.0);
+        uniform.fill(0.0);
+        for (at, share) in feedthrough {
+            dense::multiply_add(&at.uniform, &[*share], uniform);
+            if !direct.is_empty() {
+                dense::multiply_add(&at.lifted, &[*share], direct);
+            }
+        }
     }
 
     /// Keeps the direct feedthrough to the distortion.
@@ -128,9 +157,10 @@ impl StageResponse {
         let target = self.feedthrough.as_mut_slice();
         match feedthrough {
             _ if target.is_empty() => {}
-            [(one, share)] => dense::combine(target, [one[1].as_slice()], [*share]),
+            [(one, share)] => dense::combine(target, [one.matrices[1].as_slice()], [*share]),
             [(one, share), (other, rest)] => {
-                dense::combine(target, [one[1].as_slice(), other[1].as_slice()], [*share, *rest]);
+                let matrices = [one, other].map(|feedthrough| feedthrough.matrices[1].as_slice());
+                dense::combine(target, matrices, [*share, *rest]);
             }
             _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),
         }
@@ -148,16 +178,25 @@ impl StageResponse {
         dense::combine(&mut self.rest, parts, factors);
         let parts = responses.map(|response| response.influence.temperature.as_slice());
         sum(self.influence.temperature.as_mut_slice(), parts, factors, (feedthrough, 1.0), 0);
-        if !feedthrough[0].0[1].is_empty() {
+        if !feedthrough[0].0.matrices[1].is_empty() {
             let parts = responses.map(|response| response.influence.distortion.as_slice());
             sum(self.influence.distortion.as_mut_slice(), parts, factors, (feedthrough, own), 1);
         }
     }
 }
 
-/// Direct feedthrough at one or two velocities (temperature and distortion, N x N; the second empty without thermal
-/// expansion), each with its weight.
-pub(crate) type FeedthroughTerms<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+/// Direct feedthrough at a velocity.
+#[derive(Clone, Debug)]
+pub(crate) struct Feedthrough {
+    /// Of temperature and distortion, N x N; the second empty without thermal expansion.
+    pub matrices: [DMatrix<f64>; 2],
+    /// Temperatures by the polynomials of the Robin correction, by columns, and by a uniform unit flux.
+    pub lifted: Vec<f64>,
+    pub uniform: Vec<f64>,
+}
+
+/// Direct feedthrough at one or two velocities, each with its weight.
+pub(crate) type FeedthroughTerms<'a> = &'a [(&'a Feedthrough, f64)];
 
 /// Linear combination of four matrices and the one or two of the direct feedthrough.
 fn sum(
@@ -169,9 +208,12 @@ fn sum(
 ) {
     let [f, g, h, i] = factors;
     match feedthrough {
-        [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, own * share]),
+        [(one, share)] => {
+            dense::combine(target, [a, b, c, d, one.matrices[moving].as_slice()], [f, g, h, i, own * share]);
+        }
         [(one, share), (other, rest)] => {
-            let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
+            let [one, other] = [one, other].map(|feedthrough| feedthrough.matrices[moving].as_slice());
+            let sources = [a, b, c, d, one, other];
             dense::combine(target, sources, [f, g, h, i, own * share, own * rest]);
         }
         _ => unreachable!("the direct feedthrough of a response is that of one or two velocities"),

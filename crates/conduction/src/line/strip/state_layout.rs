@@ -102,38 +102,6 @@ pub(crate) fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitu
     Arch::new().dispatch(Add(re, im, factors, amplitudes));
 }
 
-/// Numbers that [`dot`] sums in parallel.
-const ABREAST: usize = 16;
-
-/// `sum_k a_k b_k`.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    struct Dot<'a>(&'a [f64], &'a [f64]);
-    impl WithSimd for Dot<'_> {
-        type Output = f64;
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) -> f64 {
-            let (a, a_rest) = self.0.as_chunks::<ABREAST>();
-            let (b, b_rest) = self.1.as_chunks::<ABREAST>();
-            let mut sums = [0.0; ABREAST];
-            for (a, b) in a.iter().zip(b) {
-                for k in 0..ABREAST {
-                    sums[k] += a[k] * b[k];
-                }
-            }
-            let mut sum = 0.0;
-            for (a, b) in a_rest.iter().zip(b_rest) {
-                sum += a * b;
-            }
-            for own in sums {
-                sum += own;
-            }
-            sum
-        }
-    }
-    Arch::new().dispatch(Dot(a, b))
-}
-
 /// Propagation of the states over a step: propagation factors, and the weights of the flux amplitudes of both stages.
 #[derive(Clone, Copy)]
 pub(crate) struct Carrier<'a> {

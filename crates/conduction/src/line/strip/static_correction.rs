@@ -5,8 +5,8 @@
 //! in the punch's frame over the moving material, with a real part of up to 2 over the nominal duration: slower heat is not
 //! steady. Shorter modes have no states: for them the layer is a half-plane,
 //! whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less the integral up to
-//! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction. All sums over wave numbers are one sum by
-//! distance ([`super::distance`]).
+//! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction. What a cooled layer differs from it is added up to
+//! the wave number 2 H0/K. All sums over wave numbers are one sum by distance ([`super::distance`]).
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.10.
 
@@ -139,6 +139,8 @@ impl StaticCorrection {
         if let Some(lateral) = &self.lateral {
             end = end.max(lateral.shortest_wave());
         }
+        // Beyond it the convection of the surface takes less than half of the flux of a wave.
+        end = end.max(2.0 * self.slab.surface_transfer / self.slab.conductivity);
         let layer =
             |slab: &Slab, wave: &Wave| Depth::new(slab, self.expansion.as_ref(), wave.number).spreading(self.lateral);
         let sum = |slab: &Slab, waves: Vec<Wave>| WaveSum {
@@ -155,7 +157,7 @@ impl StaticCorrection {
             removed = sum(&self.bare, continuous(longest, last, reach));
             removed_at_rest = sum(&self.bare, continuous(1e-6 / width, longest, reach));
             if end > last {
-                beyond = sum(&self.bare, continuous(last, end, reach).split_off(CONTINUOUS));
+                beyond = sum(&self.slab, continuous(last, end, reach).split_off(CONTINUOUS));
             }
             ends = sum(
                 &self.bare,
@@ -236,8 +238,9 @@ impl StaticCorrection {
         }
         for (wave, layer, place) in integrals.beyond.iter() {
             let [temperature, distortion] = self.respond(layer, turning(wave.number));
-            let in_layer = self.lateral.is_some() || wave.number < self.bare.half_plane_from();
-            let temperature = if in_layer { temperature - half_plane(wave.number) } else { Complex::from(0.0) };
+            let bare = self.lateral.is_none() && self.slab.surface_transfer == 0.0;
+            let is_half_plane = bare && wave.number >= self.bare.half_plane_from();
+            let temperature = if is_half_plane { Complex::from(0.0) } else { temperature - half_plane(wave.number) };
             gains.add(place, wave.count * copies(wave.number) / PI, [temperature, distortion]);
         }
         // Euler-Maclaurin term f'/24 at the first harmonic of the integral; that of the nearest periodic images is

@@ -8,6 +8,7 @@ pub(crate) use super::interval::{IntervalWorkspace, OWN};
 pub(crate) use stage::StageWeights;
 
 use super::operators::StripOperators;
+use super::stage_response::{Feedthrough, RANK};
 use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
@@ -43,37 +44,49 @@ fn rounded(velocity: f64) -> f64 {
 /// Direct feedthrough on the cells at the velocities last used, by their bits: the end of a step is the start of the next.
 #[derive(Clone, Debug)]
 struct DirectFeedthrough {
-    cache: KeyedCache<u64, [DMatrix<f64>; 2]>,
+    cache: KeyedCache<u64, Feedthrough>,
 }
 
 impl DirectFeedthrough {
     fn new(operators: &StripOperators) -> DirectFeedthrough {
         let count = operators.widths.len();
         let moving = if operators.expands { count } else { 0 };
-        let matrices = |_| [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)];
-        DirectFeedthrough { cache: KeyedCache::new((0..3).map(matrices)) }
+        let lifted = operators.robin_correction.as_ref().map_or(0, |_| RANK * count);
+        let empty = |_| Feedthrough {
+            matrices: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
+            lifted: vec![0.0; lifted],
+            uniform: vec![0.0; count],
+        };
+        DirectFeedthrough { cache: KeyedCache::new((0..3).map(empty)) }
     }
 
     /// Cache slot of the influence matrices at a velocity.
     fn find(&mut self, operators: &StripOperators, velocity: f64) -> usize {
         let velocity = rounded(velocity);
-        self.cache.get_or_compute(velocity.to_bits(), |matrices| {
+        self.cache.get_or_compute(velocity.to_bits(), |Feedthrough { matrices, lifted, uniform }| {
             for (moving, matrix) in matrices.iter_mut().enumerate().filter(|(_, matrix)| !matrix.is_empty()) {
                 operators.table.respond(moving, velocity, matrix);
+            }
+            uniform.fill(0.0);
+            matrices[0]
+                .column_iter()
+                .for_each(|column| uniform.iter_mut().zip(&column).for_each(|(sum, by)| *sum += by));
+            if let Some(robin_correction) = &operators.robin_correction {
+                robin_correction.lift_by(matrices[0].as_slice(), lifted);
             }
         })
     }
 
-    /// Influence matrices in a cache slot.
-    fn at(&self, place: usize) -> &[DMatrix<f64>; 2] {
+    /// What is in a cache slot.
+    fn at(&self, place: usize) -> &Feedthrough {
         &self.cache[place]
     }
 }
 
 /// Adds multiples of the direct feedthrough to the influence matrices of temperature and distortion.
-fn add([warm, moved]: &[DMatrix<f64>; 2], parts: [f64; 2], influence: &mut SurfaceInfluence) {
+fn add(feedthrough: &Feedthrough, parts: [f64; 2], influence: &mut SurfaceInfluence) {
     let gains = [&mut influence.temperature, &mut influence.distortion];
-    for ((matrix, gain), part) in [warm, moved].into_iter().zip(gains).zip(parts) {
+    for ((matrix, gain), part) in feedthrough.matrices.iter().zip(gains).zip(parts) {
         if !matrix.is_empty() {
             dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
         }
@@ -141,9 +154,6 @@ impl PreparedStep {
         if known {
             self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
             self.end.resume(operators, length, velocity);
-        } else if open {
-            self.first.prepare_open(operators, GAMMA * length, to_first_stage(velocity), &mut self.workspace);
-            self.end.prepare_open(operators, length, velocity, &mut self.workspace);
         } else {
             self.find(operators, length, velocity);
         }
@@ -152,20 +162,20 @@ impl PreparedStep {
     /// Computes the responses of both stages.
     fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
-        let PreparedStep { first, end, workspace, feedthrough, .. } = self;
+        let PreparedStep { first, end, workspace, feedthrough, open, .. } = self;
         let last = feedthrough.find(operators, velocity[1]);
         // Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
         let straight = (velocity[1] - velocity[0]).abs() <= 0.1 * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
             let start = feedthrough.find(operators, velocity[0]);
             let both = [(feedthrough.at(start), 1.0 - GAMMA), (feedthrough.at(last), GAMMA)];
-            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, workspace);
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, *open, workspace);
         } else {
             let between = feedthrough.find(operators, middle);
             let one = [(feedthrough.at(between), 1.0)];
-            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, workspace);
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, *open, workspace);
         }
-        end.prepare(operators, length, velocity, &[(feedthrough.at(last), 1.0)], workspace);
+        end.prepare(operators, length, velocity, &[(feedthrough.at(last), 1.0)], *open, workspace);
     }
 }
 

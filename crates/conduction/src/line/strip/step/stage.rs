@@ -72,12 +72,14 @@ impl StageWeights {
         }
     }
 
+    /// Prepares the stage; of an open contact without the influence on the cells.
     pub(crate) fn prepare(
         &mut self,
         operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
         feedthrough: FeedthroughTerms<'_>,
+        open: bool,
         workspace: &mut IntervalWorkspace,
     ) {
         self.take(operators, length, velocity);
@@ -90,6 +92,11 @@ impl StageWeights {
             Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
         let response = &mut self.responses[self.current];
         let own = self.lag[2];
+        response.keep_direct(feedthrough);
+        if open {
+            interval.respond_open(operators, velocity, workspace, response);
+            return self.carry(operators, velocity);
+        }
         response.keep_feedthrough(feedthrough);
         let interpolated = drift < operators.steady && phase < SHORT_ROTATION && felt == 1.0;
         if interpolated {
@@ -101,25 +108,13 @@ impl StageWeights {
                 .iter()
                 .for_each(|(responses, share)| add(responses, [*share, own * share], &mut response.influence));
         }
+        if interpolated {
+            response.keep_direct(feedthrough);
+        }
+        Interval::close(operators, workspace, response);
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, workspace, response);
         }
-        self.carry(operators, velocity);
-    }
-
-    /// Prepares the stage of an open contact, see [`Interval::respond_open`].
-    pub(crate) fn prepare_open(
-        &mut self,
-        operators: &StripOperators,
-        length: f64,
-        velocity: [f64; 2],
-        workspace: &mut IntervalWorkspace,
-    ) {
-        self.take(operators, length, velocity);
-        let felt = self.felt / length;
-        let interval =
-            Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
-        interval.respond_open(operators, velocity, workspace, &mut self.responses[self.current]);
         self.carry(operators, velocity);
     }
 

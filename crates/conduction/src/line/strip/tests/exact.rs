@@ -45,6 +45,40 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
     }
 }
 
+/// Convection on the whole top, and what is lost under the contact given back there: `T = G (q + H0 T)`, G by the plain sum over the
+/// waves of a layer that is cooled everywhere. At a tolerance of 1e-2 most of the rise is direct feedthrough.
+#[test]
+fn convection_takes_no_heat_from_under_a_moving_contact() {
+    let (count, width, length) = (40, 0.095, 0.738);
+    let cells = Cells::uniform(0.5 * width, count).unwrap();
+    let resolution = Resolution { duration: 3e3, shortest: 3.0, travel: f64::INFINITY, tolerance: 1e-2 };
+    for (convection, velocity) in [(20.0, 3.0), (2e3, 3.0), (2e3, 0.1), (2e3, 20.0), (2e5, 3.0)] {
+        let properties = steel(0.011, FarBoundary::Held, SlidingPath::Closed(length), convection);
+        let cell = width / count as f64;
+        let mut kernel = vec![0.0; 2 * count - 1];
+        for n in 0..20_000 {
+            let q = 2.0 * PI * f64::from(n) / length;
+            let half = (0.5 * q * cell).max(1e-9);
+            let impedance = properties.slab.impedance(nalgebra::Complex::new(0.0, -q * velocity), q);
+            let share = if n == 0 { 1.0 } else { 2.0 } * cell / length * (half.sin() / half).powi(2);
+            for (k, gain) in kernel.iter_mut().enumerate() {
+                let turned = nalgebra::Complex::from_polar(1.0, q * cell * (k as f64 + 1.0 - count as f64));
+                *gain += share * (impedance * turned).re;
+            }
+        }
+        let cooled = nalgebra::DMatrix::from_fn(count, count, |i, j| kernel[i + count - 1 - j]);
+        let rise = &cooled * nalgebra::DVector::from_element(count, 1.0);
+        let exact = (nalgebra::DMatrix::identity(count, count) - convection * cooled).lu().solve(&rise).unwrap();
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        body.prepare(&Step::new(1e9, [velocity; 2]));
+        let influence = &body.influence(Stage::End).temperature;
+        let found: Vec<f64> = (0..count).map(|i| influence.row(i).sum()).collect();
+        let error = mean(&cells, &found) / exact.mean() - 1.0;
+        println!("{convection} {velocity}: {error:.1e}");
+        assert!(error.abs() < 1e-4, "{convection} W/(m2 K), {velocity} m/s: {error:.1e}");
+    }
+}
+
 #[test]
 fn half_space_at_short_times() {
     // Far from the edges of a wide contact at rest: 84.375 K after 1 s of 1 MW/m2.
