@@ -87,7 +87,7 @@ impl StripOperators {
         let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab { surface_transfer: 0.0, ..properties.slab };
-        let slab = if full { bare } else { properties.slab };
+        let slab = if full { bare } else { properties.cooled_slab(width) };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
         let fresh = properties.fresh(width, resolution).then_some(Fresh { way: 0.25 * period });

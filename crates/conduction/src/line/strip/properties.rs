@@ -70,6 +70,14 @@ impl StripProperties {
         StripProperties { slab, path, expansion: None, lateral: None }
     }
 
+    /// The slab with a convection of at most 18,000 K over the contact's `width` (m): the air is then as close to the surface as an
+    /// eighteen-thousandth of that width of material. Stronger convection changes nothing, and would take waves as short.
+    pub(super) fn cooled_slab(&self, width: f64) -> Slab {
+        let thinnest = Slab { height: width / FLATTEST, ..self.slab };
+        let most = 0.5 * self.slab.conductivity * thinnest.half_plane_from();
+        Slab { surface_transfer: self.slab.surface_transfer.min(most), ..self.slab }
+    }
+
     pub(super) fn check(&self, width: f64) -> Result<(), OutOfRange> {
         let Slab { height, conductivity, capacity, surface_transfer: convection, .. } = self.slab;
         for (quantity, value, requirement) in [

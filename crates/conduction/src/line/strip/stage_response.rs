@@ -28,9 +28,8 @@ pub(crate) struct Layout {
 impl Layout {
     fn lengths(&self) -> [usize; 8] {
         let lifted = self.rank * self.count;
-        let robin = [lifted, self.rank * self.rank, 2 * lifted, lifted];
-        let [response, solution, by_modes, direct] = robin;
-        [4 * self.states, 4 * self.waves, 4 * self.waves, response, solution, by_modes, direct, self.count]
+        let [states, waves] = [4 * self.states, 4 * self.waves];
+        [states, waves, waves, lifted, self.rank * self.rank, 2 * lifted, lifted, self.count]
     }
 }
 
