@@ -11,7 +11,10 @@ pub(crate) mod four_fifths;
 pub mod grading;
 pub mod interruption;
 pub mod krylov;
+mod leading_bits;
 pub mod maximum;
 pub mod scalar;
 pub mod sdirk;
 pub mod subnormal;
+
+pub use leading_bits::leading_bits;

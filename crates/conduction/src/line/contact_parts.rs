@@ -14,6 +14,7 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
+use numerics::leading_bits;
 use numerics::maximum::maximum;
 
 /// Number of parts of a cell.
@@ -46,6 +47,13 @@ impl ContactParts {
     /// Takes those of as many other cells.
     pub fn copy_from(&mut self, other: &ContactParts) {
         self.fractions.copy_from_slice(&other.fractions);
+    }
+
+    /// Takes those of as many other cells, every fraction as the power of two that is next below.
+    pub fn round(&mut self, other: &ContactParts) {
+        for (own, other) in self.fractions.iter_mut().zip(&other.fractions) {
+            *own = other.map(|fraction| leading_bits(fraction, 0));
+        }
     }
 
     /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the part of the most contact as at
@@ -97,6 +105,9 @@ mod tests {
         contact_parts.set(0, [0.0, 0.25, 1.0, 1.0]);
         contact_parts.set(2, [1.0; PARTS]);
         assert_eq!([0, 1, 2, 3].map(|cell| contact_parts.is_partial(cell)), [true, true, false, true]);
+        let mut rounded = ContactParts::whole(4);
+        rounded.round(&contact_parts);
+        assert_eq!([0, 1, 2, 3].map(|cell| rounded.fraction(cell)), [0.5625, 1.0 / 64.0, 1.0, 0.875]);
         contact_parts.make_whole();
         assert_eq!(contact_parts, ContactParts::whole(4));
     }

@@ -272,11 +272,6 @@ pub trait ThermalBody: Observed + Debug + Send + Sync {
     /// Surface influence matrices of `stage` of the prepared step.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;
 
-    /// The same through whole cells, whatever parts of them exchange heat.
-    fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
-        self.influence(stage)
-    }
-
     /// Responses of `stage` to the fluxes into a cooled face, which is not one of prescribed temperature.
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace);
 

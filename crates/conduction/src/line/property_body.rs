@@ -47,9 +47,8 @@ pub struct PropertyBody {
     /// Properties of the prepared step, and absolute temperature of the reference, K.
     scales: Scales,
     reference: f64,
-    /// Surface influence matrices of both stages, through the parts in contact and through whole cells.
+    /// Surface influence matrices of both stages.
     influence: [SurfaceInfluence; 2],
-    of_whole: [SurfaceInfluence; 2],
     /// Zero fluxes into the cells.
     no_flux: Vec<f64>,
 }
@@ -69,11 +68,8 @@ impl PropertyBody {
         let capacity = constant.account(&uniform).stored - constant.account(&nothing).stored;
         uniform[constant.decay_rates(0.0).len()..].fill(0.0);
         let uniform_mean = constant.mean_temperature(&uniform);
-        let matrices = |count: usize| {
-            let zeros = || DMatrix::zeros(count, count);
-            SurfaceInfluence { temperature: zeros(), distortion: zeros() }
-        };
-        let divided = if constant.divides_cells() { cells } else { 0 };
+        let zeros = || DMatrix::zeros(cells, cells);
+        let matrices = || SurfaceInfluence { temperature: zeros(), distortion: zeros() };
         PropertyBody {
             properties: Arc::new(properties),
             capacity,
@@ -82,8 +78,7 @@ impl PropertyBody {
             held,
             scales: Scales::ONE,
             reference: 0.0,
-            influence: [matrices(cells), matrices(cells)],
-            of_whole: [matrices(divided), matrices(divided)],
+            influence: [matrices(), matrices()],
             no_flux: vec![0.0; cells],
             constant,
         }
@@ -137,16 +132,11 @@ impl PropertyBody {
 
     /// Scales the matrices of the prepared step.
     fn take_influence(&mut self) {
-        let (factor, constant) = (self.scales.flux, &self.constant);
-        let scale = |from: &SurfaceInfluence, to: &mut SurfaceInfluence| {
+        let factor = self.scales.flux;
+        for stage in [Stage::First, Stage::End] {
+            let (from, to) = (self.constant.influence(stage), &mut self.influence[stage as usize]);
             for (from, to) in [(&from.temperature, &mut to.temperature), (&from.distortion, &mut to.distortion)] {
                 to.as_mut_slice().iter_mut().zip(from.as_slice()).for_each(|(to, from)| *to = factor * from);
-            }
-        };
-        for stage in [Stage::First, Stage::End] {
-            scale(constant.influence(stage), &mut self.influence[stage as usize]);
-            if constant.divides_cells() {
-                scale(constant.influence_of_whole(stage), &mut self.of_whole[stage as usize]);
             }
         }
     }
@@ -187,10 +177,6 @@ impl ThermalBody for PropertyBody {
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.influence[stage as usize]
-    }
-
-    fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
-        if self.constant.divides_cells() { &self.of_whole[stage as usize] } else { self.influence(stage) }
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {

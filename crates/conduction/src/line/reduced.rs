@@ -189,13 +189,13 @@ impl ReducedHeat {
         if weights.capacity() == 0 {
             // The longer step by which growth is looked for is one more.
             let capacity = cache_capacity(operators.widths.len()) + 1;
-            *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate()));
+            *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate(modes)));
         }
         let slot = weights.get_or_compute(step.to_bits(), |weights| {
             operators.fill(modes, weights, step, scratch);
         });
         for (patterns, stage) in patterns.iter_mut().zip(&mut weights[slot].stages) {
-            patterns.change_influence(operators, modes, stage, scratch);
+            patterns.change_influence(modes, stage, scratch);
         }
     }
 
@@ -323,10 +323,6 @@ impl ThermalBody for ReducedHeat {
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         let weights = self.stage(stage);
         if self.patterns[stage as usize].is_empty() { &weights.influence } else { &weights.through_parts }
-    }
-
-    fn influence_of_whole(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.stage(stage).influence
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {

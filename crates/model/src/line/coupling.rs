@@ -157,6 +157,8 @@ pub(crate) struct ThermalCoupling {
     pub frozen: FrozenProperties,
     /// Parts of the cells in contact at both stages, and 1/(2 phi h_c) by the fractions phi of the cells in contact, K m2/W.
     contact_parts: [ContactParts; 2],
+    /// Rounded parts, for which the heat partitions are built.
+    rounded_parts: [ContactParts; 2],
     half_resistance: [Vec<f64>; 2],
     /// Ambient and far-face temperatures of the bodies, and the fluxes into their cooled faces.
     pub surroundings: [Surroundings; 2],
@@ -166,6 +168,8 @@ pub(crate) struct ThermalCoupling {
     // Either stage.
     /// The operators of the stage are exact, so that one solution needs no iteration.
     exact: [bool; 2],
+    /// The thermal compliance of the stage is that of the cells that exchange heat, by a low-rank update.
+    reduced: [bool; 2],
     /// Fluxes into punch and strip, W/m2.
     pub flux: [[Vec<f64>; 2]; 2],
     /// Temperatures of punch and strip, K above the reference.
@@ -240,11 +244,13 @@ impl ThermalCoupling {
             open: false,
             frozen: FrozenProperties::new(),
             contact_parts: [ContactParts::whole(count), ContactParts::whole(count)],
+            rounded_parts: [ContactParts::whole(count), ContactParts::whole(count)],
             half_resistance: [vec![half_resistance; count], vec![half_resistance; count]],
             surroundings: [Surroundings::default(); 2],
             faces: Faces::new(&operators.mean, count),
             iterations: 0,
             exact: [false; 2],
+            reduced: [false; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             ends: [None, None],

@@ -3,7 +3,6 @@
 //! Theory: docs/theory.md, section 4.6.
 
 use super::{ModeStates, PORTS, ReducedOperators, StageWeights};
-use crate::line::SurfaceInfluence;
 use numerics::dense;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -26,6 +25,14 @@ pub(crate) struct Modes {
     by_part: Vec<f64>,
 }
 
+/// Responses of a stage to unit heat into every mode, W/m^(1/2): amplitudes at the surface, and distortions of the cells, one column
+/// per mode.
+#[derive(Clone, Debug)]
+pub(crate) struct ModeResponses {
+    surface: Vec<f64>,
+    distortion: Vec<f64>,
+}
+
 /// Workspace of a body.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
@@ -35,8 +42,6 @@ pub(crate) struct Scratch {
     pub surface: Vec<f64>,
     /// Values of the states.
     pub values: Vec<f64>,
-    /// Distortion by a unit amplitude of every mode, one column per mode.
-    columns: Vec<f64>,
 }
 
 impl Modes {
@@ -71,12 +76,7 @@ impl Modes {
     pub(crate) fn scratch(&self) -> Scratch {
         let zeros = |count: usize| vec![0.0; count];
         let modes = self.states.len();
-        Scratch {
-            heat: zeros(modes),
-            surface: zeros(modes),
-            values: zeros(self.mode.len()),
-            columns: zeros(modes * self.cells),
-        }
+        Scratch { heat: zeros(modes), surface: zeros(modes), values: zeros(self.mode.len()) }
     }
 
     /// Projects the fluxes `flux` into the cells on the modes: heat into every mode, into the scratch.
@@ -120,10 +120,20 @@ impl Modes {
         dense::multiply_add(&self.means, surface, temperature);
     }
 
-    /// Sets the states in the scratch to those by the heat `heat` into every mode with the weights `weights`.
-    pub(crate) fn respond(&self, heat: &[f64], weights: &[f64], scratch: &mut Scratch) {
-        for ((value, weight), mode) in scratch.values.iter_mut().zip(weights).zip(&self.mode) {
-            *value = weight * heat[*mode];
+    /// Adds the responses of a stage to its own heat `heat` into every mode: surface amplitudes of the modes, which are left in
+    /// `surface`, to the cells' temperatures, and to their distortions.
+    pub(crate) fn respond(
+        &self,
+        heat: &[f64],
+        by_heat: &ModeResponses,
+        surface: &mut [f64],
+        [temperature, distortion]: [&mut [f64]; 2],
+    ) {
+        let amplitudes = heat.iter().zip(&by_heat.surface);
+        surface.iter_mut().zip(amplitudes).for_each(|(surface, (heat, own))| *surface = heat * own);
+        dense::multiply_add(&self.means, surface, temperature);
+        if self.distorts() {
+            dense::multiply_add(&by_heat.distortion, heat, distortion);
         }
     }
 
@@ -139,34 +149,33 @@ impl Modes {
         }
     }
 
-    /// Adds the responses of the states to a stage's own fluxes to its surface influence matrices.
+    /// Memory for the responses of a stage.
+    pub(crate) fn responses(&self) -> ModeResponses {
+        let modes = self.states.len();
+        let distorted = if self.distorts() { modes * self.cells } else { 0 };
+        ModeResponses { surface: vec![0.0; modes], distortion: vec![0.0; distorted] }
+    }
+
+    /// Sets the responses of a stage to its own heat into every mode, and adds those to its own fluxes to its surface influence
+    /// matrices.
     pub(crate) fn add_influence(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
-        let Scratch { heat, surface, columns, .. } = scratch;
-        if heat.is_empty() {
+        if self.states.is_empty() {
             return;
         }
-        for (surface, states) in surface.iter_mut().zip(&self.states) {
-            *surface = states.clone().map(|k| contact[k] * stage.own[k]).sum();
+        let StageWeights { own, by_heat, influence, .. } = stage;
+        for (surface, states) in by_heat.surface.iter_mut().zip(&self.states) {
+            *surface = states.clone().map(|k| contact[k] * own[k]).sum();
         }
-        columns.fill(0.0);
-        if self.distorts() {
-            for (column, states) in columns.chunks_exact_mut(self.cells).zip(&self.states) {
-                let of_states = states.start * self.cells..states.end * self.cells;
-                dense::multiply_add(&self.distortion[of_states], &stage.own[states.clone()], column);
-            }
+        by_heat.distortion.fill(0.0);
+        for (column, states) in by_heat.distortion.chunks_exact_mut(self.cells).zip(&self.states) {
+            let of_states = states.start * self.cells..states.end * self.cells;
+            dense::multiply_add(&self.distortion[of_states], &own[states.clone()], column);
         }
-        let SurfaceInfluence { temperature, distortion } = &mut stage.influence;
-        let responses = [temperature, distortion].map(|matrix| matrix.as_mut_slice().chunks_exact_mut(self.cells));
-        let [temperatures, distortions] = responses;
-        for ((integrals, temperature), distortion) in
-            self.integrals.chunks_exact(heat.len()).zip(temperatures).zip(distortions)
-        {
-            let amplitudes = integrals.iter().zip(&*surface);
-            heat.iter_mut().zip(amplitudes).for_each(|(heat, (own, surface))| *heat = own * surface);
-            dense::multiply_add(&self.means, heat, temperature);
-            if self.distorts() {
-                dense::multiply_add(columns, integrals, distortion);
-            }
+        let [temperatures, distortions] = [&mut influence.temperature, &mut influence.distortion]
+            .map(|matrix| matrix.as_mut_slice().chunks_exact_mut(self.cells));
+        let cells = self.integrals.chunks_exact(self.states.len()).zip(temperatures.zip(distortions));
+        for (integrals, (temperature, distortion)) in cells {
+            self.respond(integrals, by_heat, &mut scratch.surface, [temperature, distortion]);
         }
     }
 }

@@ -18,7 +18,6 @@ use super::modes::{Modes, Scratch};
 use super::weights::StageWeights;
 use super::{ReducedOperators, dot};
 use crate::line::contact_parts::{ContactParts, PARTS};
-use numerics::dense;
 
 /// Patterns of the cells partly in contact. Their vectors have memory for all cells, so that no step allocates.
 #[derive(Debug)]
@@ -159,13 +158,7 @@ impl Patterns {
     }
 
     /// Makes the surface influence matrices through the parts in contact from those of whole cells, unless they are known.
-    pub(crate) fn change_influence(
-        &mut self,
-        operators: &ReducedOperators,
-        modes: &Modes,
-        stage: &mut StageWeights,
-        scratch: &mut Scratch,
-    ) {
+    pub(crate) fn change_influence(&mut self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
         if self.is_empty() || stage.contact_parts == self.contact_parts {
             return;
         }
@@ -176,9 +169,10 @@ impl Patterns {
         through.temperature.copy_from(&stage.influence.temperature);
         through.distortion.copy_from(&stage.influence.distortion);
         for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
-            modes.respond(own, &stage.own, scratch);
+            let of_cell = cell * count..(cell + 1) * count;
             response.fill(0.0);
-            modes.show(&operators.contact, scratch, response);
+            let distortion = &mut through.distortion.as_mut_slice()[of_cell];
+            modes.respond(own, &stage.by_heat, &mut scratch.surface, [response, distortion]);
             let temperature = through.temperature.as_mut_slice();
             for (i, rise) in response.iter().enumerate() {
                 temperature[cell * count + i] += rise;
@@ -188,11 +182,6 @@ impl Patterns {
                 temperature[cell * count + other] += dot(integrals, &scratch.surface) / areas[other];
             }
             temperature[cell * count + cell] += feedthrough[k] / areas[cell];
-            if modes.distorts() {
-                response.fill(0.0);
-                modes.distort(scratch, response);
-                dense::multiply_add(response, &[1.0], &mut through.distortion.as_mut_slice()[cell * count..][..count]);
-            }
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 5.3.
 
 use super::ReducedOperators;
-use super::modes::{Modes, Scratch};
+use super::modes::{ModeResponses, Modes, Scratch};
 use crate::line::contact_parts::ContactParts;
 use crate::line::{GAMMA, SurfaceInfluence};
 use numerics::dense;
@@ -30,6 +30,7 @@ pub(crate) struct StageWeights {
     /// Weight of the modal heat of the stage's own fluxes, and of its own fluxes into the cooled faces.
     pub own: Vec<f64>,
     pub by_face: Vec<f64>,
+    pub by_heat: ModeResponses,
     pub influence: SurfaceInfluence,
     /// That through parts in contact, and these parts; whole: it is that of the whole cells alone.
     pub through_parts: SurfaceInfluence,
@@ -37,7 +38,7 @@ pub(crate) struct StageWeights {
 }
 
 impl ReducedOperators {
-    pub(super) fn allocate(&self) -> Weights {
+    pub(super) fn allocate(&self, modes: &Modes) -> Weights {
         let states = || vec![0.0; self.states()];
         let cells = self.widths.len();
         let divided = if self.part_areas.is_empty() { 0 } else { cells };
@@ -48,6 +49,7 @@ impl ReducedOperators {
             known: states(),
             own: states(),
             by_face: states(),
+            by_heat: modes.responses(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
             through_parts: SurfaceInfluence {
                 temperature: dense::untouched(divided),

@@ -57,22 +57,23 @@ impl ThermalCoupling {
     }
 
     /// Adds the thermal compliance at the linearization point to the compliance of the contact, and determines whether it is
-    /// exact.
+    /// exact: at the velocity and friction of the stage, and with its parts in contact.
     pub(super) fn install_thermal_compliance(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
         self.partitions[s].set_active_set(&self.iterate.closed);
         let known = self.is_solved_directly(self.partitions[s].open().len());
         let per_pressure = self.reference.per_pressure;
         let same_friction = |coefficient: &f64| coefficient * slip == per_pressure;
-        self.exact[s] = known && self.kinetic_coefficient.iter().all(same_friction);
+        let near = known && self.kinetic_coefficient.iter().all(same_friction);
+        self.exact[s] = near && self.contact_parts[s].is_whole();
         let (slot, built) = (self.partitions.slot(), self.partitions[s].thermal_compliance(per_pressure));
         if built || self.installed[s] != slot {
             self.installed[s] = usize::MAX;
             self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()))?;
             self.installed[s] = slot;
         }
-        let reduced = self.exact[s] && self.conducts() == [true, true];
-        self.contacts[s].set_low_rank_update(if reduced { self.partitions[s].low_rank_update() } else { None });
+        self.reduced[s] = near && self.conducts() == [true, true];
+        self.contacts[s].set_low_rank_update(if self.reduced[s] { self.partitions[s].low_rank_update() } else { None });
         Ok(())
     }
 
@@ -184,7 +185,7 @@ impl ThermalCoupling {
                 .iter_mut()
                 .zip(&self.iterate.pressure)
                 .for_each(|(less, pressure)| *less = -pressure);
-            dense::multiply_add(self.partitions[s].thermal_compliance_values(), &self.iterate.difference, moved);
+            self.partitions[s].add_displacement(self.reduced[s], &self.iterate.difference, moved);
             for side in 0..2 {
                 if let (Some(own), true) = (&self.bodies[side], self.parameters.expands[side]) {
                     dense::multiply_add(own.influence(stage).distortion.as_slice(), &self.flux[s][side], moved);
@@ -327,7 +328,7 @@ impl ThermalCoupling {
     /// Thermal distortion of both surfaces at the end of the step: that of the last iteration plus the displacement of the
     /// pressure found through the thermal compliance.
     pub(super) fn distort_by_contact(&mut self) {
-        self.partitions[1].add_displacement(self.exact[1], &self.iterate.pressure, &mut self.distortion);
+        self.partitions[1].add_displacement(self.reduced[1], &self.iterate.pressure, &mut self.distortion);
     }
 }
 

@@ -31,6 +31,7 @@ use crate::line::stages::ContactStages;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{Exchange, GAMMA, Stage};
 use numerics::dense;
+use numerics::leading_bits;
 use numerics::maximum::maximum;
 
 /// Largest b h.
@@ -78,7 +79,7 @@ pub(super) struct GrowthGuard {
     matrix: Vec<f64>,
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s) of the last test.
     arguments: [f64; 8],
-    /// Cells that carry pressure, and parts of the cells in contact.
+    /// Cells that carry pressure, and rounded parts of the cells in contact.
     closed: Vec<bool>,
     contact_parts: ContactParts,
     /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
@@ -86,8 +87,8 @@ pub(super) struct GrowthGuard {
     answer: bool,
 }
 
-/// Bits of a slope's mantissa that are dropped, which leaves a relative resolution of a sixteenth.
-const DROPPED: u64 = (1 << 48) - 1;
+/// Bits of the significand of a slope that are left: a relative resolution of a sixteenth.
+const SLOPE_BITS: u32 = 4;
 
 impl GrowthGuard {
     /// Guard of `count` cells.
@@ -117,7 +118,7 @@ impl GrowthGuard {
         for (i, (own, carries)) in self.slopes.iter_mut().zip(&mut self.closed).enumerate() {
             same &= *carries == closed(i);
             *carries = closed(i);
-            let rounded = f64::from_bits(slope(i).to_bits() & !DROPPED);
+            let rounded = leading_bits(slope(i), SLOPE_BITS);
             same &= *own == rounded;
             *own = rounded;
         }
@@ -143,8 +144,8 @@ impl ThermalCoupling {
         ];
         // A cell that is partly in contact may exchange heat without pressure.
         let Iterate { closed, pressure, .. } = &self.iterate;
-        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.contact_parts[0].is_partial(i));
-        if !self.growth.store_arguments(arguments, carries, &self.contact_parts[0], slope) {
+        let carries = |i: usize| closed[i] && (pressure[i] > 0.0 || !self.rounded_parts[0].is_partial(i));
+        if !self.growth.store_arguments(arguments, carries, &self.rounded_parts[0], slope) {
             self.growth.answer = self.is_definite(key, friction, weights);
         }
         self.growth.answer
@@ -152,19 +153,19 @@ impl ThermalCoupling {
 
     fn is_definite(&mut self, key: PartitionKey, friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.growth.partition.is_for(key, &self.contact_parts[0]) {
+        if !self.growth.partition.is_for(key, &self.rounded_parts[0]) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
-            let [first, end] = &self.contact_parts;
-            let of_punch = |length: f64| self.frozen.step(0, length, self.velocity, Exchange::Parts([first, end]));
-            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step / (GAMMA * GROWTH))));
+            let [rounded, own] = [&self.rounded_parts, &self.contact_parts].map(|[first, end]| [first, end]);
+            let of_punch = |length: f64, parts| self.frozen.step(0, length, self.velocity, Exchange::Parts(parts));
+            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step / (GAMMA * GROWTH), rounded)));
             let [punch, strip] = &self.bodies;
             let influence = [
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.growth.partition.build(key, &self.contact_parts[0], influence);
-            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step)));
+            self.growth.partition.build(key, &self.rounded_parts[0], influence);
+            self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step, own)));
         }
         // Friction that decreases with temperature only reduces growth.
         self.growth.partition.thermal_compliance(self.reference.per_pressure);

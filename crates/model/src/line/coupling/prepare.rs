@@ -66,33 +66,32 @@ impl ThermalCoupling {
         Prepared(heat)
     }
 
-    /// Takes the heat partitions of this key with the current parts in contact, from the cache or built.
+    /// Takes the heat partitions of this key with the rounded parts in contact, from the cache or built.
     fn take_partitions(&mut self, key: PartitionKey) {
-        let ThermalCoupling { partitions, bodies, contact_parts, edges, frozen, .. } = self;
-        let known = partitions.take(key);
-        if known && (0..2).all(|stage| partitions[stage].is_for(key, &contact_parts[stage])) {
+        let ThermalCoupling { partitions, bodies, rounded_parts, frozen, .. } = self;
+        let (step, velocity, _) = key;
+        let on = |side: usize, exchange| frozen.step(side, step, [velocity; 2], exchange);
+        if !partitions.take(key) {
+            for (side, body) in bodies.iter_mut().enumerate() {
+                body.iter_mut().for_each(|own| own.prepare(&on(side, Exchange::Whole)));
+            }
+            for stage in [Stage::First, Stage::End] {
+                let influence = bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+                partitions[stage as usize].build_whole(key, influence);
+            }
+        }
+        let [punch, strip] = bodies;
+        let (Some(punch), Some(strip)) = (punch, strip) else { return };
+        if (0..2).all(|stage| partitions[stage].is_for(key, &rounded_parts[stage])) {
             return;
         }
-        let (step, velocity, _) = key;
-        let updates = (0..2).all(|stage| partitions[stage].updates_for(&contact_parts[stage]));
-        let exchange = Exchange::Parts([&contact_parts[0], &contact_parts[1]]);
-        // An update is one of the punch alone.
-        let made = if known && updates { 1 } else { 2 };
-        for (side, body) in bodies.iter_mut().enumerate().take(made) {
-            body.iter_mut().for_each(|own| own.prepare(&frozen.step(side, step, [velocity; 2], exchange)));
-        }
+        let exchange = Exchange::Parts([&rounded_parts[0], &rounded_parts[1]]);
+        punch.prepare(&on(0, exchange));
         for stage in [Stage::First, Stage::End] {
-            let (partition, contact_parts) = (&mut partitions[stage as usize], &contact_parts[stage as usize]);
-            let influence = bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-            let whole = bodies[0].as_ref().map(|punch| punch.influence_of_whole(stage));
-            if edges.is_some() && !known {
-                partition.build_whole(key, [whole, influence[1]]);
-            }
-            match (whole, influence[0]) {
-                (Some(whole), Some(through_parts)) if updates => {
-                    partition.set_parts(contact_parts, [whole, through_parts])
-                }
-                _ => partition.build(key, contact_parts, influence),
+            let (partition, contact_parts) = (&mut partitions[stage as usize], &rounded_parts[stage as usize]);
+            if !partition.set_parts(contact_parts, punch.influence(stage)) {
+                strip.prepare(&on(1, exchange));
+                partition.build(key, contact_parts, [Some(punch.influence(stage)), Some(strip.influence(stage))]);
             }
         }
     }
@@ -108,6 +107,8 @@ impl ThermalCoupling {
                 false => edges.find(&state.edges, state.ahead(ahead), contact_parts),
             }
         }
+        let rounded = self.rounded_parts.iter_mut().zip(&self.contact_parts);
+        rounded.for_each(|(rounded, contact_parts)| rounded.round(contact_parts));
         if were_whole && self.contact_parts.iter().all(ContactParts::is_whole) {
             return;
         }

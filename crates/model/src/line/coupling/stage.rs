@@ -15,8 +15,12 @@ use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
 use crate::line::trajectory::{StageConditions, StageMotion};
 use conduction::line::{First, Stage};
-use contact::wear::line::{Coefficient, StageError, WearTerm};
+use contact::wear::line::{Coefficient, StageError};
+use numerics::leading_bits;
 use numerics::maximum::maximum;
+
+/// Bits of the significand that are left of a rounded wear rate: the iteration gains a factor of eight at least.
+const RATE_BITS: u32 = 3;
 
 /// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
@@ -279,7 +283,7 @@ impl ThermalCoupling {
         now: &StageConditions,
     ) -> Result<(), StageError> {
         let s = stage as usize;
-        self.exact[s] = false;
+        (self.exact[s], self.reduced[s]) = (false, false);
         self.iterate.closed.fill(false);
         let [punch, strip] = &mut self.flux[s];
         [punch, strip, &mut self.friction[s], &mut self.iterate.pressure]
@@ -350,10 +354,9 @@ impl ThermalCoupling {
     }
 
     /// Takes the wear rates of the linearization point into the matrix of the contact, whose factors are cached, and moves the
-    /// difference to those of the iterate to the gap.
+    /// difference to those of the iterate to the gap. Rates that follow the temperature of the cells are rounded instead.
     fn linearise_wear(&mut self, given: &StepData<'_>, stages: &mut ContactStages, now: &StageConditions, tau: f64) {
-        let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
-        if stages.track.is_some() || !stages.conditions.rate.terms.iter().all(uniform) {
+        if stages.track.is_some() {
             return;
         }
         let operators = given.operators;
@@ -363,13 +366,22 @@ impl ThermalCoupling {
             now.temperature,
             given.tunables.wear_acceleration,
         );
+        let by_cell = operators.wears_by_cell();
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in stages.conditions.rate.terms.iter_mut().zip(reshaping) {
-            let residual = tau * (self.reference_wear_rates[body][0] - reference[body]);
-            self.iterate.difference.fill(residual);
+            let frozen = |rate: f64| if by_cell { leading_bits(rate, RATE_BITS) } else { reference[body] };
+            let rates = &self.reference_wear_rates[body];
+            match &mut term.coefficient {
+                Coefficient::Uniform(value) => *value = frozen(*value),
+                Coefficient::PerCell(values) => {
+                    let cells = values.iter_mut().zip(rates.iter().zip(&operators.radial[body]));
+                    cells.for_each(|(value, (rate, radial))| *value = frozen(*rate) * radial);
+                }
+            }
+            let missed = self.iterate.difference.iter_mut().zip(rates);
+            missed.for_each(|(missed, rate)| *missed = tau * (rate - frozen(*rate)));
             operators.scale_by_relative_rates(body, &self.iterate.pressure, &mut self.iterate.difference);
             self.iterate.gap.iter_mut().zip(&self.iterate.difference).for_each(|(gap, worn)| *gap += worn);
-            term.coefficient = Coefficient::Uniform(reference[body]);
         }
     }
 

@@ -199,23 +199,25 @@ impl Edges {
             return;
         }
         const HALF: usize = PARTS / 2;
-        let between = |cell: usize, right: bool| match self.neighbour(cell, right) {
-            None => [if overlap(cell) > 0.0 { 1.0 } else { 0.0 }; PARTS],
-            Some(other) => {
-                let [first, second] = if right { [cell, other] } else { [other, cell] };
-                self.in_contact(first, [first, second].map(overlap), &state.relief[BETWEEN * first..][..BETWEEN])
-            }
+        let between = |first: usize| {
+            let other = self.neighbour(first, true)?;
+            Some(self.in_contact(first, [first, other].map(overlap), &state.relief[BETWEEN * first..][..BETWEEN]))
         };
+        let outside = |cell: usize| [if overlap(cell) > 0.0 { 1.0 } else { 0.0 }; PARTS];
+        let mut left = self.neighbour(0, false).and_then(between).unwrap_or_else(|| outside(0));
         for cell in 0..count {
-            let (left, right) = (between(cell, false), between(cell, true));
-            let fractions =
-                std::array::from_fn(|part| if part < HALF { left[HALF + part] } else { right[part - HALF] });
-            contact_parts.set(cell, fractions);
+            let right = between(cell).unwrap_or_else(|| outside(cell));
+            let part = |part: usize| if part < HALF { left[HALF + part] } else { right[part - HALF] };
+            contact_parts.set(cell, std::array::from_fn(part));
+            left = right;
         }
     }
 
     /// Fractions in contact of the parts between the centres of a cell and of its neighbour towards +x.
     fn in_contact(&self, first: usize, overlaps: [f64; 2], relief: &[f64]) -> [f64; PARTS] {
+        if overlaps.iter().all(|overlap| *overlap > 0.0) && relief.iter().all(|relief| *relief <= 0.0) {
+            return [1.0; PARTS];
+        }
         let positions = &self.positions[first];
         let depth: [f64; BETWEEN] =
             std::array::from_fn(|point| interpolate(positions[point], overlaps) - relief[point]);

@@ -19,8 +19,8 @@
 //!
 //! Building these operators costs N^3, and the strip's influence matrices change with the velocity. So they are built at a
 //! linearization point and reused within its validity radius; a stage iterates with them on the residual of its own influence
-//! matrices, at N^2 per iteration. Those of cells partly in contact follow from those of whole cells by a low-rank update, at N^2 per such
-//! cell, since edges move from step to step.
+//! matrices, at N^2 per iteration. Those of cells partly in contact follow from those of whole cells by a low-rank update for
+//! rounded parts, since edges move from step to step.
 //!
 //! Theory: docs/theory.md, sections 6.2, 6.5.
 
@@ -63,6 +63,13 @@ impl Operators {
     }
 }
 
+/// Operators of whole cells with the same step and velocity, and the influence of every cell of the punch on itself.
+#[derive(Clone, Debug)]
+struct WholeCells {
+    operators: Operators,
+    self_influence: Vec<f64>,
+}
+
 /// Step (s), reference velocity (m/s), and properties of punch and strip, of which the operators are a function.
 pub(crate) type PartitionKey = (f64, f64, [Scales; 2]);
 
@@ -75,10 +82,8 @@ pub struct HeatPartition {
     /// Parts in contact for which they were built.
     contact_parts: ContactParts,
     operators: Operators,
-    /// Those of whole cells with the same step and velocity, where cells may be partly in contact; the cells that are, and their rows of V'.
-    of_whole: Option<Operators>,
-    in_part: Vec<usize>,
-    rows: Vec<f64>,
+    /// Where cells may be partly in contact.
+    of_whole: Option<WholeCells>,
     /// Cells that exchange heat; the others, and the factors of their block of the inverse.
     closed: Vec<bool>,
     open: Vec<usize>,
@@ -114,8 +119,6 @@ impl HeatPartition {
             contact_parts: ContactParts::whole(count),
             operators: Operators::new(count),
             of_whole: None,
-            in_part: Vec::new(),
-            rows: Vec::new(),
             closed: vec![false; count],
             open: Vec::with_capacity(count),
             known: false,
@@ -137,8 +140,7 @@ impl HeatPartition {
     /// Workspace for another heat partition of these cells.
     pub(crate) fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
-        let partition = HeatPartition::new(&self.ratio, conductance);
-        let partition = HeatPartition { resistance: self.resistance, ..partition };
+        let partition = HeatPartition { resistance: self.resistance, ..HeatPartition::new(&self.ratio, conductance) };
         if self.of_whole.is_some() { partition.with_parts() } else { partition }
     }
 

@@ -115,13 +115,14 @@ fn distortion_is_that_of_the_shared_heat() {
 }
 
 #[test]
-fn operators_through_parts_are_those_built_anew() {
+fn operators_through_parts_are_those_built_anew_with_their_diagonal() {
     for (count, in_part) in [(9, vec![3]), (33, vec![0, 7, 8, 32]), (33, vec![])] {
         let [punch, strip] = bodies(count);
         let mut parts = ContactParts::whole(count);
-        let mut through = punch.clone();
+        let [mut diagonal, mut through] = [punch.clone(), punch.clone()];
         for &k in &in_part {
             parts.set(k, [0.0, 0.375, 1.0, 1.0]);
+            diagonal.temperature[(k, k)] += 0.3;
             for j in 0..count {
                 let more = 0.3 * (-0.5 * (k as f64 - j as f64).abs()).exp();
                 through.temperature[(j, k)] += more;
@@ -134,15 +135,13 @@ fn operators_through_parts_are_those_built_anew() {
         let key = (0.2, 1.0, [Scales::ONE; 2]);
         let new = || HeatPartition::new(&vec![1.0; count], 0.7);
         let mut updated = new().with_parts();
-        assert!(updated.updates_for(&parts) && !new().updates_for(&parts));
         updated.build_whole(key, [Some(&punch), Some(&strip)]);
         // From other parts before.
         let mut others = ContactParts::whole(count);
         others.set(5, [0.0, 0.0, 1.0, 0.5]);
-        updated.set_parts(&others, [&punch, &through]);
-        updated.set_parts(&parts, [&punch, &through]);
+        assert!(updated.set_parts(&others, &through) && updated.set_parts(&parts, &through));
         let mut anew = new();
-        anew.build(key, &parts, [Some(&through), Some(&strip)]);
+        anew.build(key, &parts, [Some(&diagonal), Some(&strip)]);
         assert!(updated.is_for(key, &parts));
         let pairs = [
             (&updated.operators.inverse, &anew.operators.inverse),
@@ -155,5 +154,8 @@ fn operators_through_parts_are_those_built_anew() {
             let error = own.iter().zip(exact).fold(0.0_f64, |most, (own, exact)| most.max((own - exact).abs()));
             assert!(error < 1e-12 * scale, "{in_part:?} of {count}: {error:e} of {scale:e}");
         }
+        let mut most = ContactParts::whole(count);
+        (0..count).for_each(|cell| most.set(cell, [0.0, 1.0, 1.0, 1.0]));
+        assert!(!updated.set_parts(&most, &through) && updated.is_for(key, &parts));
     }
 }
