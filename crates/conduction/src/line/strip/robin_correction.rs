@@ -22,6 +22,8 @@ pub(crate) struct RobinCorrection {
     rank: usize,
     /// V: N x rank, by columns; even and odd degrees alternate.
     polynomials: Vec<f64>,
+    /// WV, by columns.
+    weighted: Vec<f64>,
     /// V'W of a uniform temperature.
     pub unit: [f64; RANK],
     widths: Vec<f64>,
@@ -102,12 +104,16 @@ impl RobinCorrection {
         };
         let by_real = products([0, 0]).zip(products([1, 1])).flat_map(|(even, odd)| [even, odd].concat()).collect();
         let by_imaginary = products([1, 0]).flatten().collect();
+        let weigh =
+            |polynomial: &Vec<f64>| polynomial.iter().zip(&widths).map(|(p, width)| p * width).collect::<Vec<_>>();
+        let weighted = polynomials.iter().flat_map(weigh).collect::<Vec<_>>();
         let mut unit = [0.0; RANK];
-        unit[0] = (0..count).map(|i| widths[i] * polynomials[0][i]).sum();
+        unit[0] = weighted[..count].iter().sum();
         RobinCorrection {
             transfer,
             rank,
             polynomials: polynomials.concat(),
+            weighted,
             unit,
             widths,
             waves,
@@ -210,9 +216,7 @@ impl RobinCorrection {
         }
         // Where no cell exchanges heat, the flux into the cells is even.
         let (columns, _) = response.as_chunks_mut::<RANK>();
-        for (column, (even, width)) in columns.iter_mut().zip(self.polynomials.iter().zip(&self.widths)) {
-            *column = gain.map(|row| even * width * row[0]);
-        }
+        columns.iter_mut().zip(&self.weighted).for_each(|(column, even)| *column = gain.map(|row| even * row[0]));
         self.set_solution(&gain, solution);
     }
 
@@ -226,9 +230,7 @@ impl RobinCorrection {
     /// V'W of values on the cells.
     pub(crate) fn project_cells(&self, values: &[f64]) -> [f64; RANK] {
         let mut projected = [0.0; RANK];
-        for (own, polynomial) in projected.iter_mut().zip(self.polynomials.chunks_exact(self.widths.len())) {
-            *own = polynomial.iter().zip(&self.widths).zip(values).map(|((p, width), value)| p * width * value).sum();
-        }
+        dense::multiply_transposed_add(&self.weighted, values, &mut projected[..self.rank]);
         projected
     }
 

@@ -45,6 +45,7 @@ fn rounded(velocity: f64) -> f64 {
 #[derive(Clone, Debug)]
 struct DirectFeedthrough {
     cache: KeyedCache<u64, Feedthrough>,
+    ones: Vec<f64>,
 }
 
 impl DirectFeedthrough {
@@ -57,7 +58,7 @@ impl DirectFeedthrough {
             lifted: vec![0.0; lifted],
             uniform: vec![0.0; count],
         };
-        DirectFeedthrough { cache: KeyedCache::new((0..3).map(empty)) }
+        DirectFeedthrough { cache: KeyedCache::new((0..3).map(empty)), ones: vec![1.0; count] }
     }
 
     /// Cache slot of the influence matrices at a velocity.
@@ -68,9 +69,7 @@ impl DirectFeedthrough {
                 operators.table.respond(moving, velocity, matrix);
             }
             uniform.fill(0.0);
-            matrices[0]
-                .column_iter()
-                .for_each(|column| uniform.iter_mut().zip(&column).for_each(|(sum, by)| *sum += by));
+            dense::multiply_add(matrices[0].as_slice(), &self.ones, uniform);
             if let Some(robin_correction) = &operators.robin_correction {
                 robin_correction.lift_by(matrices[0].as_slice(), lifted);
             }
