@@ -313,6 +313,9 @@ impl Line {
         if self.heat.is_some() {
             return self.piece_with_resolved_heat(inputs, slopes, length);
         }
+        if !self.operators.follows_heat() {
+            return self.attempt_piece(inputs, slopes, length, share).map(|_| ());
+        }
         self.uncut.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.stages.contact.status());
         self.uncut.1.copy_contact_from(&self.state);
@@ -344,7 +347,7 @@ impl Line {
         // Load carried by the contact at the start. Where load, tables or a bristle follow the lumped level, a first pass of it at
         // this load predicts temperature and slip.
         let loaded = self.loaded(inputs);
-        let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
+        let mut heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
         if operators.follows_heat() {
             let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
             self.mean.step(&loaded, rates.as_ref(), 0.5 * length)?;

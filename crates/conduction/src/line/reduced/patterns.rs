@@ -157,22 +157,25 @@ impl Patterns {
         self.cells.iter().zip(&self.passed[place]).map(|(&cell, passed)| passed * flux[cell]).sum()
     }
 
-    /// Makes the surface influence matrices through the parts in contact from those of whole cells, unless they are known.
+    /// Makes the surface influence matrices through the parts in contact from those through others, unless they are known.
     pub(crate) fn change_influence(&mut self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
         if self.is_empty() || stage.contact_parts == self.contact_parts {
             return;
         }
-        stage.contact_parts.copy_from(&self.contact_parts);
+        let StageWeights { influence: whole, through_parts: through, contact_parts: parts, by_heat, .. } = stage;
         let Patterns { cells, integrals, areas, feedthrough, response, .. } = self;
         let count = areas.len();
-        let through = &mut stage.through_parts;
-        through.temperature.copy_from(&stage.influence.temperature);
-        through.distortion.copy_from(&stage.influence.distortion);
+        for cell in (0..count).filter(|&cell| parts.is_partial(cell)) {
+            through.temperature.set_column(cell, &whole.temperature.column(cell));
+            through.temperature.set_row(cell, &whole.temperature.row(cell));
+            through.distortion.set_column(cell, &whole.distortion.column(cell));
+        }
+        parts.copy_from(&self.contact_parts);
         for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
             let of_cell = cell * count..(cell + 1) * count;
             response.fill(0.0);
             let distortion = &mut through.distortion.as_mut_slice()[of_cell];
-            modes.respond(own, &stage.by_heat, &mut scratch.surface, [response, distortion]);
+            modes.respond(own, by_heat, &mut scratch.surface, [response, distortion]);
             let temperature = through.temperature.as_mut_slice();
             for (i, rise) in response.iter().enumerate() {
                 temperature[cell * count + i] += rise;

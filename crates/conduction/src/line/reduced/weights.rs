@@ -91,6 +91,10 @@ impl ReducedOperators {
         stage.influence.temperature.copy_from(&self.temperature_by_flux);
         stage.influence.distortion.copy_from(&self.distortion_by_flux);
         modes.add_influence(stage, &self.contact, scratch);
+        if !self.part_areas.is_empty() {
+            stage.through_parts.temperature.copy_from(&stage.influence.temperature);
+            stage.through_parts.distortion.copy_from(&stage.influence.distortion);
+        }
     }
 }
 
