@@ -1,9 +1,13 @@
 //! Level that `auto` takes, and the error that a run states.
 
+use model::Inputs;
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use scene::Scene;
 use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use std::sync::Arc;
-use test_support::{Application, Drive, HELD, LUMPED, changed, reference, scene};
+use test_support::{Application, Drive, HELD, LUMPED, changed, changed_scene, reference, scene};
 
 fn started(starts: &[f64; COUNT], changes: &[(&str, f64)]) -> Component {
     let mut component = Component::new(Arc::new(changed(starts, changes)));
@@ -189,23 +193,31 @@ fn a_stroke_on_a_closed_track_heats_that_part_of_the_track() {
     assert!(line > 1.0 && (lumped / line - 1.0).abs() < 0.1, "{lumped} {line}");
 }
 
-/// The estimate is the largest difference of two lines that are driven side by side, the coarse one at twice the tolerance, and a third
-/// of the error of the steps.
+/// The estimate is the largest difference of two lines that are driven side by side, the coarse one at twice the tolerance and with
+/// bodies reduced to a tenth of it, and a third of the error of the steps.
 #[test]
 fn a_line_states_its_distance_from_one_on_half_of_the_cells() {
-    let line = |cells: f64, tolerance: f64, estimate: f64| {
-        let level = [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.error_estimate", estimate)];
-        started(&STARTS, &[&level[..], &[("solver.tolerance", tolerance)]].concat())
+    let level = |cells: f64, tolerance: f64| {
+        [("solver.fidelity", 3.0), ("solver.cells", cells), ("solver.tolerance", tolerance)]
     };
-    let mut runs = [line(17.0, 1e-2, 2.0), line(9.0, 2e-2, 2.0)];
-    let mut measured = line(17.0, 1e-2, 3.0);
+    let line =
+        |estimate: f64| started(&STARTS, &[&level(17.0, 1e-2)[..], &[("solver.error_estimate", estimate)]].concat());
+    let [mut alone, mut measured] = [2.0, 3.0].map(line);
+    let coarse = Scene { reduction_share: 0.05, ..changed_scene(&STARTS, &level(9.0, 2e-2)) };
+    let operators = ModelOperators::new(&coarse, steady::run_in).unwrap();
+    let mut inputs = Inputs::new(0.0, 0.0, 293.15);
+    let mut companion = Model::new(&operators, Tunables::of(&coarse), &inputs);
+    let slopes = Inputs { sliding_velocity: -0.6, ..Inputs::constant(0.0) };
     let outputs = ["wear_depth", "contact_temperature", "friction_force"].map(reference);
-    let (mut apart, mut largest) = ([0.0_f64; 3], [0.0_f64; 3]);
+    let (mut apart, mut largest, mut values) = ([0.0_f64; 3], [0.0_f64; 3], [0.0; COUNT]);
     for step in 0..20 {
-        runs.iter_mut().chain([&mut measured]).for_each(|run| brake(run, step..step + 1));
+        [&mut alone, &mut measured].into_iter().for_each(|run| brake(run, step..step + 1));
+        (inputs.sliding_velocity, inputs.normal_load) = (10.0 - 0.3 * f64::from(step), 3e3);
+        companion.step(&inputs, Some(&slopes), 0.5).unwrap();
+        companion.write_end(&mut values);
         for (at, output) in outputs.into_iter().enumerate() {
             let from = if at == 1 { 293.15 } else { 0.0 };
-            let [fine, coarse] = runs.each_mut().map(|run| run.get(output) - from);
+            let [fine, coarse] = [alone.get(output), values[output as usize]].map(|value| value - from);
             apart[at] = apart[at].max((fine - coarse).abs());
             largest[at] = largest[at].max(fine.abs());
         }
@@ -217,9 +229,9 @@ fn a_line_states_its_distance_from_one_on_half_of_the_cells() {
     assert!(distance > 1e-4 && distance < 0.1, "{distance}");
     // The run itself is the same, and alone knows nothing of the error of its cells.
     for name in ["wear_depth", "contact_temperature", "pressure_max", "estimated_step_error"] {
-        assert_eq!(measured.get(reference(name)).to_bits(), runs[0].get(reference(name)).to_bits(), "{name}");
+        assert_eq!(measured.get(reference(name)).to_bits(), alone.get(reference(name)).to_bits(), "{name}");
     }
-    assert_eq!(runs[0].get(reference("estimated_error")), 1.0);
+    assert_eq!(alone.get(reference("estimated_error")), 1.0);
     // auto has a companion without asking, and none where it is switched off.
     let auto = [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)];
     let mut chosen = started(&STARTS, &auto);

@@ -1,5 +1,5 @@
-//! Error of a run, measured on the run itself: a companion, a contact line on half of the cells at twice the tolerance, is advanced
-//! on the same inputs.
+//! Error of a run, measured on the run itself: a companion, a contact line on half of the cells at twice the tolerance and with bodies
+//! reduced to a tenth of it, is advanced on the same inputs.
 //!
 //! With d the largest relative difference of the main outputs so far ([`crate::plan::distance`]) and s the error of reduction and time
 //! steps the error is
@@ -14,7 +14,7 @@
 //! ([`crate::levels::ModelOperators::neglected_slip`]), as a third term under the root.
 //!
 //! d is the error of the companion less that of the run. It is the error of the run at first order in the cells, or where the tolerance
-//! rules; at second order it is three times as much.
+//! or the reduction rules; at second order it is three times as much.
 //!
 //! Theory: docs/theory.md, section 8.3.
 

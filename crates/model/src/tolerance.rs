@@ -68,7 +68,8 @@ pub struct Iterations {
 impl ToleranceBudget {
     /// Budget of `scene`.
     pub(crate) fn of(scene: &Scene) -> ToleranceBudget {
-        ToleranceBudget::new(scene.tolerance)
+        let tolerance = scene.reduction_share * scene.tolerance;
+        ToleranceBudget { reduction: Reductions { tolerance }, ..ToleranceBudget::new(scene.tolerance) }
     }
 
     /// Budget of a tolerance.

@@ -353,6 +353,8 @@ pub struct Scene {
     pub error_estimate: ErrorEstimate,
     /// Relative tolerance: the scene's own, else the importer's.
     pub tolerance: f64,
+    /// Tolerance of the reductions of the bodies, relative to it: 1, but for a companion.
+    pub reduction_share: f64,
     /// Factor of all wear, 1.
     pub wear_acceleration: f64,
 }
@@ -530,6 +532,7 @@ impl Scene {
                 _ => ErrorEstimate::Companion,
             },
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
+            reduction_share: 1.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene, v)?;

@@ -30,9 +30,10 @@ pub(crate) const UNKNOWN: f64 = 1.0;
 /// Cells of the companion of a lumped run.
 const CELLS_BESIDE_LUMPED: usize = 9;
 
-/// Tolerance of a companion over that of its run: with the same one both would share the errors of reduction and time steps, and
-/// their difference would not show them.
+/// Tolerances of a companion over those of its run: with the same ones both would share the errors of time steps and reductions, and
+/// their difference would not show them. The error of a reduction falls by whole states, so twice its tolerance is often the same one.
 const TOLERANCE_OF_COMPANION: f64 = 2.0;
+const REDUCTION_OF_COMPANION: f64 = 0.1;
 
 /// Fewest cells of a companion, as of a contact line.
 const FEWEST_CELLS: usize = 5;
@@ -185,6 +186,7 @@ fn companion_of(operators: &ModelOperators, chosen: bool) -> Option<Scene> {
     };
     let mut companion = ModelLevel::Line(cells).apply(scene);
     companion.tolerance *= TOLERANCE_OF_COMPANION;
+    companion.reduction_share = REDUCTION_OF_COMPANION / TOLERANCE_OF_COMPANION;
     if can_be_resolved(scene) {
         companion.heat_resolution = HeatResolution::Resolved;
     }
