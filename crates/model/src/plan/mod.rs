@@ -131,10 +131,11 @@ impl BuiltModel {
         let mut build = |wanted: Scene, beside: Option<&ModelOperators>| {
             let same = known.iter().find(|operators| *operators.scene() == wanted);
             let made = || ModelOperators::sharing(&wanted, beside, &mut shared, run_in);
-            same.cloned().map_or_else(made, Ok).map(ModelOperators::ready)
+            same.cloned().map_or_else(made, Ok)
         };
         let wanted = choice.as_ref().map_or_else(|| scene.clone(), |choice| choice.level.apply(scene));
-        let operators = build(wanted, known.first())?;
+        // A companion is not: whoever needs steps of even cost has none, and a run meets a few of the velocities.
+        let operators = build(wanted, known.first())?.ready();
         let companion = companion_of(&operators, choice.is_some());
         let companion = companion.map(|wanted| build(wanted, Some(&operators))).transpose()?;
         Ok(BuiltModel { requested, choice, operators, companion })

@@ -35,8 +35,12 @@ const LONGEST: usize = 3;
 /// Half-waves across the contact up to which a flux may be as large as a uniform one.
 const PATCHES: f64 = 8.0;
 
-/// Lowest frequency of the error sweep over 1/duration: the spectrum of a constant flux lies below its own frequency.
+/// Lowest frequency that counts in full over 1/duration: the spectrum of a constant flux lies below its own frequency.
 const SLOWEST: f64 = 0.03;
+
+/// Lowest frequency of the error sweep over that: what is slower counts in proportion to its frequency. Without slower shifts the error
+/// at the lowest frequency falls by less than a tenth per state, where the body itself is slower still.
+const SLOWER: f64 = 0.01;
 
 /// One transverse mode with its current trial functions.
 #[derive(Clone, Debug)]
@@ -53,10 +57,10 @@ pub(super) struct Mode {
     tolerance: f64,
     /// Heat can leave, so a steady response exists; it is the last of the frequencies, 0.
     steady: bool,
-    /// Reciprocal of scale and weight.
-    share: f64,
     frequency: Vec<f64>,
-    /// Exact impedance over scale and weight.
+    /// Part of an error of the impedance that counts, over scale and weight.
+    share: Vec<f64>,
+    /// Exact impedance.
     exact: Vec<Complex<f64>>,
     used: Vec<bool>,
     exhausted: bool,
@@ -116,15 +120,19 @@ impl Mode {
         // Above this frequency the mode's impedance is below the tolerance.
         let steepest = scale.steepest_of(depth, tolerance) / weight;
         let fastest = (depth.diffusivity() * steepest * steepest).max(3.0 / scale.duration);
-        let ratio = (fastest / slowest).powf(1.0 / (FREQUENCIES - 1) as f64);
-        let mut frequency: Vec<f64> = (0..FREQUENCIES).map(|i| slowest * ratio.powi(i as i32)).collect();
-        let share = 1.0 / (weight * scale.impedance);
+        let own = depth.diffusivity() * (wave.decay.powi(2) + depth.height.powi(-2));
+        let lowest = (SLOWER * slowest).max(own).min(slowest);
+        let ratio = (fastest / lowest).powf(1.0 / (FREQUENCIES - 1) as f64);
+        let mut frequency: Vec<f64> = (0..FREQUENCIES).map(|i| lowest * ratio.powi(i as i32)).collect();
+        let whole = 1.0 / (weight * scale.impedance);
+        let mut share: Vec<f64> = frequency.iter().map(|f| whole * (f / slowest).min(1.0)).collect();
         let mut exact: Vec<Complex<f64>> =
-            frequency.iter().map(|&f| depth.impedance(kappa(depth, wave.decay, f)) * share).collect();
+            frequency.iter().map(|&f| depth.impedance(kappa(depth, wave.decay, f))).collect();
         let steady = depth.has_steady_state(wave.decay);
         if steady {
             frequency.push(0.0);
-            exact.push(Complex::from(depth.steady_impedance(wave.decay) * share));
+            share.push(whole);
+            exact.push(Complex::from(depth.steady_impedance(wave.decay)));
         }
         let used = vec![false; frequency.len()];
         let basis = Basis::new(*depth, wave.decay);
@@ -136,8 +144,8 @@ impl Mode {
             error: f64::INFINITY,
             tolerance,
             steady,
-            share,
             frequency,
+            share,
             exact,
             used,
             exhausted: false,
@@ -196,23 +204,24 @@ impl Mode {
 
     /// Errors over scale and weight at every frequency, with the fastest shape as a state or quasi-static.
     fn errors(&self, fastest_is_steady: bool) -> Vec<f64> {
-        let residues: Vec<(f64, f64)> = self.basis.residues().map(|(rate, z)| (rate, z * z * self.share)).collect();
+        let residues: Vec<(f64, f64)> = self.basis.residues().map(|(rate, z)| (rate, z * z)).collect();
         if residues.is_empty() {
             // The whole mode is quasi-static, where it has a steady state.
             let steady = if self.steady { self.exact[FREQUENCIES] } else { Complex::from(0.0) };
-            return self.exact.iter().map(|exact| (exact - steady).norm_sqr().sqrt()).collect();
+            let parts = self.exact.iter().zip(&self.share);
+            return parts.map(|(exact, share)| share * (exact - steady).norm_sqr().sqrt()).collect();
         }
         let states = residues.len() - usize::from(fastest_is_steady);
         let direct: f64 = residues[states..].iter().map(|(rate, residue)| residue / rate).sum();
-        (self.frequency.iter().zip(&self.exact))
-            .map(|(&frequency, exact)| {
+        (self.frequency.iter().zip(self.exact.iter().zip(&self.share)))
+            .map(|(&frequency, (exact, share))| {
                 let (mut real, mut imaginary) = (direct, 0.0);
                 for &(rate, residue) in &residues[..states] {
                     let part = residue / (rate * rate + frequency * frequency);
                     real += part * rate;
                     imaginary -= part * frequency;
                 }
-                (exact - Complex::new(real, imaginary)).norm_sqr().sqrt()
+                share * (exact - Complex::new(real, imaginary)).norm_sqr().sqrt()
             })
             .collect()
     }
@@ -266,5 +275,31 @@ impl Selection {
         let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
         let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, maximum);
         Selection { tolerance: scale.tolerance, modes, error, mean_error }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::galerkin::points;
+    use super::*;
+
+    #[test]
+    fn a_body_slow_against_the_duration_takes_a_few_states_for_each_decade() {
+        let depth = Depth {
+            height: 0.1,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: FarBoundary::Insulated,
+            face: 0.0,
+            driven_top: false,
+        };
+        let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 0.0, transfer: 0.0, conductivity: 55.0 };
+        // The body takes 650 s to warm through.
+        let scale = Scale::new(&across, &depth, 0.04, [2e-5; 2]);
+        let selection = Selection::new(&across, &depth, &points(0.1, scale.steepest(&depth), &[]), &scale, 150);
+        for mode in &selection.modes[..LONGEST] {
+            println!("{} states, error {:.1e}", mode.states(), mode.error);
+            assert!(mode.error <= 2e-5 && mode.states() <= 36, "{} states, error {:.1e}", mode.states(), mode.error);
+        }
     }
 }

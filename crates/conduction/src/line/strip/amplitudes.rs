@@ -190,7 +190,8 @@ impl StripHeat {
         acting.map(|(port, flux)| flux * self.mean_response(observed, stage, port)).sum()
     }
 
-    /// See [`ThermalBody::face_influence`](crate::line::ThermalBody::face_influence).
+    /// See [`ThermalBody::face_influence`](crate::line::ThermalBody::face_influence). A flux into a face raises the whole surface, and acts
+    /// on the cells by the flux that undoes the convection of this rise under the contact.
     pub(super) fn respond_to_face(
         &self,
         stage: Stage,
@@ -199,29 +200,21 @@ impl StripHeat {
         scratch: &mut Scratch,
     ) {
         let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
-        let mean = &operators.mean;
+        let (mean, convection) = (&operators.mean, operators.convection);
         let port = [CONTACT, BASE][face];
+        let [level, through_depth] =
+            [&mean.contact_temperature, &mean.mean_temperature].map(|seen| self.mean_response(seen, stage, port));
         // The cooling of the whole surface less that under the contact.
         let covered = if face == BESIDE { -1.0 } else { 0.0 };
-        let mut levels =
-            [&mean.contact_temperature, &mean.mean_temperature].map(|seen| self.mean_response(seen, stage, port));
         let FaceInfluence { temperature, distortion, by_cell, .. } = influence;
-        by_cell.fill(covered);
-        let mut entering = self.mean_flux(by_cell, 0.0);
-        scratch.amplitude.iter_mut().chain(&mut scratch.moved).for_each(|part| part.fill(0.0));
-        operators.transform(by_cell, &mut scratch.fold, &mut scratch.heat_end);
-        self.add_own_flux(scratch, stage, entering, &mut levels);
-        let mut amounts = [0.0; RANK];
-        if let Some(robin_correction) = &operators.robin_correction {
-            let mut driving = self.project(robin_correction, scratch, levels[0]);
-            let directly = robin_correction.project_cells(response.direct()[1]);
-            driving.iter_mut().zip(directly).for_each(|(driving, direct)| *driving += covered * direct);
-            amounts = RobinCorrection::solution(response, &driving);
-            entering += self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
-        }
-        self.observe(scratch, levels, [&mut *temperature, distortion]);
-        self.add_direct(stage, (&amounts, covered), temperature);
-        entering *= operators.remembered();
+        by_cell.fill(1.0);
+        self.respond_to_cells(stage, by_cell, scratch, [&mut *temperature, &mut *distortion]);
+        let under = covered + convection * level;
+        let moved = if operators.expands { operators.mean_distortion * through_depth } else { 0.0 };
+        temperature.iter_mut().for_each(|value| *value = level + under * *value);
+        distortion.iter_mut().for_each(|value| *value = moved + under * *value);
+        let under = covered * self.mean_flux(by_cell, 0.0) + convection * self.mean_flux(temperature, 0.0);
+        let entering = operators.remembered() * under;
         let whole = |observed| {
             self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
         };
@@ -229,17 +222,53 @@ impl StripHeat {
         let [everywhere, base] = seen.map(whole);
         influence.mean = whole(&mean.mean_temperature);
         influence.faces = [self.beside(everywhere, temperature), base];
-        let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
         if self.step.open {
             return by_cell.fill(0.0);
         }
+        let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
         let columns = response.influence.temperature.as_slice().chunks_exact(operators.widths.len());
-        for (cell, (value, column)) in by_cell.iter_mut().zip(columns).enumerate() {
-            let robin_correction = operators.robin_correction.as_ref();
-            let returned = robin_correction.map_or(0.0, |robin| robin.unit[0] * robin.constant_by_cell(response, cell));
-            let rise = per_flux * (operators.widths[cell] + returned);
+        for ((value, width), column) in by_cell.iter_mut().zip(&operators.widths).zip(columns) {
+            let rise = per_flux * (width + convection * dense::dot(&operators.widths, column));
             *value = if face == BESIDE { self.beside(rise, column) } else { rise };
         }
+    }
+
+    /// Temperature and distortion of the cells by the fluxes `flux` of a stage into them, which are not lagged: by its influence, or where no
+    /// cell exchanges heat by the amplitudes, for even fluxes.
+    fn respond_to_cells(
+        &self,
+        stage: Stage,
+        flux: &[f64],
+        scratch: &mut Scratch,
+        [temperature, distortion]: [&mut [f64]; 2],
+    ) {
+        let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
+        if !self.step.open {
+            temperature.fill(0.0);
+            distortion.fill(0.0);
+            dense::multiply_add(response.influence.temperature.as_slice(), flux, temperature);
+            if operators.expands {
+                let own = self.step.stage(stage).lag[2];
+                scratch.seen.iter_mut().zip(flux).for_each(|(lagged, flux)| *lagged = -own * flux);
+                dense::multiply_add(response.feedthrough.as_slice(), &scratch.seen, distortion);
+                dense::multiply_add(response.influence.distortion.as_slice(), flux, distortion);
+            }
+            return;
+        }
+        let mut levels = [0.0; 2];
+        scratch.amplitude.iter_mut().chain(&mut scratch.moved).for_each(|part| part.fill(0.0));
+        operators.transform(flux, &mut scratch.fold, &mut scratch.heat_end);
+        self.add_own_flux(scratch, stage, self.mean_flux(flux, 0.0), &mut levels);
+        let mut amounts = [0.0; RANK];
+        if let Some(robin_correction) = &operators.robin_correction {
+            let mut driving = self.project(robin_correction, scratch, levels[0]);
+            let directly = robin_correction.project_cells(response.direct()[1]);
+            driving.iter_mut().zip(directly).for_each(|(driving, direct)| *driving += flux[0] * direct);
+            amounts = RobinCorrection::solution(response, &driving);
+            self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
+        }
+        self.observe(scratch, levels, [&mut *temperature, distortion]);
+        self.add_direct(stage, (&amounts, flux[0]), temperature);
     }
 
     /// Advances the state over the step with the contact's fluxes of both stages. The total fluxes of the first stage,

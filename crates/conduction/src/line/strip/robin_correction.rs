@@ -159,13 +159,6 @@ impl RobinCorrection {
         RobinCorrection::solution(response, &driving)
     }
 
-    /// Coefficient of the constant polynomial under a unit flux into cell `cell`.
-    pub(crate) fn constant_by_cell(&self, response: &StageResponse, cell: usize) -> f64 {
-        let [by_cell, solution] = response.robin();
-        let driving = &by_cell[cell * RANK..(cell + 1) * RANK];
-        solution.chunks_exact(RANK).zip(driving).map(|(column, driving)| column[0] * driving).sum()
-    }
-
     /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
     /// [`RobinCorrection::amounts`].
     pub(crate) fn add(
