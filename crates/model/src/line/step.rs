@@ -26,7 +26,7 @@ use numerics::maximum::maximum;
 use scene::message::Number;
 use std::fmt;
 
-/// Order of the error of wear; that of heat is up to a half higher.
+/// Order of the error of wear; that of heat is up to a half higher, and where heat begins to flow 1.
 const ORDER: u8 = 2;
 
 /// Error below which the step is doubled, with a margin for errors of the order 2.5.
@@ -40,8 +40,8 @@ const CUTS_WITHOUT_SOLUTION: u8 = 20;
 
 /// Outcome of a trial step over a part of a piece.
 enum Outcome {
-    /// Error in units of the tolerance.
-    Tried(f64),
+    /// Error in units of the tolerance, and its order.
+    Tried(f64, u8),
     /// Rejected by the growth guard.
     RejectedByGrowthGuard,
     /// No solution.
@@ -52,7 +52,7 @@ impl Outcome {
     /// With an error of at least `error`.
     fn at_least(self, error: f64) -> Outcome {
         match self {
-            Outcome::Tried(own) => Outcome::Tried(maximum(own, error)),
+            Outcome::Tried(own, order) => Outcome::Tried(maximum(own, error), order),
             other => other,
         }
     }
@@ -83,7 +83,7 @@ impl Line {
             let outcome = self.attempt(path, start, step).at_least(of_work * (step / length).powi(2));
             self.stages.budget.solutions += self.newton_iterations() - newton;
             let halvings = match outcome {
-                Outcome::Tried(error) if error <= 1.0 => {
+                Outcome::Tried(error, _) if error <= 1.0 => {
                     self.accept(path, start, step)?;
                     self.state.steps += 1;
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
@@ -93,7 +93,7 @@ impl Line {
                     control.accept(error, !rejected_by_growth);
                     continue;
                 }
-                Outcome::Tried(error) => halvings(error, ORDER),
+                Outcome::Tried(error, order) => halvings(error, order),
                 Outcome::RejectedByGrowthGuard => {
                     if let Some(heat) = &mut self.state.heat {
                         heat.rejected_by_growth = [step, f64::from(RETRY_DELAY)];
@@ -255,9 +255,11 @@ impl Line {
                     return Outcome::RejectedByGrowthGuard;
                 }
                 let of_properties = solved.error_of_properties(&given);
-                Outcome::Tried(maximum(wear, solved.error(&given, bound)).max(of_properties))
+                let heat = solved.error(&given, bound);
+                let order = if heat > wear && solved.begins(&given) { 1 } else { ORDER };
+                Outcome::Tried(maximum(wear, heat).max(of_properties), order)
             }
-            _ => Outcome::Tried(wear),
+            _ => Outcome::Tried(wear, ORDER),
         }
     }
 

@@ -82,6 +82,15 @@ impl Solved<'_> {
         (self.0.step / time).sqrt().min(1.0)
     }
 
+    /// Whether the bodies begin to receive heat with the step, but for what rounding of a velocity of 0 leaves. The error is of first order.
+    pub(crate) fn begins(&self, given: &StepData<'_>) -> bool {
+        let before_and_end = state_of(given).flux.iter().zip(&self.0.flux[1]);
+        let [before, end] = before_and_end.fold([0.0; 2], |[before, end], (own, later)| {
+            [maximum(before, largest(own)), maximum(end, largest(later))]
+        });
+        end > 0.0 && before <= 1e-12 * end
+    }
+
     /// Whether a cell that exchanged no heat at the start of the step, where others did, does so at one of its stages.
     fn closes(&self, state: &HeatState) -> bool {
         let before = &state.flux[0];
@@ -96,7 +105,7 @@ impl Solved<'_> {
     pub(crate) fn error(&mut self, given: &StepData<'_>, bound: f64) -> f64 {
         let operators = given.operators;
         let state = state_of(given);
-        let lasting = self.lasting(state);
+        let (lasting, begins) = (self.lasting(state), self.begins(given));
         let faces = self.error_of_faces(operators, state, bound);
         if self.0.open {
             return faces;
@@ -106,7 +115,7 @@ impl Solved<'_> {
         let width = 2.0 * operators.cells.half_width();
         let mut moved_square = 0.0;
         let mut temperature_error: f64 = 0.0;
-        let mut rise = LEAST_RISE;
+        let [mut rise, mut before] = [LEAST_RISE; 2];
         heat.iterate.sums[1].fill(0.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         // A body alone takes all the heat at once.
@@ -129,7 +138,12 @@ impl Solved<'_> {
             }
             let square: f64 = heat.iterate.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             temperature_error = maximum(temperature_error, (square / width).sqrt());
-            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| maximum(highest, t.abs()));
+            rise = maximum(rise, largest(&heat.temperature[1][side]));
+            before = maximum(before, largest(&state.temperature[side]));
+        }
+        if begins {
+            // By the end of the time that `lasting` is for, the rise has grown with its root.
+            rise = maximum(rise, before + (rise - before) / lasting);
         }
         // Under a given load a uniform displacement does not change the pressure.
         let mean = operators.cells.integral(&heat.iterate.sums[1]) / width;
@@ -235,7 +249,8 @@ const LEAST: f64 = 1e-3;
 /// Rate of a flux over a step from the one before, from its values at the start, at the first stage and at the end, which are
 /// 1/`per_length` apart (1/s); 0 where a cell or face exchanges no heat, or has just begun to.
 pub(super) fn slope_over_step(predicted: f64, [before, first, end]: [f64; 3], per_length: [f64; 2]) -> f64 {
-    let lasting = (before != 0.0) & (end != 0.0);
+    // Rounding of a velocity of 0 leaves a flux that is none.
+    let lasting = (before.abs() > 1e-12 * end.abs()) & (end != 0.0);
     let rates = [(first - before) * per_length[0], (end - first) * per_length[1]];
     if lasting { slope_limited(predicted, rates) } else { 0.0 }
 }
