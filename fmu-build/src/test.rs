@@ -16,9 +16,6 @@ const BRAKE: &str = "disc_brake";
 /// Seconds of random calls, states, scene files and batch inputs; `cargo fmu fuzz` takes longer by command.
 const FUZZED: &str = "60";
 
-/// Most runs of the contact line at 1 kHz until one is within its limits.
-const REAL_TIME_RUNS: usize = 3;
-
 /// Check formatting and lints, run the Rust tests, package the scenes and test the FMU from fmpy.
 ///
 /// --fast is what to run between edits: formatting, lints, the unit tests of every layer, the golden scenes, and the calls in
@@ -134,17 +131,7 @@ fn usual(tally: &mut Tally) {
             Ok(())
         });
         tally.step("real time", |step| {
-            // The steps are the same every time: one that is slow by itself is slow in every run, an interruption by the
-            // machine, which the probe may have missed, is not.
-            let case = realtime::Case::new(realtime::Contact::Cold);
-            let mut run = realtime::measure(&case)?;
-            for _ in 1..REAL_TIME_RUNS {
-                if run.is_tolerable() {
-                    break;
-                }
-                eprintln!("{}", run.summary());
-                run = realtime::measure(&case)?;
-            }
+            let run = realtime::measure(&realtime::Case::new(realtime::Contact::Cold))?;
             step.judge(&run.summary(), run.is_tolerable());
             Ok(())
         });
