@@ -204,6 +204,29 @@ fn a_loose_tolerance_does_not_decide_where_a_light_contact_touches() {
     }
 }
 
+/// Attempts over the first loaded millisecond, and the rise of the contact then and a tenth of a second later, K.
+fn begun(tolerance: f64) -> (u64, [f64; 2]) {
+    let changes = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", tolerance)];
+    let mut drive = Drive::stock(&changes);
+    drive.set("sliding_velocity", 3.8).set("normal_load", 0.0).steps(10, 1e-3);
+    let rise = |drive: &mut Drive| drive.get("contact_temperature") - 293.15;
+    let (accepted, rejected) = drive.0.work();
+    drive.set("normal_load", 360.0).step(1e-3);
+    let (accepted, rejected) = (drive.0.work().0 - accepted, drive.0.work().1 - rejected);
+    let first = rise(&mut drive);
+    drive.steps(100, 1e-3);
+    (accepted + rejected, [first, rise(&mut drive)])
+}
+
+/// A load that jumped from 0 was cut into 2^7 parts in seven attempts, against a rise that falls with the step as its error does.
+#[test]
+fn heat_that_begins_takes_a_few_steps() {
+    let ((attempts, rises), (_, truth)) = (begun(1e-3), begun(1e-7));
+    let [first, later] = [0, 1].map(|k| (rises[k] / truth[k] - 1.0).abs());
+    println!("{attempts} attempts, {first:.1e} after 1 ms, {later:.1e} after 0.1 s");
+    assert!(attempts <= 12 && first < 1e-3 && later < 1e-4, "{attempts} attempts, {first:e}, {later:e}");
+}
+
 #[test]
 fn how_a_run_is_cut_does_not_matter_where_cells_open_at_once() {
     // Bodies that meet at different temperatures, and hot spots that grow until most of the ring is open.
