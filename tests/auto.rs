@@ -29,14 +29,6 @@ fn judged(scene: &Application, tolerance: f64) -> Option<(f64, f64, bool)> {
     let (coarse, fine) = (line(33.0), line(65.0));
     let run = scene.run(&[("solver.fidelity", 1.0), ("solver.tolerance", tolerance)]).unwrap();
     let (error, apart) = (run.error(&fine), coarse.error(&fine));
-    println!(
-        "{:14} {tolerance:.0e}  {:2} cells {:6} steps  error {error:.1e}, stated {:.1e}; 33 from 65 cells {apart:.1e}{}",
-        scene.name,
-        run.cells,
-        run.steps,
-        run.estimated_error,
-        if run.unstable { "; unstable" } else { "" }
-    );
     (apart <= 0.5 * tolerance).then_some((error, run.estimated_error, run.unstable))
 }
 
@@ -58,11 +50,9 @@ fn tolerances_are_met_and_errors_are_stated_on_machine_elements() {
             stated.extend((estimate < 1.0).then_some(estimate / error));
             !unstable || tolerance > 1e-2
         });
-        println!("{tolerance:e}: {met} of {count} stable ones met");
         assert!(10 * met >= 9 * count - 5, "{met} of {count} at {tolerance:e}");
     }
     let within = |factor: f64| stated.iter().filter(|ratio| (1.0 / factor..factor).contains(*ratio)).count();
-    println!("{} estimates, {} within 5, {} within 10", stated.len(), within(5.0), within(10.0));
     assert!(stated.iter().all(|ratio| *ratio > 0.1), "{stated:?}");
     assert!(10 * within(5.0) >= 7 * stated.len(), "{stated:?}");
 }
@@ -78,7 +68,6 @@ fn standing_tells_the_levels_apart() {
         let truth = run(3.0, 1e-3);
         let (lumped, auto) = (run(2.0, 1e-3), run(1.0, 1e-2));
         let [wrong, error] = [lumped, auto.clone()].map(|run| run.error(&truth));
-        println!("{name}: lumped {wrong:.1e}; auto {error:.1e} on {} cells, {:.1e}", auto.cells, auto.estimated_error);
         assert!(wrong > 5e-2 && auto.cells == 17, "{name}: {wrong}, {} cells", auto.cells);
         assert!(error < 2e-2 || auto.estimated_error > 1e-2, "{name}: {error}, {}", auto.estimated_error);
     }

@@ -100,7 +100,6 @@ fn stack_does_not_grow_with_the_inputs_and_stays_within_what_is_documented() {
         let usual = of(changes, USUAL);
         // Fine cells run the same code at a higher cost.
         let hostile = if name == "257 cells" { usual } else { of(changes, HOSTILE) };
-        println!("{name}: {} KiB, hostile {} KiB", usual >> 10, hostile >> 10);
         assert!(usual > 0 && hostile <= usual + (16 << 10), "{name}: {usual} bytes, hostile inputs {hostile}");
         assert!(hostile <= DOCUMENTED, "{name}: {hostile} bytes, documented {DOCUMENTED}");
     }

@@ -11,7 +11,7 @@ const WORN_TRACK: (&str, f64) = ("strip.wear_coefficient", 1e-16);
 /// Example scenes with changes: cooled and insulated faces, no wear and no conductance at first, a worn track with either heat.
 const SCENES: [(&str, &[(&str, f64)]); 6] = [
     ("disc_brake", &[(TOP, INSULATED), (BASE, CONVECTING), ("punch.emissivity", 0.5), ("holder.stiffness", 1e7)]),
-    ("disc_brake", &[("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 0.0), ("contact.conductance", 0.0)]),
+    ("disc_brake", &[("*.wear_coefficient", 0.0), ("contact.conductance", 0.0)]),
     ("pin_on_disk", &[(TOP, CONVECTING), ("strip.convection_forced", 20.0)]),
     ("reciprocating_punch", &[(TOP, CONVECTING), (BASE, INSULATED), WORN_TRACK]),
     ("reciprocating_punch", &[WORN_TRACK, ("solver.heat", 2.0)]),

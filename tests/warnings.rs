@@ -184,11 +184,12 @@ fn a_load_below_zero_by_rounding_is_not_told() {
 
 #[test]
 fn limits_are_told_where_they_are_reached() {
-    for level in [LUMPED, LINE] {
+    // With a bristle the lumped level takes the general form of its step.
+    for (level, stick) in [(LUMPED, 0.0), (LUMPED, 1e6), (LINE, 0.0)] {
         let at = |name, value, inputs: Values| {
-            let rigid = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
-            let limited = ("contact.temperature_limited", 1.0);
-            let starts = [("solver.fidelity", level), FEW, rigid[0], rigid[1], limited, (name, value)];
+            let level = [("solver.fidelity", level), FEW, ("contact.stick_stiffness", stick)];
+            let own = [("*.thermal_expansion", 0.0), ("contact.temperature_limited", 1.0), (name, value)];
+            let starts = [&level[..], &own].concat();
             in_steps(&starts, inputs, &[], 3)
         };
         let told = at("contact.temperature_limit", 295.0, SLIDING);
@@ -207,22 +208,6 @@ fn limits_are_told_where_they_are_reached() {
         assert_one(&load(1001.0), &["outside the model's validity"]);
         assert_eq!(load(999.0), SILENT);
     }
-}
-
-/// With a bristle the lumped level takes the general form of its step.
-#[test]
-fn a_temperature_limit_is_told_with_a_bristle_too() {
-    let starts = |limit: f64| {
-        [
-            ("solver.fidelity", LUMPED),
-            ("contact.stick_stiffness", 1e6),
-            ("contact.temperature_limited", 1.0),
-            ("contact.temperature_limit", limit),
-        ]
-    };
-    let told = in_steps(&starts(295.0), SLIDING, &[], 3);
-    assert_one(&told, &["contact.temperature_limit = 295 K is exceeded", "bit 2"]);
-    assert_eq!(in_steps(&starts(500.0), SLIDING, &[], 3), SILENT);
 }
 
 #[test]
@@ -275,23 +260,4 @@ fn a_scene_made_to_slide_above_its_critical_speed_starts_in_silence_and_the_run_
         assert_one(&told, &["thermoelastically unstable: pressure perturbations may have grown by exp("]);
         assert_eq!(told[0].contains("this level has one temperature along the contact"), coarse);
     }
-}
-
-#[test]
-fn accelerated_wear_is_told_where_it_hides_growth() {
-    let speed = |acceleration: f64, expansion: f64| {
-        let starts = [
-            ("solver.fidelity", LINE),
-            FEW,
-            ("wear_acceleration", acceleration),
-            ("punch.thermal_expansion", expansion),
-            ("strip.thermal_expansion", expansion),
-        ];
-        in_steps(&starts, &[("sliding_velocity", 1.0), ("normal_load", 100.0)], &[], 2)
-    };
-    assert_eq!(speed(1.0, 1e-5), SILENT);
-    let told = (1..16).map(|power| speed(2.0_f64.powi(power), 1e-5)).find(|told| !told.is_empty());
-    assert_one(&told.expect("a warning before the refusal"), &["wear_acceleration = ", "above 0.05"]);
-    assert_eq!(speed(2.0, 1e-5), SILENT);
-    assert_eq!(speed(64.0, 0.0), SILENT);
 }

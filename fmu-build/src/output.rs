@@ -229,22 +229,6 @@ mod tests {
     }
 
     #[test]
-    fn an_ending_that_promises_another_format_is_refused() {
-        let told =
-            |path: &str| check_ending(Some(Path::new(path)), &["csv", "parquet"]).map_err(|error| error.to_string());
-        assert_eq!(told("a/r.csv"), Ok(()));
-        assert_eq!(told("r.CSV"), Ok(()));
-        assert_eq!(told("r"), Ok(()));
-        assert_eq!(told("r.parquet"), Ok(()));
-        assert_eq!(told("r.xlsx").unwrap_err(), "--output r.xlsx: .csv or .parquet is written, not .xlsx");
-        assert!(check_ending(None, &["csv"]).is_ok());
-        let own = std::env::current_exe().unwrap();
-        let told = |path: &Path| format!("{:#}", check_ending(Some(path), &["csv"]).unwrap_err());
-        assert!(told(own.parent().unwrap()).contains("name a file"));
-        assert!(told(&own.join("below.csv")).contains("is no folder"));
-    }
-
-    #[test]
     fn a_file_is_no_folder() {
         let told = |path: &Path| check_folder(Some(path)).map_err(|error| error.to_string());
         assert_eq!(told(Path::new("results/run.3")), Ok(()));

@@ -286,31 +286,4 @@ mod tests {
             assert_eq!(example.to_possible_value().unwrap().get_name(), example.folder());
         }
     }
-
-    /// The error message of the command line for these arguments.
-    fn refusal(arguments: &[&str]) -> String {
-        #[derive(clap::Parser)]
-        struct Run {
-            #[command(flatten)]
-            arguments: Arguments,
-        }
-        let run = <Run as clap::Parser>::try_parse_from([&["run"], arguments].concat()).unwrap();
-        let example = run.arguments.example.unwrap_or(Example::DiscBrake);
-        check_options(example, &run.arguments).map_or_else(|error| error.to_string(), |()| String::new())
-    }
-
-    #[test]
-    fn options_that_do_not_apply_are_refused() {
-        for example in ["clutch", "hot_spots", "pin_on_disk", "reciprocating_punch"] {
-            assert!(refusal(&[example, "--cycle", "hwfet"]).contains("--cycle hwfet does not apply to"), "{example}");
-        }
-        assert!(refusal(&["vehicle_brake", "--step", "0.2"]).contains("--step 0.2 does not apply to vehicle_brake"));
-        assert!(refusal(&["--step", "0"]).contains("--step 0 s must be"));
-        assert!(refusal(&["-o", "st.png"]).contains("a folder must be named"));
-        for fine in
-            [&["--step", "0.2", "--cycle", "hwfet"][..], &["vehicle_brake", "--cycle", "udds"], &["clutch"], &[]]
-        {
-            assert_eq!(refusal(fine), "");
-        }
-    }
 }

@@ -243,11 +243,4 @@ mod tests {
         assert!(!good(Some([9000, 9001 + GROWTH]), true, 0));
         assert!(!good(None, false, 0) && !good(None, true, 1));
     }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn memory_and_mapped_files_are_read() {
-        assert!(resident().unwrap() > 100);
-        assert!(is_mapped(&std::env::current_exe().unwrap()) && !is_mapped(Path::new("/no/such/library.so")));
-    }
 }

@@ -192,13 +192,4 @@ mod tests {
         assert!(pieces(&long, LONGEST).iter().all(|piece| piece.len() <= LONGEST));
         assert_eq!(pieces(&long, LONGEST).iter().flat_map(|piece| piece.split_whitespace()).count(), 1000);
     }
-
-    #[test]
-    fn categories_are_known_by_their_declared_names_only() {
-        for category in Category::ALL {
-            assert_eq!(Category::from_name(category.name()), Some(category));
-        }
-        assert_eq!(Category::from_name(c"logAll"), None);
-        assert_eq!(Category::from_name(c""), None);
-    }
 }

@@ -317,31 +317,7 @@ pub(crate) fn same_time_within(time: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene::variables::{find, lookup};
-
-    #[test]
-    fn access_follows_causality_and_variability() {
-        let of = |name| access(find(name).unwrap());
-        let cases = [
-            ("sliding_velocity", UNTIL_TERMINATED, Type::Real, true),
-            ("contact.friction_coefficient", UNTIL_TERMINATED, Type::Real, false),
-            ("punch.height", BEFORE, Type::Real, false),
-            ("contact.initial_gap[33]", BEFORE, Type::Real, false),
-            ("contact.faces", BEFORE, Type::Integer, false),
-            ("solver.fidelity", BEFORE, Type::Integer, false),
-            ("contact.shear_coupling", BEFORE, Type::Boolean, false),
-            ("wear_depth", NEVER, Type::Real, false),
-            ("limit_reached", NEVER, Type::Integer, false),
-            ("profile.pressure[1]", NEVER, Type::Real, false),
-        ];
-        for (name, settable, kind, input) in cases {
-            assert_eq!(of(name).settable(), settable, "{name}");
-            assert!(of(name).is(kind), "{name}");
-            assert_eq!(of(name).is_input(), input, "{name}");
-        }
-        assert!([COUNT as u32, u32::MAX].map(access) == [Access::NONE; 2]);
-        assert!(![Type::Real, Type::Integer, Type::Boolean].iter().any(|&kind| access(u32::MAX).is(kind)));
-    }
+    use scene::variables::lookup;
 
     #[test]
     fn every_variable_has_one_type_and_only_parameters_and_inputs_can_be_set() {

@@ -157,28 +157,3 @@ fn field<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
 fn checksum(bytes: &[u8]) -> u64 {
     Fnv::of(bytes[..CHECKSUM.start].iter().chain(&bytes[CHECKSUM.end..]).copied()).0
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::component::Component;
-    use scene::variables::STARTS;
-    use std::sync::Arc;
-
-    const GUID: &str = "{01234567-89ab-cdef-0123-456789abcdef}";
-
-    #[test]
-    fn bytes_come_back_as_the_same_state() {
-        let mut saved = Saved {
-            phase: Phase::StepComplete,
-            clock: Clock { time: 1.5, stop: Some(10.0), tolerance: None },
-            component: Snapshot::default(),
-        };
-        Component::new(Arc::new(STARTS)).snapshot(&mut saved.component);
-        let bytes = saved.encode(GUID).unwrap();
-        assert_eq!(bytes.len(), saved.encoded_size(GUID));
-        let read = Saved::decode(&bytes, GUID).unwrap();
-        assert_eq!((read.phase, read.clock), (saved.phase, saved.clock));
-        assert_eq!(read.encode(GUID).unwrap(), bytes);
-    }
-}

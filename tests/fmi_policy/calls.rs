@@ -8,7 +8,7 @@ use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status;
 
 use test_support::importer::Stage::{self, *};
-use test_support::importer::{Importer, STAGES, reference};
+use test_support::importer::{Importer, reference};
 
 const OK: Status = Status::Ok;
 const DISCARD: Status = Status::Discard;
@@ -327,14 +327,6 @@ fn rounding_of_the_importers_clock_does_not_pile_up() {
     // SAFETY: the place is there.
     assert_eq!(unsafe { fmi2GetRealStatus(importer.component, 2, &mut last) }, OK);
     assert!((last - 3.0).abs() < 1e-10, "{last}");
-}
-
-#[test]
-fn every_phase_is_reached_and_distinct() {
-    let bytes = STAGES.map(|(stage, _)| Importer::at(stage).bytes());
-    for (index, one) in bytes.iter().enumerate() {
-        assert!(bytes[..index].iter().all(|other| one != other));
-    }
 }
 
 /// Wear that no step can be taken with is refused before the first one, whatever the level and the nominal duration; what is

@@ -118,22 +118,6 @@ fn without_a_tolerance_of_the_importer_that_of_the_default_experiment_counts() {
 }
 
 #[test]
-fn the_declared_tolerance_gives_what_the_same_number_from_the_importer_gives() {
-    let declared = scene::slot::current().unwrap().experiment.tolerance;
-    let run = |own: Option<f64>| {
-        let importer = Importer::with_logging(true);
-        tolerance(&importer, own);
-        assert_eq!(importer.set_real(&["sliding_velocity", "normal_load"], &[8.0, 2000.0]), OK);
-        for step in 0..20 {
-            assert_eq!(importer.step(0.5 * f64::from(step), 0.5), OK);
-        }
-        importer.get_real("contact_temperature").to_bits()
-    };
-    assert_eq!(run(None), run(Some(declared)));
-    assert_ne!(run(None), run(Some(1e-3)), "no evidence otherwise");
-}
-
-#[test]
 fn awkward_characters_reach_the_logger_unharmed() {
     let log: Box<Mutex<Vec<Entry>>> = Box::default();
     let callbacks = CallbackFunctions {

@@ -2,7 +2,6 @@
 
 #![allow(clippy::needless_range_loop, reason = "stations read as the formulas they are when they are indexed")]
 
-mod account;
 mod annulus;
 mod edges;
 mod estimates;

@@ -4,7 +4,7 @@
 //! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
 //! thermal distortion would make the problem ill-posed.
 
-use test_support::{Application, Drive, HELD, scene};
+use test_support::{Application, Drive, scene};
 
 const LOAD: f64 = 14e3;
 const CONDUCTANCE: f64 = 20e3;
@@ -58,7 +58,6 @@ fn a_stop_passes_the_speed_at_which_short_waves_grow() {
     let exact = brakes(speed, 20, &[("solver.tolerance", 1e-4)]).0;
     for (tolerance, cells, most) in [(1e-3, 33.0, 400), (1e-2, 33.0, 300), (1e-2, 17.0, 300)] {
         let (found, work) = brakes(speed, 20, &[("solver.tolerance", tolerance), ("solver.cells", cells)]);
-        println!("{tolerance:e} {cells}: {found:?} against {exact:?}, {work} steps");
         let rise = exact[0] - 293.15;
         assert!((found[0] - exact[0]).abs() < 5e-3 * rise, "{found:?} {exact:?}");
         assert!((found[2] / exact[2] - 1.0).abs() < 0.02, "{found:?} {exact:?}");
@@ -70,11 +69,9 @@ fn a_stop_passes_the_speed_at_which_short_waves_grow() {
 /// tolerance as at a tight one.
 #[test]
 fn the_pad_parts_above_that_speed_and_not_below() {
-    let names: Vec<String> = (1..=8).map(|entry| format!("contact.friction_fade.factor[{entry}]")).collect();
-    let flat: Vec<(&str, f64)> = names.iter().map(|name| (name.as_str(), 1.0)).collect();
-    let no_wear = [("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 0.0)];
+    let plain = [("contact.friction_fade.factor[*]", 1.0), ("*.wear_coefficient", 0.0)];
     let [below, above, tight] = [(0.7, 1e-2), (2.0, 1e-2), (2.0, 1e-4)].map(|(ratio, tolerance)| {
-        let mut drive = brake(&[&flat[..], &no_wear, &[("solver.tolerance", tolerance)]].concat());
+        let mut drive = brake(&[&plain[..], &[("solver.tolerance", tolerance)]].concat());
         drive.set("normal_load", 500.0).set("sliding_velocity", ratio * bound());
         let mut least: f64 = 1.0;
         for _ in 0..300 {
@@ -84,7 +81,6 @@ fn the_pad_parts_above_that_speed_and_not_below() {
         let carried = drive.get("pressure_mean") * drive.area();
         assert!((carried / 500.0 - 1.0).abs() < 1e-9 && drive.imbalance() < 1e-9, "{carried} {:e}", drive.imbalance());
         let rise = drive.get("contact_temperature") - 293.15;
-        println!("{ratio} {tolerance}: {least} {rise} {:?}", drive.0.work());
         assert!(drive.0.work().0 + drive.0.work().1 < 4000, "{:?}", drive.0.work());
         (least, rise)
     });
@@ -110,28 +106,29 @@ fn the_first_moments_of_an_endless_path_and_its_stop_are_those_of_columns() {
         let root = |t: f64| 2.0 / 3.0 * t.powf(1.5);
         (root(age + rest) - root(rest)) * speed / width + (1.0 - met) * (time + rest).sqrt() - rest.sqrt()
     };
-    let mut changes: Vec<(String, f64)> =
-        (1..=8).map(|k| (format!("contact.friction_fade.factor[{k}]"), 1.0)).collect();
-    let plain = ["punch.conductivity", "punch.thermal_expansion", "strip.thermal_expansion", "punch.convection"];
-    let more = ["strip.convection", "strip.emissivity", "holder.pivot_height", "contact.shear_coupling"];
-    let worn = ["punch.wear_coefficient", "strip.wear_coefficient"];
-    changes.extend([&plain[..], &more, &worn].concat().into_iter().map(|name| (name.to_owned(), 0.0)));
-    changes.extend(
-        [("punch.body", 1.0), ("contact.conductance", 1e12), ("solver.fidelity", 3.0), ("solver.cells", 33.0)]
-            .map(|(name, value)| (name.to_owned(), value)),
-    );
-    let mut changes: Vec<(&str, f64)> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let own = [
+        ("contact.friction_fade.factor[*]", 1.0),
+        ("punch.conductivity", 0.0),
+        ("*.thermal_expansion", 0.0),
+        ("*.convection", 0.0),
+        ("strip.emissivity", 0.0),
+        ("holder.pivot_height", 0.0),
+        ("contact.shear_coupling", 0.0),
+        ("*.wear_coefficient", 0.0),
+        ("punch.body", 1.0),
+        ("contact.conductance", 1e12),
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 33.0),
+    ];
     let starts = Application::read("fading_pin").starts;
     let step = 2.10616e-4;
     let end = 200.0 * step;
     let peak = scale * mean(end, 0.0);
     for (tolerance, bound) in [(1e-2, 1e-4), (1e-3, 6e-5), (1e-4, 6e-5)] {
-        changes.push(("solver.tolerance", tolerance));
-        let mut drive = Drive::from_starts(&starts, &changes);
+        let mut drive = Drive::from_starts(&starts, &[&own[..], &[("solver.tolerance", tolerance)]].concat());
         drive.set("normal_load", load).set("sliding_velocity", speed);
         let check = |drive: &mut Drive, exact: f64, what: &str| {
             let found = drive.get("contact_temperature") - 293.15;
-            println!("{tolerance:e} {what}: {found} and {exact} of {peak} K");
             assert!((found - exact).abs() < bound * peak, "{tolerance:e} {what}: {found} and {exact} of {peak} K");
         };
         for number in 1..=200 {
@@ -144,48 +141,6 @@ fn the_first_moments_of_an_endless_path_and_its_stop_are_those_of_columns() {
         for number in 1..=3 {
             drive.step(step);
             check(&mut drive, scale * mean(end, f64::from(number) * step), &format!("{number} after the stop"));
-        }
-    }
-}
-
-/// A brake pad that moves less than a lap and stops: a straight path and a closed one are the same.
-#[test]
-fn after_a_stop_an_endless_path_is_as_warm_as_a_closed_one() {
-    let brake = [
-        ("solver.fidelity", 3.0),
-        ("solver.cells", 17.0),
-        ("punch.width", 0.11),
-        ("punch.conductivity", 0.9),
-        ("punch.thermal_expansion", 0.0),
-        ("strip.height", 0.025),
-        ("strip.conductivity", 45.0),
-        ("strip.density", 7850.0),
-        ("strip.thermal_expansion", 0.0),
-        ("strip.base_thermal", HELD),
-        ("strip.convection", 0.0),
-        ("contact.mean_radius", 0.0),
-        ("nominal.load", 25e3),
-        ("nominal.velocity", 0.06),
-        ("nominal.duration", 60.0),
-    ];
-    for (tolerance, bound) in [(1e-2, 1e-2), (1e-3, 2e-3)] {
-        let run = |path: [(&str, f64); 2]| {
-            let mut drive = Drive::stock(&[&brake[..], &path, &[("solver.tolerance", tolerance)]].concat());
-            drive.set("normal_load", 25e3).set("sliding_velocity", 0.08).steps(48, 0.25);
-            let peak = drive.get("contact_temperature");
-            drive
-                .slope("sliding_velocity", -0.08)
-                .step(1.0)
-                .set("sliding_velocity", 0.0)
-                .slope("sliding_velocity", 0.0);
-            let stop = drive.get("contact_temperature");
-            [peak, stop, drive.step(1.0).get("contact_temperature")].map(|t| t - 293.15)
-        };
-        let [open, closed] =
-            [[("strip.path", 1.0), ("strip.length", 0.0)], [("strip.path", 2.0), ("strip.length", 2.5)]].map(run);
-        println!("{tolerance}: {open:?} {closed:?}");
-        for (open, other) in open.iter().zip(closed) {
-            assert!((open - other).abs() < bound * closed[0], "{tolerance}: {open} and {other} of {} K", closed[0]);
         }
     }
 }

@@ -48,14 +48,14 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
     // Resolved heat that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
     // so that nothing grows at these speeds.
     if random.next() < 0.5 {
-        changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
+        changes.extend([("*.thermal_expansion", 2e-8)]);
     }
     // Where nothing depends on the temperature (9: on an annulus), heat is lumped, and the contact temperature follows the present inputs.
     if special == 3 || special == 9 {
         for (name, value) in &mut changes {
             match *name {
                 "contact.friction_fade.factor[2]" | "punch.wear_fade.factor[2]" => *value = 1.0,
-                "punch.thermal_expansion" | "strip.thermal_expansion" => *value = 0.0,
+                "*.thermal_expansion" => *value = 0.0,
                 _ => {}
             }
         }

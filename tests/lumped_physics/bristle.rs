@@ -64,7 +64,6 @@ fn cutting(name: &str, changes: &[(&str, f64)], velocity: &str, courses: &[(&str
                 let (coarse, _, _, work) = run(parts);
                 let worst = difference(&coarse, &fine, start, limit).map(|difference| difference / tolerance);
                 let text = format!("{name} {what} {tolerance:e}, {parts} parts: {worst:.3?} of it, {work:?} steps");
-                println!("{text}");
                 if worst.iter().any(|difference| *difference > 1.0 || difference.is_nan()) {
                     failed.push(text);
                 }

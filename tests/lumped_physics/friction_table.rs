@@ -1,34 +1,26 @@
 //! A friction coefficient over sliding speed as a table, at both levels, and the output that says whether the contact sticks.
 
-use scene::Scene;
-use scene::slot::Packaged;
-use test_support::{Drive, LINE, LUMPED, changed, reference};
+use test_support::{Drive, LINE, LUMPED, reference};
 
-const POINTS: [(f64, f64); 4] = [(0.0, 0.5), (0.5, 0.4), (2.0, 0.32), (8.0, 0.36)];
-const SPEED: [&str; 4] = ["[1]", "[2]", "[3]", "[4]"];
+const TABLE: &[(&str, f64)] = &[
+    ("contact.friction_table.points", 4.0),
+    ("contact.friction_table.coefficient[1]", 0.5),
+    ("contact.friction_table.speed[2]", 0.5),
+    ("contact.friction_table.coefficient[2]", 0.4),
+    ("contact.friction_table.speed[3]", 2.0),
+    ("contact.friction_table.coefficient[3]", 0.32),
+    ("contact.friction_table.speed[4]", 8.0),
+    ("contact.friction_table.coefficient[4]", 0.36),
+];
 
-/// The names of the table's entries and their values.
-fn table() -> Vec<(String, f64)> {
-    let mut changes = vec![("contact.friction_table.points".to_owned(), 4.0)];
-    for (index, (speed, coefficient)) in SPEED.iter().zip(POINTS) {
-        changes.push((format!("contact.friction_table.speed{index}"), speed));
-        changes.push((format!("contact.friction_table.coefficient{index}"), coefficient));
-    }
-    changes
-}
-
-fn with_table(level: f64, more: &[(&str, f64)]) -> Drive {
-    let table = table();
-    let mut changes: Vec<(&str, f64)> = table.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-    changes.extend([("solver.fidelity", level), ("solver.cells", 9.0)]);
-    changes.extend(more);
-    Drive::stock(&changes)
+fn at_level(level: f64, changes: &[&[(&str, f64)]]) -> Drive {
+    Drive::stock(&[&[("solver.fidelity", level), ("solver.cells", 9.0)], &changes.concat()[..]].concat())
 }
 
 #[test]
 fn the_force_follows_the_table_at_both_levels() {
     for level in [LUMPED, LINE] {
-        let mut drive = with_table(level, &[]);
+        let mut drive = at_level(level, &[TABLE]);
         drive.set("normal_load", 5e3);
         for (speed, coefficient) in [(0.5, 0.4), (-2.0, 0.32), (8.0, 0.36), (30.0, 0.36)] {
             drive.set("sliding_velocity", speed);
@@ -55,39 +47,11 @@ fn the_force_follows_the_table_at_both_levels() {
 }
 
 #[test]
-fn a_table_with_a_fault_is_refused_by_name() {
-    let refused = |more: &[(&str, f64)]| {
-        let table = table();
-        let mut changes: Vec<(&str, f64)> = table.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        changes.extend(more);
-        Scene::new(&changed(&Packaged::stock().starts, &changes), None).unwrap_err().to_string()
-    };
-    for (more, words) in [
-        (vec![("contact.static_friction_ratio", 1.2)], vec!["contact.static_friction_ratio = 1.2", "both given"]),
-        (
-            vec![("contact.friction_table.speed[1]", 0.1)],
-            vec!["contact.friction_table.speed[1] = 0.1 m/s must be 0 m/s"],
-        ),
-        (
-            vec![("contact.friction_table.speed[3]", 0.5)],
-            vec!["speed[3] = 0.5 m/s must be above", "speed[2] = 0.5 m/s"],
-        ),
-        (vec![("contact.friction_table.points", 1.0)], vec!["contact.friction_table.speed[2] = 0.5 has no effect"]),
-        (vec![("contact.friction_table.points", 0.0)], vec!["contact.friction_table.speed[2] = 0.5 has no effect"]),
-        (vec![("contact.friction_coefficient", 0.0)], vec!["contact.friction_coefficient = 0", "must be > 0"]),
-    ] {
-        let text = refused(&more);
-        assert!(words.iter().all(|word| text.contains(word)), "{text}");
-    }
-}
-
-#[test]
 fn sticking_is_said_below_the_limit_of_a_bristle_and_at_standstill_without_one() {
     for level in [LUMPED, LINE] {
-        for table in [false, true] {
+        for table in [&[][..], TABLE] {
             let stick = [("contact.stick_stiffness", 1e6), ("contact.stick_damping", 1e3)];
-            let cells = [("solver.fidelity", level), ("solver.cells", 9.0)];
-            let mut drive = if table { with_table(level, &stick) } else { Drive::stock(&[stick, cells].concat()) };
+            let mut drive = at_level(level, &[table, &stick]);
             drive.set("normal_load", 5e3).set("sliding_velocity", 1e-3).step(1.0);
             assert_eq!(drive.get("sticking"), 1.0);
             drive.set("sliding_velocity", 0.1).step(1.0);
@@ -98,7 +62,7 @@ fn sticking_is_said_below_the_limit_of_a_bristle_and_at_standstill_without_one()
             drive.set("normal_load", 0.0);
             assert_eq!(drive.get("sticking"), 0.0);
         }
-        let mut drive = Drive::stock(&[("solver.fidelity", level), ("solver.cells", 9.0)]);
+        let mut drive = at_level(level, &[]);
         drive.set("normal_load", 5e3);
         assert_eq!(drive.get("sticking"), 1.0);
         drive.set("sliding_velocity", 1e-9);

@@ -1,5 +1,5 @@
 //! The physics of the lumped level through the component alone: steps, balances, geometry, standstill,
-//! derivatives and limits, against closed forms, fine steps and brute force.
+//! derivatives and limits, against closed forms and fine steps.
 
 mod balance;
 mod bristle;
@@ -12,7 +12,6 @@ mod neighbours;
 mod properties;
 mod rates;
 mod replay;
-mod slab;
 mod standstill;
 mod steps;
 mod stroke;

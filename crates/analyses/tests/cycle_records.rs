@@ -126,7 +126,6 @@ fn number(value: &Value) -> f64 {
 fn agree(name: &str, found: &[f64], expected: &[f64], part: f64, scale: f64) {
     assert_eq!(found.len(), expected.len(), "{name}");
     let most = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
-    println!("  {name}: {most:.1e} of {part:.0e}");
     assert!(most <= part, "{name}: {found:?}\n{expected:?}");
 }
 
@@ -193,7 +192,6 @@ fn everything_of_the_shipped_scene_agrees_with_its_own_sums() {
 #[test]
 fn everything_of_a_steady_cycle_is_that_of_time_integration_and_of_its_own_sums() {
     for holder in [&[][..], &["holder.constraint=translate_and_rotate", "holder.pivot_height=3 mm"]] {
-        println!("{holder:?}");
         let file = small(holder);
         let scene = scene_of(&file);
         let record = steady::solve(&file, &steady::Options::default()).unwrap().record();
@@ -323,7 +321,6 @@ fn everything_of_many_cycles_is_that_of_every_cycle() {
     let table = "property_table={temperature=[293.15, 300], conductivity=[50, 30], specific_heat=[460, 920]}";
     let tables = ["punch", "strip"].map(|body| format!("{body}.{table}"));
     let [constant, tabulated] = [&[][..], &[&*tables[0], &*tables[1]]].map(many_cycles);
-    println!("rise {constant} K, with tables {tabulated} K");
     assert!(tabulated > 1.1 * constant, "{tabulated} {constant}");
 }
 

@@ -129,10 +129,4 @@ mod tests {
             assert!((below - above).abs() < 1e-10, "{speed}: {below} {above}");
         }
     }
-
-    #[test]
-    fn two_points_are_enough() {
-        let curve = curve(&[(0.0, 0.3), (2.0, 0.5)]);
-        assert!((curve.at(2.0) - 0.5).abs() < 1e-15 && (0.3..0.5).contains(&curve.at(1.0)));
-    }
 }

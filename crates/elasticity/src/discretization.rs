@@ -97,16 +97,12 @@ mod tests {
     use super::*;
     use crate::{Base, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
     use nalgebra::DVector;
-    use scene::variables::{STARTS, reference};
+    use scene::variables::{STARTS, changed};
     use scene::{Body, Constraint, MechanicalBody, Path};
     use std::f64::consts::PI;
 
     fn scene(changes: &[(&str, f64)]) -> Scene {
-        let mut values = STARTS;
-        for (name, value) in changes {
-            values[reference(name) as usize] = *value;
-        }
-        Scene::new(&values, None).unwrap()
+        Scene::new(&changed(&STARTS, changes).unwrap(), None).unwrap()
     }
 
     /// A line contact of width 60 mm on a straight path; both bodies of one kind (rigid 1 to elastic 4).

@@ -40,21 +40,3 @@ impl ElasticBody for Rigid {
         Compliance { normal: DMatrix::zeros(count, count), shear: DMatrix::zeros(count, count) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn winkler_is_diagonal_and_rigid_is_nothing() {
-        let cells = Cells::graded(1.0, 3).unwrap();
-        let compliance = Winkler::new(4.0).unwrap().compliance(&cells);
-        assert_eq!(compliance.normal, DMatrix::from_diagonal_element(3, 3, 0.25));
-        assert_eq!(compliance.shear, DMatrix::zeros(3, 3));
-        assert_eq!(Rigid.compliance(&cells).normal, DMatrix::zeros(3, 3));
-        assert_eq!(
-            Winkler::new(-1.0).unwrap_err().to_string(),
-            "foundation stiffness = -1 is out of range: must be positive, in Pa/m"
-        );
-    }
-}

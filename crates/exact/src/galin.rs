@@ -132,15 +132,6 @@ mod tests {
     }
 
     #[test]
-    fn high_eigenvalues_approach_the_asymptote() {
-        let values = GalinRelaxation::new(100).eigenvalues(60);
-        for n in [20, 40, 60] {
-            let ratio = values[n - 1] / (4.0 / (PI * n as f64));
-            assert!((ratio - 1.0).abs() < 1.0 / n as f64, "{n}: {ratio}");
-        }
-    }
-
-    #[test]
     fn published_relaxation() {
         let galin = GalinRelaxation::new(150);
         for (tau, published) in [
@@ -155,25 +146,5 @@ mod tests {
                 assert!((computed - value).abs() < digits, "tau {tau} x {x}: {computed} {value}");
             }
         }
-    }
-
-    #[test]
-    fn converges_with_the_order() {
-        let (coarse, fine) = (GalinRelaxation::new(120), GalinRelaxation::new(200));
-        for x in [0.0, 0.5, 0.9] {
-            let difference = coarse.pressure(0.1, x) - fine.pressure(0.1, x);
-            assert!(difference.abs() < 1e-6, "x {x}: {difference:e}");
-        }
-        for (a, b) in coarse.eigenvalues(3).iter().zip(fine.eigenvalues(3)) {
-            assert!((a - b).abs() < 1e-9, "{a} {b}");
-        }
-    }
-
-    #[test]
-    fn means_carry_the_load() {
-        let galin = GalinRelaxation::new(50);
-        assert!((galin.mean_pressure(0.2, -1.0, 1.0) - 1.0).abs() < 1e-12);
-        let (mean, value) = (galin.mean_pressure(0.2, 0.299, 0.301), galin.pressure(0.2, 0.3));
-        assert!((mean - value).abs() < 1e-5);
     }
 }

@@ -95,18 +95,4 @@ mod tests {
         assert_eq!(critical_ratio(2.0), f64::INFINITY);
         assert!(growth_rate(1e4, 2.0, 0.0).re < 0.0);
     }
-
-    #[test]
-    fn without_wear_the_relation_of_theory_holds() {
-        for ratio in [0.5_f64, 1.0, 2.0, 5.0] {
-            let z = 0.5 * ((1.0 + 8.0 * ratio).sqrt() - 1.0);
-            assert!((growth_rate(ratio, 0.0, 0.0) - (z * z - 1.0)).norm() < 1e-13);
-            // A little wear has a small effect, except where two roots meet.
-            let worn = growth_rate(2.0 * ratio, 1e-9, 0.0).re;
-            assert!((worn - growth_rate(2.0 * ratio, 0.0, 0.0).re).abs() < 1e-4);
-            let coupled = growth_rate(ratio, 0.0, 0.1);
-            let z = (coupled + 1.0).sqrt();
-            assert!((z * (z + 1.0) * Complex::new(1.0, 0.1) - 2.0 * ratio).norm() < 1e-12);
-        }
-    }
 }

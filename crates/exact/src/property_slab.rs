@@ -63,7 +63,8 @@ pub struct PropertySlab {
     /// Distances between neighbouring nodes and the volumes of the nodes per area, m.
     spacing: Vec<f64>,
     volume: Vec<f64>,
-    faces: [Face; 2],
+    /// Conditions at the contact and at the far face.
+    pub faces: [Face; 2],
     /// Temperatures of the nodes, K, the first at the contact.
     pub temperature: Vec<f64>,
     /// Heat that has left through both faces without the flux q, J/m2.
@@ -110,10 +111,10 @@ impl PropertySlab {
         self.temperature[0]
     }
 
-    /// Heat per area above the first temperature of the points, J/m2.
-    #[cfg(test)]
-    fn enthalpy(&self) -> f64 {
-        self.enthalpies(&self.temperature).iter().sum()
+    /// Mean temperature, K.
+    pub fn mean(&self) -> f64 {
+        let sum: f64 = self.temperature.iter().zip(&self.volume).map(|(t, volume)| t * volume).sum();
+        sum / self.volume.iter().sum::<f64>()
     }
 
     fn enthalpies(&self, temperature: &[f64]) -> Vec<f64> {
@@ -242,24 +243,6 @@ mod tests {
             (0..steps).for_each(|i| slab.advance(at(i + 1) - at(i), q, q));
             (slab.surface() - 300.0) / exact - 1.0
         });
-        println!("{exact} K: {errors:?}");
         assert!(errors[1].abs() < 2e-4 && errors[1].abs() < 0.4 * errors[0].abs(), "{errors:?}");
-    }
-
-    #[test]
-    fn heat_is_conserved_to_rounding() {
-        for base in [Face::Convecting(300.0, 310.0), Face::Held(300.0)] {
-            let mut slab = in_proportion([Face::Convecting(80.0, 300.0), base], 60);
-            let start = slab.enthalpy();
-            let mut entered = 0.0;
-            for i in 0..50 {
-                let (from, to) = (2e6 * f64::from(50 - i) / 50.0, 2e6 * f64::from(49 - i) / 50.0);
-                slab.advance(0.4, from, to);
-                entered += 0.2 * (from + to);
-            }
-            let balance = entered - slab.lost[0] - slab.lost[1] - (slab.enthalpy() - start);
-            assert!(balance.abs() < 1e-9 * entered, "{base:?}: {balance:e} of {entered:e}");
-            assert!(slab.lost[1].abs() > 1e-6 * entered, "{base:?}");
-        }
     }
 }

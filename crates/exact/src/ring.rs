@@ -134,14 +134,6 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn a_slender_ring_is_straight() {
-        // p' = cos(pi x/W): b = G - kd (pi/W)^2.
-        let bands = RadialBands { radii: [40.0, 40.04], diffusivity: 1.6e-5, drive: 0.25 };
-        let expected = 0.25 - 1.6e-5 * (PI / 0.04f64).powi(2);
-        assert!((bands.growth() / expected - 1.0).abs() < 1e-6, "{} {expected}", bands.growth());
-    }
-
-    #[test]
     fn the_rate_is_that_of_finite_volumes() {
         // 400 volumes, r_m = 50 and 160 mm, W = 40 mm, kd = 54/3.312e6, G twice and 1.5 times kd (pi/W)^2.
         let diffusivity = 54.0 / (7200.0 * 460.0);
@@ -150,20 +142,5 @@ mod tests {
             let bands = RadialBands { radii: [mean - 0.02, mean + 0.02], diffusivity, drive: ratio * decay };
             assert!((bands.growth() / expected - 1.0).abs() < 1e-4, "{mean}: {} {expected}", bands.growth());
         }
-    }
-
-    #[test]
-    fn the_parted_ring_is_in_balance() {
-        let ring = PartedRing { radii: [0.08, 0.1, 0.12], conductance: 0.05, flux: 2e3 };
-        // Equations by differences: (r T')' = -r q/(K h) on either side, equal slopes at the parting radius.
-        let at = |r: f64| ring.rise(r - 1e-7, r + 1e-7);
-        for (r, flux) in [(0.09, ring.flux), (0.11, ring.outer_flux())] {
-            let d = 1e-3;
-            let slope = |r: f64| (at(r + 0.5 * d) - at(r - 0.5 * d)) / d;
-            let bend = ((r + 0.5 * d) * slope(r + 0.5 * d) - (r - 0.5 * d) * slope(r - 0.5 * d)) / d;
-            assert!((bend / (-r * flux / 0.05) - 1.0).abs() < 1e-3, "{r}: {bend}");
-        }
-        let (before, after) = ((at(0.0999) - at(0.0998)) / 1e-4, (at(0.1002) - at(0.1001)) / 1e-4);
-        assert!((before / after - 1.0).abs() < 0.02, "{before} {after}");
     }
 }

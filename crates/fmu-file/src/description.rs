@@ -374,42 +374,6 @@ mod tests {
     }
 
     #[test]
-    fn outputs_are_what_is_connected() {
-        let outputs: Vec<&str> =
-            TABLE.iter().filter(|row| row.causality == Causality::Output).map(|row| row.name).collect();
-        // Of a brake or a clutch: what the drive feels, temperatures of both bodies and of the hottest point, wear, shape, particles.
-        for name in [
-            "friction_torque",
-            "friction_power",
-            "punch.mean_temperature",
-            "strip.mean_temperature",
-            "contact_temperature_max",
-            "wear_depth_punch",
-            "wear_depth_strip",
-            "wear_mass_punch",
-            "wear_mass_strip",
-            "wear_mass_airborne",
-            "tilt",
-            "wear_taper_punch",
-            "remaining_life",
-            "limit_reached",
-            "estimated_error",
-        ] {
-            assert!(outputs.contains(&name), "{name}");
-        }
-        assert!(outputs.len() <= 27, "{outputs:?}");
-    }
-
-    #[test]
-    fn every_unit_in_use_is_defined() {
-        for row in TABLE {
-            if let Kind::Real { unit, .. } = row.kind {
-                assert!(UNITS.iter().any(|known| known.name == unit.name), "{}", unit.name);
-            }
-        }
-    }
-
-    #[test]
     fn the_structure_lists_outputs_ascending_and_never_a_local() {
         let elements = elements(&write(&Packaged::stock(), ""));
         let at = |name: &str| elements.iter().position(|element| element.0 == name).unwrap();

@@ -53,7 +53,6 @@ fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
         [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("nominal.stroke", 0.0), ("strip.path", 1.0)];
     let held = work("reciprocating_punch", &unidirectional, 1e-3, |_| 0.012);
     let swinging = work("reciprocating_punch", &unidirectional, 1e-3, |n| 0.012 + 0.003 * (0.01 * f64::from(n)).cos());
-    println!("held {held:?}, swinging {swinging:?}");
     assert!((1.9..2.3).contains(&held.solutions), "{held:?}");
     assert!((2.0..3.5).contains(&swinging.solutions) && swinging.factorisations < 0.5, "{swinging:?}");
     assert!(swinging.steps < 1.1, "{swinging:?}");
@@ -65,7 +64,6 @@ fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
 fn braking_through_the_critical_speed_takes_few_repetitions() {
     let ring = [("solver.cells", 32.0)];
     let stop = work("hot_spots", &ring, 1e-4, |n| 0.1 + 0.1 * (0.02 * f64::from(n)).cos());
-    println!("{stop:?}");
     assert!(stop.solutions < 10.0 && stop.factorisations < 0.9, "{stop:?}");
 }
 
@@ -74,7 +72,6 @@ fn braking_through_the_critical_speed_takes_few_repetitions() {
 fn above_the_critical_speed_hardly_a_step_is_rejected() {
     let ring = [("solver.cells", 32.0)];
     let held = work("hot_spots", &ring, 0.1, |_| 0.2);
-    println!("{held:?}");
     assert!((4.0..12.0).contains(&held.steps) && held.rejected < 0.1, "{held:?}");
 }
 

@@ -199,18 +199,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn as_many_slow_modes_as_differences_are_solved_for() {
-        let mut anderson = Anderson::<2>::new(2);
-        let mut x = [0.0; 2];
-        for _ in 0..4 {
-            anderson.begin(&[&x]);
-            x = [0.9 * x[0] + 1.0, -0.99 * x[1] + 1.99];
-            anderson.accelerate([&mut x], |_| 1.0);
-        }
-        assert!((x[0] - 10.0).abs() < 1e-9 && (x[1] - 1.0).abs() < 1e-9, "{x:?}");
-    }
-
     /// A linear map for which the plain iteration diverges.
     #[test]
     fn a_linear_iteration_ends_after_as_many_steps_as_it_has_directions() {

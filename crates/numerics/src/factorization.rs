@@ -209,18 +209,6 @@ mod tests {
     }
 
     #[test]
-    fn a_refusal_names_the_entry() {
-        let refused = check(&[1.0, 2.0, f64::NAN, 4.0, 5.0, 6.0], 2).unwrap_err();
-        assert_eq!(refused.to_string(), "row 0, column 1 of the matrix is NaN, no finite number");
-    }
-
-    #[test]
-    fn an_empty_matrix_has_no_eigenvalues() {
-        assert_eq!(symmetric_eigen(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));
-        assert_eq!(eigenvalues(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));
-    }
-
-    #[test]
     fn what_is_finite_is_factorised() {
         let matrix = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
         let mut right = DVector::from_vec(vec![3.0, 3.0]);

@@ -106,7 +106,6 @@ mod tests {
             let unit = f64::from_bits(y.to_bits() + 1) - y;
             worst = worst.max((relative * y / unit).abs());
         }
-        println!("{worst}");
         assert!(worst < 0.6, "{worst}");
     }
 

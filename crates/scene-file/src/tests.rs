@@ -251,17 +251,6 @@ fn a_scene_without_its_dimensions_names_those_that_it_runs_with() {
 }
 
 #[test]
-fn a_bad_name_is_refused() {
-    assert!(parse("name = \"my brake\"").unwrap_err().to_string().contains("\"my brake\""));
-}
-
-#[test]
-fn a_file_that_is_not_there_is_named() {
-    let message = read(Path::new("no/such/scene.toml")).unwrap_err().to_string();
-    assert!(message.contains("no/such/scene.toml cannot be read"), "{message}");
-}
-
-#[test]
 fn a_zero_that_meant_something_names_what_is_set_instead() {
     for (key, instead) in [
         ("punch.initial_temperature", "punch.initial_at_ambient = true"),

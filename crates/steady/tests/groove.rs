@@ -69,7 +69,6 @@ fn sliding_on_ends_in_the_groove() {
                     groove(&cells, compliance.clone(), &gap, rate.clone(), direction, load, tilt).unwrap().pressure;
                 let stepped = slide(&cells, &compliance, &rate, 20.0, 80, forward);
                 let error = root_mean_square(&cells, &stepped, &exact);
-                println!("groove on {name} N {count}: {error:e}");
                 assert!(error < 2e-5, "{name} N {count} forward {forward}: {error:e}");
             }
         }
@@ -87,7 +86,6 @@ fn second_order_in_the_travel() {
             .iter()
             .map(|steps| root_mean_square(&cells, &slide(&cells, &compliance, &rate, 1.0, *steps, true), &truth))
             .collect();
-        println!("order in travel, b {exponent}: {errors:?}");
         let slope = (errors[0] / errors[3]).log2() / 3.0;
         assert!((1.6..2.4).contains(&slope), "b {exponent}: {slope} {errors:?}");
     }

@@ -1,15 +1,12 @@
-//! Steady states as minima of their functionals over the whole set of admissible pressures, and their cost.
+//! Steady states as minima of their functionals over the whole set of admissible pressures.
 
+use contact::Tilt;
 use contact::wear::law::PressureLaw;
-use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
-use contact::{ContactState, Normal, Tilt, pair_operators};
-use elasticity::discretization::{cells_for, compliances};
+use contact::wear::line::{CellRate, Coefficient, WearTerm};
 use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
 use nalgebra::{DMatrix, DVector};
-use steady::states::{Sliding, steady_state};
 use steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
-use test_support::{Random, changed_scene};
-use verification::integrator::{Integrator, Scheme};
+use test_support::Random;
 
 const COUNT: usize = 33;
 
@@ -120,50 +117,4 @@ fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
         let wrong = DVector::from_vec(run_in(if exponent > 1.0 { 1.0 } else { 2.0 * exponent }).pressure);
         assert!(power(&wrong) > state.dissipation * (1.0 + 1e-4), "b {exponent}");
     }
-}
-
-#[test]
-fn time_stepping_takes_more_than_a_hundred_cycles_to_the_direct_steady_state() {
-    let changes = [("punch.wear_coefficient", 1.5e-13), ("strip.body", 1.0)];
-    let scene = changed_scene(&test_support::scene("reciprocating_punch"), &changes);
-    let cells = cells_for(&scene, COUNT).unwrap();
-    let bodies = compliances(&scene, &cells).unwrap();
-    let direct = steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap();
-    // Displacement 1.5 mm sin(10 t), communication steps of .01 s within a half-stroke of pi/10 s, second order.
-    let (load, mean) = (1e6, 1e6 / 0.06);
-    let steps = 31;
-    let length = std::f64::consts::PI / 10.0 / f64::from(steps);
-    let (normal, shear) = pair_operators(&bodies[0], &bodies[1]);
-    let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; COUNT]).unwrap();
-    let mut integrator = Integrator::new(Scheme::Sdirk2, COUNT);
-    let (mut worn, mut found) = (vec![0.0; COUNT], ContactState::new(COUNT));
-    let mut cycles = 0;
-    let last = loop {
-        cycles += 1;
-        let mut error = 0.0f64;
-        for (stroke, sign) in direct.strokes.iter().zip([1.0, -1.0]) {
-            let before = worn.clone();
-            for step in 0..steps {
-                let mut given = |time: f64, c: &mut Conditions| {
-                    c.signed_friction = 0.25 * sign;
-                    c.normal = Normal::Load(load);
-                    c.tilt = Tilt::Fixed(0.0);
-                    c.rate = CellRate::archard(1.5e-13, 1.5e-2 * (10.0 * time).sin());
-                };
-                integrator
-                    .step(&mut contact, &mut worn, f64::from(step) * length, length, &mut given, &mut found)
-                    .unwrap();
-            }
-            // Mean pressure of the half-stroke, from what it has worn; root mean square over the contact.
-            let square: Vec<f64> =
-                (0..COUNT).map(|i| ((worn[i] - before[i]) / (1.5e-13 * 3e-3) - stroke.pressure[i]).powi(2)).collect();
-            error = error.max((cells.integral(&square) / 0.06).sqrt() / mean);
-        }
-        if error < 1e-3 || cycles == 3000 {
-            break error;
-        }
-    };
-    println!("{cycles} cycles to {last:.1e}");
-    // Work, not time: the direct state is one programme of as many unknowns as each of the 124 contact problems of a cycle.
-    assert!((100..3000).contains(&cycles), "{cycles} cycles");
 }

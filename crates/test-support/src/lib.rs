@@ -44,12 +44,51 @@ pub fn reference(name: &str) -> ValueReference {
     find(name).unwrap_or_else(|| panic!("no variable {name}"))
 }
 
-/// `starts` with changes by name.
+/// `starts` with changes by name. `*` in a name stands for anything: both bodies, or all elements of an array.
 ///
 /// # Panics
 /// Where there is no variable of a name.
 pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
-    scene::variables::changed(starts, changes).unwrap()
+    let mut values = *starts;
+    for (name, value) in changes {
+        references(name).into_iter().for_each(|reference| values[reference as usize] = *value);
+    }
+    values
+}
+
+/// References of the variables of a name, in which `*` stands for anything.
+fn references(name: &str) -> Vec<ValueReference> {
+    let Some((head, tail)) = name.split_once('*') else { return vec![reference(name)] };
+    let is_meant = |reference: &ValueReference| {
+        let (row, element) = lookup(*reference).unwrap();
+        row.element_name(element).strip_prefix(head).is_some_and(|rest| rest.ends_with(tail))
+    };
+    let found: Vec<_> = (0..COUNT as ValueReference).filter(is_meant).collect();
+    assert!(found.len() > 1, "no variables {name}");
+    found
+}
+
+/// A change whose name is made, as one whose name stands in the source.
+pub fn named(name: String, value: f64) -> (&'static str, f64) {
+    (name.leak(), value)
+}
+
+/// The property table of `body` with points of temperature (K), conductivity (W/(m K)) and specific heat (J/(kg K)).
+pub fn property_table(body: &str, points: &[(f64, f64, f64)]) -> Vec<(&'static str, f64)> {
+    let mut changes = vec![named(format!("{body}.property_table.points"), points.len() as f64)];
+    for (i, point) in points.iter().enumerate() {
+        for (row, value) in [("temperature", point.0), ("conductivity", point.1), ("specific_heat", point.2)] {
+            changes.push(named(format!("{body}.property_table.{row}[{}]", i + 1), value));
+        }
+    }
+    changes
+}
+
+/// An initial gap (m) at the stations, given over -1/2 to 1/2 of the width.
+pub fn initial_gap(gap: impl Fn(f64) -> f64) -> impl Iterator<Item = (&'static str, f64)> {
+    (0..33).map(move |station| {
+        named(format!("contact.initial_gap[{}]", station + 1), gap(f64::from(station) / 32.0 - 0.5))
+    })
 }
 
 /// The scene of `starts` with changes by name.

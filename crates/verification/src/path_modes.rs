@@ -89,36 +89,3 @@ pub(crate) fn crank_nicolson(z: Complex<f64>) -> Complex<f64> {
 pub(crate) fn implicit_euler(z: Complex<f64>) -> Complex<f64> {
     (1.0 + z).inv()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_sum_of_the_modes_is_the_steady_state_and_starts_from_the_start() {
-        let path = ClosedPath {
-            length: 8.0,
-            half_length: 1.0,
-            height: 2.0,
-            conductivity: 1.0,
-            diffusivity: 1.0,
-            base: LayerBase::Held,
-        };
-        for velocity in [0.0, 3.0] {
-            let modes = PathModes::new(&path, velocity, 200, 400);
-            // Direct feedthrough: only the modes beyond, whose sum falls like the square root of their number.
-            let early = modes.after(false, 1.0, 1e-12, 1, exact);
-            assert!(early.abs() < 1e-2 * modes.steady(), "{early} {}", modes.steady());
-            // A half-space at short times: 2 sqrt(t/pi) except at the edges.
-            let short = modes.after(false, 1.0, 1e-3, 1, exact);
-            assert!((short / (2.0 * (1e-3 / PI).sqrt()) - 1.0).abs() < 0.05, "{short}");
-            assert!((modes.after(false, 1.0, 10.0, 10, exact) / modes.steady() - 1.0).abs() < 1e-12);
-            // The schemes agree for short steps.
-            let fine = modes.after(true, 0.5, 0.25, 2, exact);
-            for (factor, bound) in [(crank_nicolson as fn(_) -> _, 1e-3), (implicit_euler, 2e-2)] {
-                let stepped = modes.after(true, 0.5, 0.5 / 200.0, 200, factor);
-                assert!((stepped / fine - 1.0).abs() < bound, "{stepped} {fine}");
-            }
-        }
-    }
-}

@@ -384,19 +384,3 @@ pub(crate) fn amplification(amplitudes: &[Complex<f64>], counted: usize, oscilla
     let pair = [Complex::new(0.5 * s, 0.0) + root, Complex::new(0.5 * s, 0.0) - root];
     if pair[0].norm() >= pair[1].norm() { pair[0] } else { pair[1] }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn amplification_of_known_sequences() {
-        let sequence =
-            |z: Complex<f64>, count: i32| -> Vec<Complex<f64>> { (0..count).map(|n| z.powi(n) + 3.0).collect() };
-        let z = Complex::new(0.9, 0.2);
-        assert!((amplification(&sequence(z, 20), 8, false) - z).norm() < 1e-12);
-        let real: Vec<Complex<f64>> = sequence(z, 20).iter().map(|a| Complex::new(a.re, 0.0)).collect();
-        let found = amplification(&real, 8, true);
-        assert!((found.re - z.re).abs() < 1e-12 && (found.im.abs() - z.im).abs() < 1e-12, "{found}");
-    }
-}

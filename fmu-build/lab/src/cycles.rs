@@ -86,29 +86,3 @@ fn history(arguments: &Arguments) -> Result<CycleHistory> {
         })
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_million_cycles_of_the_reciprocating_punch() {
-        let arguments = Arguments {
-            scene: Some("reciprocating_punch".into()),
-            cycles: 1e6,
-            tolerance: 1e-2,
-            cells: Some(17),
-            cold: true,
-            set: Vec::new(),
-            json: false,
-            output: None,
-        };
-        let history = history(&arguments).unwrap();
-        let last = history.stations.last().unwrap();
-        // k p s, independent of the path.
-        let expected = 3.9e-14 * history.mean_pressure * 6e-3 * 1e6;
-        assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
-        assert!(last.jump.computed < 2000 && history.table().contains("1000000"), "{}", history.table());
-        assert!((last.highest_pressure / history.mean_pressure - 2.0).abs() < 1e-3, "{}", history.table());
-    }
-}

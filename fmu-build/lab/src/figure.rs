@@ -64,16 +64,3 @@ pub(crate) fn format(option: &str, path: &Path) -> Result<&'static str> {
         anyhow!("{option} {}: .{} are drawn, not .{}", path.display(), FORMATS.join(", ."), ending.display())
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_ending_of_no_figure_is_refused() {
-        assert_eq!(format("--plot", Path::new("a.PDF")).unwrap(), "pdf");
-        assert_eq!(format("--plot", Path::new("a")).unwrap(), "svg");
-        let told = format("--plot", Path::new("a.jpg")).unwrap_err().to_string();
-        assert_eq!(told, "--plot a.jpg: .svg, .pdf, .png are drawn, not .jpg");
-    }
-}

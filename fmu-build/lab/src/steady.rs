@@ -128,7 +128,6 @@ fn write_law(arguments: &Arguments) -> Result<()> {
 mod tests {
     use super::*;
     use analyses::steady::Solved;
-    use serde_json::Value;
 
     fn arguments(scene: &str) -> Arguments {
         Arguments {
@@ -164,37 +163,6 @@ mod tests {
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
         assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));
         assert!((flow("friction") / record["friction_power"].as_f64().unwrap() - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn heat_that_cannot_leave_is_refused_beside_the_state_without() {
-        let mut closed = arguments("reciprocating_punch");
-        let insulated = ["punch.top_thermal=insulated", "strip.base_thermal=insulated"];
-        closed.set = insulated.map(str::to_owned).to_vec();
-        // Air that moves with the strip and radiation cool as well.
-        for variable in ["convection", "convection_forced", "emissivity"] {
-            closed.set.extend(["punch", "strip"].map(|body| format!("{body}.{variable}=0")));
-        }
-        let solved = solved(&closed).unwrap();
-        let refused = solved.record()["heat"]["refused"].as_str().unwrap().to_owned();
-        assert!(refused.contains("the bodies lose no heat") && solved.table().contains(&refused), "{refused}");
-    }
-
-    #[test]
-    fn a_variable_that_is_set_changes_the_state() {
-        let rotating = ["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"];
-        let mut cold = arguments("reciprocating_punch");
-        (cold.set, cold.cold) = (rotating.map(str::to_owned).to_vec(), true);
-        let record = solved(&cold).unwrap().record();
-        assert_eq!(record["holder"]["constraint"], "translate_and_rotate");
-        assert_eq!(record["holder"]["pivot_height"], 0.03);
-        // Moment balance about the pivot: the pressure's resultant stands mu H before the middle.
-        let values = |value: &Value| value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect::<Vec<_>>();
-        let (x, widths) = (values(&record["x"]), values(&record["widths"]));
-        let pressure = values(&record["strokes"][0]["pressure"]);
-        let moment: f64 = (0..33).map(|i| widths[i] * pressure[i] * x[i]).sum();
-        let force: f64 = (0..33).map(|i| widths[i] * pressure[i]).sum();
-        assert!((moment / force - 0.25 * 0.03).abs() < 1e-9, "{}", moment / force);
     }
 
     #[test]

@@ -121,36 +121,6 @@ fn table(rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    fn row(error: f64) -> Row {
-        Row {
-            problem: "a problem".into(),
-            quantity: "a quantity, K",
-            exact: 1.0,
-            computed: 1.0 + error,
-            error,
-            bound: 1e-3,
-            cost_seconds: 0.25,
-        }
-    }
-
-    #[test]
-    fn records_have_the_seven_fields_and_stay_valid_json_without_a_number() {
-        let Value::Object(fields) = record(&row(f64::INFINITY)) else { panic!("no object") };
-        let mut names: Vec<&str> = fields.keys().map(String::as_str).collect();
-        names.sort_unstable();
-        assert_eq!(names, ["bound", "computed", "cost_seconds", "error", "exact", "problem", "quantity"]);
-        assert_eq!(fields["error"], "inf");
-        assert_eq!(fields["cost_seconds"], 0.25);
-    }
-
-    #[test]
-    fn the_table_marks_what_exceeds_its_bound() {
-        let text = table(&[row(1e-4), row(1e-2)]);
-        let marked: Vec<bool> = text.lines().map(|line| line.contains(" !")).collect();
-        assert_eq!(marked, [false, false, true, false]);
-        assert!(text.ends_with("1 of 2 within their bounds\n"));
-    }
-
     #[test]
     fn a_filter_chooses_by_name_and_one_that_finds_nothing_is_an_error() {
         let rows = solve(Some("DECAY RATE")).unwrap();

@@ -376,12 +376,4 @@ mod tests {
         assert!(refused.is_err() && !folder.join("other.csv.partial").exists());
         fs::remove_dir_all(&folder).unwrap();
     }
-
-    #[test]
-    fn fingerprints_tell_parts_apart() {
-        let of = |scene: &[u8], inputs: &[u8]| Identity::of(&[("scene", scene), ("inputs", inputs)]);
-        assert_ne!(of(b"ab", b"c"), of(b"a", b"bc"));
-        assert_eq!(of(b"ab", b"c").differences(&of(b"ab", b"d").0), "inputs");
-        assert_eq!(of(b"ab", b"c").differences("nothing"), "scene, inputs");
-    }
 }

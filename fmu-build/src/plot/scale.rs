@@ -107,15 +107,4 @@ mod tests {
         assert_eq!(scale(0.0, 0.8).ticks(8), [1.0, 2.0, 5.0]);
         assert_eq!(scale(-8.0, 8.0).ticks(8).len(), 6);
     }
-
-    #[test]
-    fn numbers_are_written_as_one_would() {
-        let cases = [(0.6000000000000001, 1.0, "0.6"), (1e-17, 1.0, "0"), (20.0, 60.0, "20"), (2e-6, 1e-5, "2.00e-6")];
-        for (value, span, text) in cases {
-            assert_eq!(plain(value, span), text);
-        }
-        for (value, text) in [(1e-3, "1e-3"), (2e4, "2e4"), (0.05, "0.05"), (100.0, "100")] {
-            assert_eq!(power_of_ten(value), text);
-        }
-    }
 }

@@ -329,7 +329,6 @@ mod tests {
             let levels = compare(&stock(), &stop(&text).unwrap(), 0.1, &mut |_, _| ()).unwrap();
             levels.candidates.iter().map(|known| known.errors).collect::<Vec<_>>()
         });
-        println!("{sparse:?} {dense:?}");
         assert!(sparse.len() >= 3 && sparse.as_flattened().iter().all(|error| error.is_finite()), "{sparse:?}");
         for (one, other) in sparse.as_flattened().iter().zip(dense.as_flattened()) {
             assert!((one - other).abs() < 0.2 * other + 1e-3, "{sparse:?} {dense:?}");

@@ -8,7 +8,7 @@ use super::{Boundary, FACES, FaceInfluence, GAMMA, SingleStep, Stage, Step, Surr
 use crate::slab::Slab;
 use elasticity::Cells;
 use nalgebra::DVector;
-use scene::variables::{STARTS, reference};
+use scene::variables::{STARTS, changed};
 use scene::{FarBoundary, Scene};
 
 /// Temperatures and distortion of the cells and temperatures of the cooled faces at a stage of the prepared step; `known` as in
@@ -50,24 +50,6 @@ pub(crate) fn in_two_parts(start: Boundary, end: Boundary) -> [Surroundings; 2] 
     [Surroundings::linear(start, middle), Surroundings::linear(middle, end)]
 }
 
-#[test]
-fn linear_surroundings_have_their_mean() {
-    let start = Boundary { cooling: 2.0, ambient: -3.0, far: 7.0 };
-    let end = Boundary { cooling: 5.0, ambient: 4.0, far: 1.0 };
-    let linear = Surroundings::linear(start, end);
-    let (mean, fall) = (linear.mean(), linear.fall(Stage::End));
-    for (got, expected) in [
-        (mean.cooling, 3.5),
-        (mean.ambient, 0.5),
-        (mean.far, 4.0),
-        (fall.cooling, -3.0),
-        (fall.ambient, -7.0),
-        (linear.fall(Stage::First).far, GAMMA * 6.0),
-    ] {
-        assert!((got - expected).abs() < 1e-14, "{got} {expected}");
-    }
-}
-
 /// Two bodies in perfect contact, whose surfaces differ in temperature in the first step only: the largest flux after the first step and
 /// after `count` steps, W/m2.
 fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count: usize) -> [f64; 2] {
@@ -101,9 +83,7 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
 
 /// A scene with these values, all others at their start.
 fn scene(changes: &[(&str, f64)]) -> Scene {
-    let mut values = STARTS;
-    changes.iter().for_each(|(name, value)| values[reference(name) as usize] = *value);
-    Scene::new(&values, None).unwrap()
+    Scene::new(&changed(&STARTS, changes).unwrap(), None).unwrap()
 }
 
 /// A sliding clutch: a thin ring of friction material on a ring of steel.

@@ -27,7 +27,6 @@ fn reduced_impedance_follows_the_exact_one() {
     for slab in cases() {
         for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
             let body = slab.reduce(1000.0, tolerance);
-            println!("{:?} tol {tolerance:e}: {} states, error {:.1e}", slab.base, body.count, body.error);
             assert!(body.error <= 0.1 * tolerance, "{slab:?} {tolerance}: {} at {} states", body.error, body.count);
             assert!(body.rate[..body.count].iter().all(|&rate| rate >= 0.0));
         }
@@ -98,7 +97,6 @@ fn a_temperature_of_the_base_arrives_by_diffusion() {
             // By reciprocity a flux into the contact does not leave at once through the base.
             assert!(body.base_flow.direct[0].abs() < 4e-3, "{}", body.base_flow.direct[0]);
             let expected = if part < 1e-3 { 0.0 } else { exact(part) };
-            println!("{part} of h^2/kd: {found:.6} {expected:.6}, {} states", body.count);
             assert!((found - expected).abs() < bound, "after {part} of h^2/kd: {found} for {expected}");
         }
     }
@@ -149,7 +147,6 @@ fn a_heat_path_at_the_base_cools_the_contact_by_diffusion() {
                     (0..body.count).map(|k| seen.states[k] * states[k]).sum::<f64>() + seen.direct[port] * flux
                 });
                 let expected = if part == 0.0 { [1.0, 1.0] } else { exact(part) };
-                println!("{tolerance} {biot} {part}: {contact:.6} {base:.6} for {expected:?}");
                 assert!((contact - expected[0]).abs() < 1e-3, "{biot} {part}: {contact} for {expected:?}");
                 // Before, the flux has not left the layer over which it is spread.
                 let resolved = part >= 0.01;

@@ -1,65 +1,13 @@
-//! Contact pressure on cells: a narrow Hertz contact, steps, replays, derivatives. Flat punches and the order of convergence are
+//! Contact pressure on cells: steps, replays, derivatives. Hertz contacts, flat punches and the order of convergence are
 //! problems of `verification`.
 
 use contact::wear::line::{CellRate, Conditions, ContactRate, Disturbance, WarmStart, WearingContact};
-use contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
+use contact::{ContactState, Normal, Tilt, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
-use exact::HertzLine;
 use test_support::counting::{ALLOCATIONS, Counting};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-const HALF_WIDTH: f64 = 0.03;
-const LOAD: f64 = 1e6;
-
-fn steel() -> Material {
-    Material::new(200e9, 0.3).unwrap()
-}
-
-/// Pressure of a punch with the given initial gap on the half-plane.
-fn pressure(cells: &Cells, signed_friction: f64, gap: &[f64]) -> Vec<f64> {
-    let strip = HalfPlane { material: steel() }.compliance(cells);
-    let compliance = pair_compliance(&Rigid.compliance(cells), &strip, signed_friction);
-    let mut solver = ContactSolver::new(cells, compliance).unwrap();
-    solver.solve(gap, Normal::Load(LOAD), Tilt::Fixed(0.0)).unwrap().pressure
-}
-
-/// Largest deviation of cell means within .9 of the contact half-width, relative to `scale`.
-fn deviation(cells: &Cells, pressure: &[f64], carried: impl Fn(f64) -> f64, half_width: f64, scale: f64) -> f64 {
-    let exact = cells.means_from_primitive(carried);
-    (0..cells.count())
-        .filter(|&i| cells.edges()[i].abs().max(cells.edges()[i + 1].abs()) < 0.9 * half_width)
-        .map(|i| (pressure[i] - exact[i]).abs() / scale)
-        .fold(0.0, f64::max)
-}
-
-/// Hertz contact of `share` of the zone's width.
-fn hertz(share: f64) -> (f64, HertzLine) {
-    let modulus = steel().plane_strain_modulus();
-    let radius = (share * HALF_WIDTH).powi(2) * std::f64::consts::PI * modulus / (4.0 * LOAD);
-    (radius, HertzLine::new(LOAD, radius, modulus))
-}
-
-fn hertz_error(cells: &Cells, share: f64) -> (f64, usize) {
-    let (radius, exact) = hertz(share);
-    let computed = pressure(cells, 0.0, &cells.means_from_primitive(|x| x.powi(3) / (6.0 * radius)));
-    let error = deviation(cells, &computed, |x| exact.carried(x), exact.half_width, exact.pressure(0.0));
-    (error, computed.iter().filter(|p| **p > 0.0).count())
-}
-
-#[test]
-fn hertz_error_follows_from_the_cells_in_contact() {
-    // However narrow the contact in its zone: at most 4/n^2 with n cells in contact.
-    for count in [33, 65, 129, 257] {
-        let cells = Cells::graded(HALF_WIDTH, count).unwrap();
-        for share in [0.1, 0.3, 0.5, 0.6, 0.7, 0.9] {
-            let (error, in_contact) = hertz_error(&cells, share);
-            let scaled = error * (in_contact as f64).powi(2);
-            assert!(scaled < 4.0, "N {count}, {share} of the zone: error {error:e} with {in_contact} cells in contact");
-        }
-    }
-}
 
 /// E* = 1, a = 1, a slightly round rigid punch.
 fn wearing(count: usize) -> WearingContact {

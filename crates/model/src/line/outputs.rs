@@ -358,22 +358,3 @@ impl LineOperators {
         of(0) + of(1)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_taper_of_a_wedge_is_its_rise_and_a_symmetric_shape_has_none() {
-        let cells = Cells::graded(0.03, 33).unwrap();
-        let of = |depth: &dyn Fn(f64) -> f64| {
-            let depths: Vec<f64> = cells.centres().iter().map(|&x| depth(x)).collect();
-            taper(&cells, &depths)
-        };
-        assert!((of(&|x| 5e-6 + 1e-4 * x) - 6e-6).abs() < 1e-18);
-        assert!(of(&|x| 1e-6 + 4e-3 * x * x).abs() < 1e-18);
-        // The line of least squares through x^3 over the half-width a has the slope 3/5 a^2.
-        let cubic = of(&|x| x * x * x) / (2.0 * 0.03 * 0.6 * 0.03 * 0.03);
-        assert!((cubic - 1.0).abs() < 0.01, "{cubic}");
-    }
-}

@@ -388,7 +388,6 @@ mod tests {
                 followed = made.advanced(&followed, flux);
                 let (exact, computed) = (total(&states), total(&followed));
                 let error = (computed / exact - 1.0).abs();
-                println!("{step} {first} {last}: {error:.1e} within {:.1e}", made.unsteadiness);
                 assert!(error < 1e-5 + made.unsteadiness, "{step} {first} {last}: {error:e} {:e}", made.unsteadiness);
                 let change = (last / first - 1.0).abs();
                 assert!(error < 1e-5 + 0.5 * change * change, "{step} {first} {last}: {error:e}");

@@ -424,19 +424,6 @@ mod tests {
     }
 
     #[test]
-    fn no_shorter_wave_opens_the_contact_before_the_judged_one() {
-        let scene = WaveScene { gap: GAP, ..WaveScene::new(CELLS) };
-        // Amplitude grown from rounding when the judged wave opens the contact.
-        let mut largest: f64 = 0.0;
-        for ratio in ratios(Grid::Fine).into_iter().filter(|&ratio| ratio > 1.0) {
-            let waves = (2..=CELLS / 2).map(|k| k as f64).map(|k| k * k * scene.exact(ratio / k).re);
-            let fastest = waves.fold(0.0, f64::max) / scene.exact(ratio).re;
-            largest = largest.max(f64::EPSILON * (OPENING / scene.beginning()).powf(fastest));
-        }
-        assert!((1e-3..0.1 * OPENING).contains(&largest), "{largest:e}");
-    }
-
-    #[test]
     fn the_curve_of_hidden_growth_tends_to_that_of_the_scheme_by_itself() {
         // From an independent quadrature of the same equations.
         for (step, ratio) in [(0.1, 55.8735), (1.0, 5.40671), (5.0, 1.47050)] {

@@ -106,26 +106,3 @@ impl HalfSpaces {
         Ok((punch / work, ((punch + strip) / work - 1.0).abs()))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_share_goes_from_a_half_to_that_of_the_effusivities() {
-        // exp(1) erfc(1).
-        assert!((scaled_complementary_error(1.0) - 0.427_583_576_155_807).abs() < 1e-12);
-        assert!((scaled_complementary_error(0.0) - 1.0).abs() < 1e-12);
-        let pair = |conductance| HalfSpaces { ratio: 0.04, conductance };
-        assert!((pair(1e-3).share(1.0) - 0.5).abs() < 1e-6);
-        assert!((pair(1e15).share(1.0) - 0.2 / 1.2).abs() < 1e-9);
-        // Both branches of the mean.
-        let strip = (CONDUCTIVITY * DENSITY * SPECIFIC_HEAT).sqrt();
-        let at = |x: f64| pair(x * strip / 6.0).share(1.0);
-        assert!((at(1.001e-3) - at(0.999e-3)).abs() < 2e-6);
-        // By quadrature of the flux in closed form.
-        let (rate, part) = (6.0 / strip * 1e4, 0.2 / 1.2);
-        let mean = integral_from_singularity(1.0, |t| scaled_complementary_error(rate * t.sqrt()));
-        assert!((pair(1e4).share(1.0) - part - 0.5 * (1.0 - 2.0 * part) * mean).abs() < 1e-9);
-    }
-}

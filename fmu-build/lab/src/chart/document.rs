@@ -102,25 +102,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_decimals_and_a_peer_begins_with_its_name() {
-        assert_eq!(
-            settings("line", "line, 9 cells, step 1.0000e-1 s, inputs held"),
-            "line, 9 cells, step 0.1 s, inputs held"
-        );
-        assert_eq!(settings("a peer", "step 2.5000e-1 s"), "a peer: step 0.25 s");
-    }
-
-    #[test]
-    fn a_peer_has_one_row_with_its_ranges() {
-        let run = |error: f64, cost: f64| Reached { family: "p".into(), setting: String::new(), error, cost };
-        let runs = [(run(1e-1, 2e-3), run(1e-1, 1e-3)), (run(1e-2, 8.0), run(1e-2, 1e-3))];
-        assert_eq!(
-            peer("p", &runs.iter().collect::<Vec<_>>()),
-            "| p | 2 runs, 2.00 to 8000 times as long | 1.0e-1 to 1.0e-2 | 2.00 ms to 8.00 s |\n"
-        );
-    }
-
-    #[test]
     fn a_passage_replaces_what_stood_between_its_marks() {
         let text = "a\n<!-- x: written by cargo fmu chart --document -->\nold\n<!-- end of x -->\nb\n";
         let new = replaced(text, "x", "new\n").unwrap();

@@ -113,24 +113,3 @@ fn repeat(chart: &Chart, record: &mut Record, budget: &Budget) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use model::levels::ModelOperators;
-    use scene::{Fidelity, Scene};
-    use verification::drives::problems;
-
-    #[test]
-    fn the_time_of_a_run_includes_its_initialisation() {
-        let problem = problems().unwrap().into_iter().find(|problem| problem.name == "brake_stop").unwrap();
-        let step = problem.step;
-        let setting = Setting { fidelity: Fidelity::Line, tolerance: 1e-4, cells: 65, step, order: 1, heat: true };
-        let scene = Scene::new(&problem.starts_with(&setting), None).unwrap();
-        let begin = process_seconds();
-        ModelOperators::new(&scene, steady::run_in).unwrap();
-        let built = process_seconds() - begin;
-        let record = timed(&problem, &setting, 0.0);
-        assert!(record.seconds[0] > 0.25 * built, "{} s of an initialisation that takes {built} s", record.seconds[0]);
-    }
-}

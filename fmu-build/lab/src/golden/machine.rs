@@ -68,14 +68,3 @@ fn products() -> Hash {
     }
     hash
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_same_machine_is_described_alike() {
-        assert_eq!(describe(), describe());
-        assert_ne!(functions(), Hash::default());
-    }
-}

@@ -67,12 +67,11 @@ pub fn reduce_mate(
 mod tests {
     use super::*;
     use crate::line::punch::tests::Run;
-    use crate::line::{Account, Boundary, Observed, Surroundings};
-    use scene::variables::{STARTS, reference};
+    use crate::line::{Boundary, Observed, Surroundings};
+    use scene::variables::{STARTS, changed};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.
     fn scene(changes: &[(&str, f64)]) -> Scene {
-        let mut values = STARTS;
         let disc = [
             ("contact.geometry", 2.0),
             ("contact.mean_radius", 0.0945),
@@ -89,10 +88,7 @@ mod tests {
             ("strip.poissons_ratio", 0.3),
             ("strip.convection", 40.0),
         ];
-        for (name, value) in disc.iter().chain(changes) {
-            values[reference(name) as usize] = *value;
-        }
-        Scene::new(&values, None).unwrap()
+        Scene::new(&changed(&STARTS, &[&disc[..], changes].concat()).unwrap(), None).unwrap()
     }
 
     fn run(scene: &Scene, cells: &Cells) -> Run {
@@ -119,30 +115,6 @@ mod tests {
         // A full ring has no free part.
         let full = cooled_length(&scene(&[("punch.count", 1.0), ("depth", 2.0 * PI * 0.0945)]));
         assert!(full.abs() < 1e-15, "{full}");
-    }
-
-    #[test]
-    fn heat_is_accounted_for() {
-        let cells = Cells::graded(0.0195, 9).unwrap();
-        for changes in COOLED {
-            let scene = scene(changes);
-            let mut run = run(&scene, &cells);
-            run.heat.uniform(5.0, &mut run.state);
-            assert!((run.heat.mean_temperature(&run.state) - 5.0).abs() < 1e-3);
-            let start = run.heat.account(&run.state);
-            let areas: Vec<f64> =
-                cells.centres().iter().zip(cells.widths()).map(|(x, c)| c * (1.0 + x / 0.0945)).collect();
-            let entered = run.heat_unevenly(200, &areas, |_| None);
-            let end = run.heat.account(&run.state);
-            let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
-            assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
-            let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
-            assert!((all - entered).abs() < 1e-11 * entered.abs(), "{changes:?}: {all} of {entered}");
-            // The stored heat is that of the mean temperature.
-            let capacity = 7200.0 * 460.0 * 0.039 * 0.012 / scene.coverage();
-            let stored = capacity * run.heat.mean_temperature(&run.state);
-            assert!((end.stored - stored).abs() < 2e-3 * stored.abs(), "{changes:?}: {} {stored}", end.stored);
-        }
     }
 
     #[test]

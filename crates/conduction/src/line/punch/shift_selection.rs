@@ -298,7 +298,6 @@ mod tests {
         let scale = Scale::new(&across, &depth, 0.04, [2e-5; 2]);
         let selection = Selection::new(&across, &depth, &points(0.1, scale.steepest(&depth), &[]), &scale, 150);
         for mode in &selection.modes[..LONGEST] {
-            println!("{} states, error {:.1e}", mode.states(), mode.error);
             assert!(mode.error <= 2e-5 && mode.states() <= 36, "{} states, error {:.1e}", mode.states(), mode.error);
         }
     }

@@ -222,7 +222,7 @@ const CLOSED_FORM: f64 = 1e-8;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exact::reference::{band_mean, integral_from_singularity, scaled_bessel_k0};
+    use exact::reference::{integral_from_singularity, scaled_bessel_k0};
     use std::f64::consts::PI;
 
     #[test]
@@ -239,14 +239,6 @@ mod tests {
         let (k0, k1) = scaled_bessel_k(1e7);
         let limit = (PI / 2e7).sqrt();
         assert!((k0 / limit - 1.0 + 0.125e-7).abs() < 1e-13 && (k1 / limit - 1.0 - 0.375e-7).abs() < 1e-13);
-    }
-
-    #[test]
-    fn means_of_one_cell_are_the_band_of_jaeger() {
-        for peclet in [1e-6, 1e-3, 0.1, 1.0, 10.0, 1e4] {
-            let mean = 2.0 / PI * mean_moving_source(0.0, 1.0, 1.0, peclet);
-            assert!((mean / band_mean(peclet, None) - 1.0).abs() < 1e-8, "{peclet}: {mean}");
-        }
     }
 
     #[test]

@@ -289,35 +289,3 @@ const fn alternating(highest: u32) -> [f64; 8] {
     }
     result
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn turns_are_cosines_and_sines() {
-        for angle in [0.0, 1e-9, -0.003, 0.01, 0.12, -5.0, 130.0, -7e3, 6e4, -1e5] {
-            let numbers: Vec<f64> = (1..40).map(|n| 0.2 * f64::from(n)).collect();
-            let (mut cosine, mut sine) = (vec![0.0; 39], vec![0.0; 39]);
-            phases(angle, &numbers, &mut cosine, &mut sine);
-            for (number, (c, s)) in numbers.iter().zip(cosine.iter().zip(&sine)) {
-                let x: f64 = angle * number;
-                assert!((c - x.cos()).abs() < 3e-16 && (s - x.sin()).abs() <= 3e-16 * x.abs(), "{x}: {c} {s}");
-            }
-        }
-    }
-
-    #[test]
-    fn every_wave_finds_its_states() {
-        let counts = [3, 3, 2, 1];
-        let state_layout = state_layout(&counts);
-        assert_eq!(state_layout, [0..4, 4..7, 7..9]);
-        for (wave, count) in counts.iter().enumerate() {
-            assert_eq!(of_mode(&state_layout, wave).count(), *count);
-        }
-        let mut all: Vec<usize> = (0..4).flat_map(|wave| of_mode(&state_layout, wave).collect::<Vec<_>>()).collect();
-        all.sort_unstable();
-        assert!(all.iter().copied().eq(0..9));
-        assert_eq!(state_layout.len(), 3);
-    }
-}

@@ -89,7 +89,6 @@ fn a_contact_that_creeps_is_heated_as_one_at_rest() {
             let velocity = 1e-3 * cells.widths()[0] / duration;
             for step in [1e-2 * duration, duration] {
                 let error = (influence(step, velocity) - influence(step, 0.0)).amax() / rise;
-                println!("{path:?} {duration} {tolerance:e} {step:e}: {error:.1e}");
                 assert!(error < 0.5 * tolerance, "{path:?} {duration} s, {tolerance:e}, {step} s: {error:e}");
             }
         }

@@ -279,7 +279,6 @@ mod tests {
                     let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
                     let resolution = Resolution { duration, shortest, travel: f64::INFINITY, tolerance };
                     let [between, passive] = errors(&cells, path, &resolution);
-                    println!("{path:?} {tolerance:.0e} {shortest:.0e}: between {between:.1e}, passive {passive:.1e}");
                     assert!(between < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {between:e}");
                     assert!(passive < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {passive:e}");
                 }

@@ -401,7 +401,6 @@ mod tests {
                 ("spreads", error_of_width(rate, |t| 0.3 + 1.2 * t, |_| 2.5)),
             ];
             for (course, [mean, most]) in cases {
-                println!("{rate} {course}: {mean:.3} {most:.3}");
                 assert!(mean.abs() < 0.08 && most < 0.15, "rate {rate}, {course}: {mean} and {most} cells");
             }
         }

@@ -60,7 +60,6 @@ fn parts_of_cells_respond_like_cells_of_their_own() {
                 worst[usize::from(i > 2)] = worst[usize::from(i > 2)].max(error.abs());
             }
         }
-        println!("{changes:?}: {worst:?}");
         // Waves without states follow in the time of whole cells, which differs shortly after the beginning.
         assert!(worst[0] < 2e-3 && worst[1] < 5e-4, "{changes:?}: {worst:?}");
         // At frozen state a temperature is the mean of the whole cell.

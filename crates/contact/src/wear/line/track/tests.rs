@@ -288,7 +288,6 @@ fn error_of_averaging_is_the_stated_one() {
                 let inner = (0..33).filter(|i| cells.centres()[*i].abs() < 0.8);
                 inner.map(|i| (resolved[i] - averaged[i]).abs()).fold(0.0, f64::max)
             });
-            println!("averaging on {name}, worn {wear}: {errors:?}");
             assert!(errors[1].max(errors[2]) < bound, "{name}, worn {wear}: {errors:?}");
             // Longer strokes are outside the validity of averaging.
             assert!(errors[0] > 3.0 * errors[1], "{name}, worn {wear}: {errors:?}");

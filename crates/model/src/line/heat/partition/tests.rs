@@ -90,31 +90,6 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
 }
 
 #[test]
-fn distortion_is_that_of_the_shared_heat() {
-    let count = 5;
-    let influence = |scale: f64| SurfaceInfluence {
-        temperature: DMatrix::from_fn(count, count, |i, j| scale / (1.0 + i.abs_diff(j) as f64)),
-        distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
-    };
-    let (punch, strip) = (influence(2.0), influence(1.0));
-    for conductance in [0.0, 0.3, 1e9] {
-        let mut partition = HeatPartition::new(&vec![1.0; count], conductance);
-        partition.build((1.0, 0.0, [Scales::ONE; 2]), &ContactParts::whole(count), [Some(&punch), Some(&strip)]);
-        partition.set_active_set(&[true; 5]);
-        let heat = [4.0, 5.0, 0.0, 6.0, 1.0];
-        let mut q1 = vec![0.0; count];
-        partition.add_punch_flux(&heat, &mut q1);
-        for i in 0..count {
-            let direct: f64 = (0..count)
-                .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))
-                .sum();
-            let by_operator: f64 = (0..count).map(|j| partition.operators.distortion[j * count + i] * heat[j]).sum();
-            assert!((direct - by_operator).abs() < 1e-12 * direct.abs(), "{conductance} {i}");
-        }
-    }
-}
-
-#[test]
 fn operators_through_parts_are_those_built_anew_with_their_diagonal() {
     for (count, in_part) in [(9, vec![3]), (33, vec![0, 7, 8, 32]), (33, vec![])] {
         let [punch, strip] = bodies(count);
