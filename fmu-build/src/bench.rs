@@ -77,9 +77,7 @@ impl fmt::Display for Cost {
 pub(crate) fn lumped(scene: Option<&str>) -> Result<PathBuf> {
     let mut scene = scenes::load(scene)?;
     scenes::assign(&mut scene, "solver.fidelity=lumped")?;
-    let folder = project::target().join("bench");
-    fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
-    let output = Some(folder.join(format!("{}.fmu", scene.packaged.name)));
+    let output = Some(project::target().join("bench").join(format!("{}.fmu", scene.packaged.name)));
     package::build_scene(&scene, &package::Options { output, ..package::Options::default() })
 }
 
@@ -109,7 +107,6 @@ pub fn report(costs: &[Cost], json: bool) -> Result<()> {
     }
 }
 
-/// Measures an FMU.
 pub(crate) fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     let folder = project::target().join("bench");
     fs::create_dir_all(&folder)?;
@@ -271,9 +268,6 @@ impl Drive {
 }
 
 /// Takes library and GUID out of an .fmu.
-///
-/// # Errors
-/// Where it has none for Linux on x86-64 or cannot be read.
 pub(crate) fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
     let context = || format!("reading {}", fmu.display());
     let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
@@ -297,15 +291,12 @@ pub(crate) fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
 fn compile_peer(folder: &Path) -> Result<PathBuf> {
     let source = project::root().join("benches/peers/lumped_brake.c");
     let library = folder.join("lumped_brake.so");
-    let output = Command::new("cc")
+    let mut compiler = Command::new("cc");
+    compiler
         .args(["-O3", "-std=c99", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
         .arg(&library)
         .arg(&source)
-        .arg("-lm")
-        .output()
-        .context("starting the C compiler cc")?;
-    if !output.status.success() {
-        bail!("{} does not compile:\n{}", source.display(), String::from_utf8_lossy(&output.stderr));
-    }
+        .arg("-lm");
+    project::printed(&mut compiler, "the C compiler cc", &format!("{} does not compile:\n", source.display()))?;
     Ok(library)
 }

@@ -57,8 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             bail!("--parameters names {name} twice");
         }
     }
-    let mut file = scenes::load(Some(&arguments.scene))?;
-    scenes::assign_all(&mut file, &arguments.set)?;
+    scenes::changed(Some(&arguments.scene), &arguments.set)?;
     let scene = if scenes::names().contains(&arguments.scene) {
         arguments.scene.clone()
     } else {
@@ -88,7 +87,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     example::run("fit.py", &[], &passed, arguments.json)
 }
 
-/// Whether a name is that of a parameter.
 fn check(name: &str) -> Result<(), String> {
     match find(name).and_then(lookup) {
         Some((row, _)) if row.causality == Causality::Parameter => Ok(()),

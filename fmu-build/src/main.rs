@@ -28,17 +28,7 @@ fn main() -> ExitCode {
             Command::Batch(arguments) => batch::execute(&arguments),
             Command::Fit(arguments) => fit::execute(&arguments),
             Command::BatchWorker => batch::worker::execute(),
-            Command::Simulate(_)
-            | Command::Steady(_)
-            | Command::Cycles(_)
-            | Command::Tables(_)
-            | Command::Verify(_)
-            | Command::Stability(_)
-            | Command::Chart(_)
-            | Command::Plan(_)
-            | Command::Golden(_)
-            | Command::Man(_)
-            | Command::Fuzz(_) => native::forward(&arguments),
+            _ => native::forward(&arguments),
         },
     };
     output::status(result)

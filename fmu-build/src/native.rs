@@ -57,9 +57,6 @@ pub fn forward(arguments: &[OsString]) -> Result<()> {
 }
 
 /// Standard output of a command.
-///
-/// # Errors
-/// Where it fails, after it has told why on the error stream.
 pub(crate) fn printed<I: AsRef<OsStr>>(arguments: impl IntoIterator<Item = I>) -> Result<Vec<u8>> {
     let mut command = program()?;
     command.args(arguments).stdin(Stdio::null()).stderr(Stdio::inherit());
@@ -90,7 +87,7 @@ fn program() -> Result<Command> {
 
 /// cargo with `fmu-lab`, in the folder of this process: paths among the arguments stay what they are.
 fn cargo(action: &str, root: &Path) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = project::cargo();
     command.args([action, "--release", "--package", "fmu-lab", "--manifest-path"]).arg(root.join("Cargo.toml"));
     command.arg("--target-dir").arg(project::target());
     command

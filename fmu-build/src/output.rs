@@ -118,6 +118,11 @@ impl Drop for Heartbeat {
     }
 }
 
+/// Whether a file has this ending, in letters of any size.
+pub fn ends_with(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}
+
 /// Refuses a file that could not be written, or whose ending promises another format than those of `endings`, one of which is written:
 /// before anything is computed for it. Folders above it that are missing are made when it is written.
 pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {

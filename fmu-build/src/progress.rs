@@ -17,8 +17,7 @@ const FIRST: Duration = Duration::from_secs(10);
 /// Time between two lines.
 const PAUSE: Duration = Duration::from_secs(60);
 
-/// Parts of the bar.
-const PARTS: u64 = 1000;
+const PARTS: usize = 1000;
 
 /// Progress of one piece of work; the bar is removed when this is dropped.
 pub struct Progress {
@@ -57,10 +56,7 @@ impl Progress {
             tell(format!("{}, {:.0} % after {:.0} s", what(), 100.0 * part, (now - self.begin).as_secs_f64()));
             return;
         }
-        let bar = self.bar.get_or_insert_with(|| {
-            let style = ProgressStyle::with_template("{bar:30} {percent} % {msg}, {eta} left");
-            ProgressBar::new(PARTS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        });
+        let bar = self.bar.get_or_insert_with(|| bar(PARTS, "{percent} % {msg}, {eta} left"));
         bar.set_position((PARTS as f64 * part) as u64);
         bar.set_message(what());
     }
@@ -72,6 +68,12 @@ impl Drop for Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// A bar of `count` parts on the error stream, followed by what the template shows.
+pub fn bar(count: usize, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(&format!("{{bar:30}} {template}"));
+    ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]

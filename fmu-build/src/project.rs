@@ -3,11 +3,11 @@
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{ExitStatus, exit};
+use std::process::{Command, ExitStatus, Stdio, exit};
 use std::sync::Arc;
 
 use crate::output::INTERRUPTED;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
@@ -31,9 +31,6 @@ pub fn target() -> PathBuf {
 }
 
 /// The file that is replaced where `path` is written anew: what a link leads to, so that the link stays.
-///
-/// # Errors
-/// A folder, a device, a pipe: a file beside it would take its place.
 pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
     let Ok(known) = fs::metadata(path) else {
         if fs::symlink_metadata(path).is_ok() {
@@ -54,6 +51,18 @@ pub fn program() -> std::io::Result<PathBuf> {
         Some(replaced) => PathBuf::from(replaced),
         None => path,
     })
+}
+
+/// `cargo`, the one that started this program where there is one.
+pub(crate) fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// What a command prints; `fault` begins the message where it fails, and `starting` that where it does not start.
+pub(crate) fn printed(command: &mut Command, starting: &str, fault: &str) -> Result<String> {
+    let output = command.stdin(Stdio::null()).output().with_context(|| format!("starting {starting}"))?;
+    ensure!(output.status.success(), "{fault}{}", String::from_utf8_lossy(&output.stderr).trim());
+    Ok(String::from_utf8(output.stdout)?)
 }
 
 /// Leaves Ctrl-C to the program that this process waits for: what it keeps and tells comes before the end of this process.
@@ -80,9 +89,6 @@ pub fn interrupted(status: ExitStatus) -> bool {
 }
 
 /// Ends this process with the status of a program that failed and has told why.
-///
-/// # Errors
-/// Where a signal has ended it, so that it has not.
 pub(crate) fn leave(status: ExitStatus, program: &str) -> Result<()> {
     match (status.code(), status.signal()) {
         (Some(code), _) => exit(code),

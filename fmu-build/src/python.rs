@@ -147,7 +147,6 @@ fn ensure_with(name: &str, wanted: &[Requirements], progress: fn() -> ProgressDr
     Ok(python)
 }
 
-/// Python of an environment.
 fn executable(folder: &Path) -> PathBuf {
     if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") }
 }
@@ -172,7 +171,8 @@ fn make(folder: &Path, wanted: &[Requirements], progress: fn() -> ProgressDrawTa
         }
         let base = Interpreter::find()?;
         eprintln!("Making the Python {} environment {}", base.version(), folder.display());
-        if let Err(error) = create(&base, folder, &Helpers::of_system()) {
+        let helpers = Helpers { wheels: distribution_wheels(), virtualenv: "virtualenv".into(), uv: "uv".into() };
+        if let Err(error) = create(&base, folder, &helpers) {
             // An incomplete environment must not be taken for a complete one later.
             let _ = fs::remove_dir_all(folder);
             return Err(error);
@@ -232,7 +232,6 @@ fn install(python: &Path, folder: &Path, name: &str, text: &str, progress: Progr
     Ok(())
 }
 
-/// A Python of the system.
 struct Interpreter {
     path: PathBuf,
     version: (u32, u32, u32),
@@ -289,12 +288,6 @@ struct Helpers {
     wheels: Vec<PathBuf>,
     virtualenv: PathBuf,
     uv: PathBuf,
-}
-
-impl Helpers {
-    fn of_system() -> Self {
-        Self { wheels: distribution_wheels(), virtualenv: "virtualenv".into(), uv: "uv".into() }
-    }
 }
 
 /// An empty environment with pip in it, by the first way that is open.

@@ -4,7 +4,7 @@ mod histogram;
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Panel, Series};
-use crate::{arguments, bench, package, project, scenes};
+use crate::{arguments, bench, package, project};
 use anyhow::{Context, Result, bail, ensure};
 use fmu_host::timing::{Component, Instance, Variables};
 use histogram::Histogram;
@@ -83,14 +83,6 @@ impl Contact {
             Contact::Heat => (0.9999, 500.0),
         }
     }
-
-    /// Least load of the drive, N.
-    fn least_load(self) -> f64 {
-        match self {
-            Contact::Cold => DRAG,
-            Contact::Heat => 0.0,
-        }
-    }
 }
 
 /// Runs the command.
@@ -117,7 +109,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Settings of a run.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(crate) struct Case {
     /// Variant of the contact line.
@@ -139,7 +130,6 @@ impl Case {
     }
 }
 
-/// Times of the steps of a run.
 pub(crate) struct Run {
     case: Case,
     /// Of every step, inputs and outputs included: the shortest of all runs.
@@ -150,7 +140,6 @@ pub(crate) struct Run {
     late: Option<Histogram>,
 }
 
-/// Runs the stock brake on the line level.
 pub(crate) fn measure(case: &Case) -> Result<Run> {
     let Case { contact, cells, seconds, speed, paced } = *case;
     ensure!(speed > 0.0 && speed <= FASTEST, "--speed {} must be above 0 and at most {FASTEST}", Number(speed));
@@ -170,7 +159,8 @@ pub(crate) fn measure(case: &Case) -> Result<Run> {
         // What is computed on first use is computed in each run.
         let mut instance = component.instantiate()?;
         instance.initialise()?;
-        let loaded = |&[velocity, load]: &[f64; 2]| [speed * velocity, load.max(contact.least_load())];
+        let least = if contact == Contact::Cold { DRAG } else { 0.0 };
+        let loaded = |&[velocity, load]: &[f64; 2]| [speed * velocity, load.max(least)];
         let mut inputs = drive.iter().cycle().map(loaded);
         let mut next = || inputs.next().expect("a drive has steps");
         for _ in 0..WARM_UP.min(count) {
@@ -198,18 +188,11 @@ pub(crate) fn measure(case: &Case) -> Result<Run> {
     })
 }
 
-/// The FMU of the scene.
 fn build(contact: Contact, cells: u16, folder: &Path) -> Result<PathBuf> {
-    let mut scene = scenes::load(None)?;
     let cold = ["solver.heat=mean", "punch.thermal_expansion=0", "strip.thermal_expansion=0"];
-    let level = ["solver.fidelity=line".to_owned(), format!("solver.cells={cells}")];
-    let changes = level.iter().map(String::as_str).chain(cold.into_iter().filter(|_| contact == Contact::Cold));
-    for change in changes {
-        scenes::assign(&mut scene, change)?;
-    }
-    fs::create_dir_all(folder)?;
-    let output = Some(folder.join(format!("SlidingContact.{}.fmu", contact.name())));
-    package::build_scene(&scene, &package::Options { output, ..package::Options::default() })
+    let mut changes = vec!["solver.fidelity=line".to_owned(), format!("solver.cells={cells}")];
+    changes.extend(cold.into_iter().filter(|_| contact == Contact::Cold).map(str::to_owned));
+    package::build_changed(None, &changes, folder.join(format!("SlidingContact.{}.fmu", contact.name())))
 }
 
 fn exchange(instance: &mut Instance<'_>, variables: &Variables, pair: [f64; 2]) -> Result<()> {
@@ -245,7 +228,6 @@ impl Run {
         self.steps.quantile(self.case.contact.limit().0)
     }
 
-    /// What the steps take.
     fn times(&self) -> String {
         format!(
             "median {:.1} µs, {} % below {:.1} µs, longest {:.0} µs",
@@ -256,7 +238,6 @@ impl Run {
         )
     }
 
-    /// Whether the limits hold.
     fn is_within(&self) -> bool {
         self.usual() < self.case.contact.limit().1 && self.steps.longest() < LONGEST
     }
@@ -266,7 +247,6 @@ impl Run {
         self.is_within() || self.case.paced
     }
 
-    /// The result in one line.
     pub(crate) fn summary(&self) -> String {
         let verdict = if self.is_within() { "within the limits" } else { "beyond the limits" };
         format!(

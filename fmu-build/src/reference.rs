@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 
 use crate::output::{self, print_line};
-use crate::{package, project, scenes};
+use crate::{project, scenes};
 
 /// Writes the tables of all variables and enumerations, of the shipped scenes, materials and units.
 #[derive(Args, Debug)]
@@ -28,11 +28,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Writes the pages to a folder and returns their paths. By default they lie in the source tree wherever cargo's target folder is,
 /// because the site is made of it.
-pub fn write(folder: Option<&Path>) -> Result<Vec<PathBuf>> {
+pub(crate) fn write(folder: Option<&Path>) -> Result<Vec<PathBuf>> {
     let folder = folder.map_or_else(|| project::root().join("target").join("reference"), Path::to_owned);
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
     let mut paths = Vec::new();
-    for (name, text) in package::reference_pages(&scenes::folder())? {
+    for (name, text) in fmu_file::documentation::pages::write(&scenes::folder())? {
         let path = folder.join(name);
         fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
         paths.push(path);

@@ -47,7 +47,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a folder that holds something.
 fn check_empty(folder: &Path) -> Result<()> {
     let reading = || format!("reading {}", folder.display());
     if folder.is_dir() && fs::read_dir(folder).with_context(reading)?.next().is_some() {

@@ -73,34 +73,25 @@ enum Example {
 }
 
 impl Example {
-    /// Its folder in examples/.
+    /// Its folder and its scene in examples/.
+    fn names(self) -> [&'static str; 2] {
+        match self {
+            Example::DiscBrake => ["disc_brake"; 2],
+            Example::VehicleBrake => ["vehicle_brake", "disc_brake"],
+            Example::Clutch => ["clutch"; 2],
+            Example::ReciprocatingPunch => ["reciprocating_punch"; 2],
+            Example::PinOnDisk => ["pin_on_disk"; 2],
+            Example::HotSpots => ["hot_spots"; 2],
+            Example::Published => ["published", "published/single_stop"],
+        }
+    }
+
     fn folder(self) -> &'static str {
-        match self {
-            Example::DiscBrake => "disc_brake",
-            Example::VehicleBrake => "vehicle_brake",
-            Example::Clutch => "clutch",
-            Example::ReciprocatingPunch => "reciprocating_punch",
-            Example::PinOnDisk => "pin_on_disk",
-            Example::HotSpots => "hot_spots",
-            Example::Published => "published",
-        }
+        self.names()[0]
     }
 
-    /// The scene that it runs.
     fn scene(self) -> &'static str {
-        match self {
-            Example::DiscBrake | Example::VehicleBrake => "disc_brake",
-            Example::Clutch => "clutch",
-            Example::ReciprocatingPunch => "reciprocating_punch",
-            Example::PinOnDisk => "pin_on_disk",
-            Example::HotSpots => "hot_spots",
-            Example::Published => "published/single_stop",
-        }
-    }
-
-    /// Whether it is driven through a cycle of a car's speeds.
-    fn drives_a_cycle(self) -> bool {
-        matches!(self, Example::DiscBrake | Example::VehicleBrake)
+        self.names()[1]
     }
 
     /// Where its results go in cargo's target folder.
@@ -219,11 +210,11 @@ fn follow(mut command: Command) -> Result<ExitStatus> {
     Ok(child.wait()?)
 }
 
-/// Refuses options that the example does not have.
 fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let name = example.folder();
-    if let Some(cycle) = arguments.cycle.as_ref().filter(|_| !example.drives_a_cycle()) {
+    let drives_a_cycle = matches!(example, Example::DiscBrake | Example::VehicleBrake);
+    if let Some(cycle) = arguments.cycle.as_ref().filter(|_| !drives_a_cycle) {
         bail!("--cycle {cycle} does not apply to {name}: disc_brake and vehicle_brake drive a cycle");
     }
     if let Some(step) = arguments.step {
@@ -258,14 +249,11 @@ fn steady_states(scene: &str, changes: &[String], folder: &Path) -> Result<Vec<P
 pub(crate) fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
     let udds = cycle::file(CYCLE, &Reading::default(), folder)?;
     let mut command = script(Example::DiscBrake, python, fmu, folder);
-    let output = command.arg("--one-level").arg("--cycle").arg(udds.path()).output()?;
-    if !output.status.success() {
-        bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
-    }
+    command.arg("--one-level").arg("--cycle").arg(udds.path());
+    project::printed(&mut command, &python.display().to_string(), "the drive did not finish: ")?;
     Ok(folder.join("udds.csv"))
 }
 
-/// The script of an example, in the project's environment.
 fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command {
     let mut command = python::script(python, "python", &format!("{}/drive.py", example.folder()));
     command.arg("--fmu").arg(fmu).arg("--output").arg(output);

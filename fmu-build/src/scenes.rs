@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use anyhow::Result;
 use scene::variables::TOLERANCES;
 use scene_file::{SceneFile, shipped};
-pub use scene_file::{assign, assign_all};
+pub(crate) use scene_file::{assign, assign_all};
 
 use crate::project;
 
-/// Folder of the shipped scenes.
 pub(crate) fn folder() -> PathBuf {
     project::root().join("examples")
 }
@@ -17,6 +16,13 @@ pub(crate) fn folder() -> PathBuf {
 /// As [`shipped::load`].
 pub fn load(scene: Option<&str>) -> Result<SceneFile> {
     shipped::load(scene, &folder())
+}
+
+/// As [`load`], with these changes.
+pub fn changed(scene: Option<&str>, changes: &[String]) -> Result<SceneFile> {
+    let mut scene = load(scene)?;
+    assign_all(&mut scene, changes)?;
+    Ok(scene)
 }
 
 /// As [`shipped::locate`].

@@ -1,9 +1,9 @@
 //! `cargo fmu site`: the documentation as a static site.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use clap::Args;
 
 use crate::output::{self, print_line};
@@ -26,27 +26,20 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 /// Makes the site in a folder and returns its first page.
-///
-/// # Errors
-/// Where the environment cannot be made, or with the warnings of the pages: links, anchors and pictures that do not exist.
 pub(crate) fn build(folder: &Path) -> Result<PathBuf> {
     reference::write(None)?;
     let python = python::own(python::SITE)?;
     // Beside the site, so that nothing but the site is in its folder.
     let cache = project::target().join("site-cache");
-    let output = Command::new(&python)
+    let mut sphinx = Command::new(&python);
+    sphinx
         .current_dir(project::root())
         // Every warning is an error, after all of them were found; nothing is left of pages that are gone.
         .args(["-m", "sphinx", "-q", "-W", "--keep-going", "-E", "-b", "html", "-c", "fmu-build/site", "-d"])
         .arg(&cache)
         .arg(".")
         .arg(std::path::absolute(folder)?)
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .stdin(Stdio::null())
-        .output()
-        .with_context(|| format!("starting {}", python.display()))?;
-    if !output.status.success() {
-        bail!("the site has faults:\n{}", String::from_utf8_lossy(&output.stderr).trim());
-    }
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    project::printed(&mut sphinx, &python.display().to_string(), "the site has faults:\n")?;
     Ok(folder.join("index.html"))
 }

@@ -1,8 +1,8 @@
 //! `cargo fmu soak`: very many steps, life cycles and states in one process; memory stays flat and results stay the same.
 
 use crate::output::print_line;
-use crate::{arguments, bench, package, project, scenes};
-use anyhow::{Context, Result, ensure};
+use crate::{arguments, bench, package, project};
+use anyhow::{Result, ensure};
 use fmu_host::timing::{Component, Instance, Variables};
 use scene::fnv::Fnv;
 use std::fmt;
@@ -53,7 +53,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Result of a part.
 #[derive(serde::Serialize, Debug)]
 pub(crate) struct Outcome {
     what: &'static str,
@@ -124,12 +123,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 type Built = (PathBuf, String);
 
 fn build(level: &str) -> Result<Built> {
-    let mut scene = scenes::load(None)?;
-    scenes::assign_all(&mut scene, &[format!("solver.fidelity={level}"), format!("solver.cells={CELLS}")])?;
     let folder = project::target().join("soak").join(level);
-    fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
-    let output = Some(folder.join("SlidingContact.fmu"));
-    let fmu = package::build_scene(&scene, &package::Options { output, ..package::Options::default() })?;
+    let changes = [format!("solver.fidelity={level}"), format!("solver.cells={CELLS}")];
+    let fmu = package::build_changed(None, &changes, folder.join("SlidingContact.fmu"))?;
     bench::unpack(&fmu, &folder)
 }
 

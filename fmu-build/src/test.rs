@@ -7,7 +7,7 @@ use crate::python::{self, Tier};
 use crate::{bench, native, package, project, realtime, release, run, scenes, site};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use tally::{Counter, Tally};
 
 /// Scene that the importers and the clock run.
@@ -84,7 +84,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     tally.close()
 }
 
-/// Fast checks, to run between edits.
 fn fast(tally: &mut Tally) {
     lints(tally);
     tally.step("unit tests", |step| step.run(rust_tests(&["--lib", "--bins"]), Counter::CargoTest));
@@ -113,7 +112,6 @@ fn rust_tests(targets: &[&str]) -> Command {
     command
 }
 
-/// Checks that every change must pass.
 fn usual(tally: &mut Tally) {
     lints(tally);
     tally.step("Rust tests", |step| step.run(rust_tests(&[]), Counter::CargoTest));
@@ -142,7 +140,6 @@ fn usual(tally: &mut Tally) {
     }
 }
 
-/// Checks that take long.
 fn slow(tally: &mut Tally) {
     own_command(tally, "fuzzing", &["fuzz", "--seconds", FUZZED]);
     tally.step("site", |step| {
@@ -169,7 +166,6 @@ fn slow(tally: &mut Tally) {
     tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
 }
 
-/// Packages the stock FMU and every scene.
 fn package_scenes() -> Result<()> {
     for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
         package::build(scene, &package::Options::default())?;
@@ -313,13 +309,7 @@ fn wheels() -> Result<Command> {
 }
 
 fn output(program: &Path, arguments: &[&str]) -> Result<String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .with_context(|| format!("starting {}", program.display()))?;
-    if !output.status.success() {
-        bail!("{} {}: {}", program.display(), arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim());
-    }
-    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+    let name = program.display().to_string();
+    let fault = format!("{name} {}: ", arguments.join(" "));
+    Ok(project::printed(Command::new(program).args(arguments), &name, &fault)?.trim().to_owned())
 }

@@ -24,7 +24,6 @@ pub(crate) fn half(cells: usize) -> usize {
 }
 
 impl Convergence {
-    /// Whether the difference is small against `scale`.
     fn is_reached(&self, scale: f64) -> bool {
         (self.value - self.coarser).abs() <= CONVERGED * scale.abs()
     }

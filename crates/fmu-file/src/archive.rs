@@ -32,9 +32,6 @@ pub fn pack(files: &Files) -> Result<Vec<u8>> {
 }
 
 /// Files of an archive; entries that are folders are left out.
-///
-/// # Errors
-/// Where it is none or damaged.
 pub(crate) fn unpack(bytes: &[u8]) -> Result<Files> {
     let mut zip = ZipArchive::new(Cursor::new(bytes)).context("reading the zip file")?;
     let mut files = Files::new();

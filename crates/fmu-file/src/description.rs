@@ -13,7 +13,6 @@ use crate::xml::{Attribute, Xml, number, numeric, text};
 /// FMI model identifier: the name of the library, and of everything else that must not change with the scene.
 pub const MODEL_IDENTIFIER: &str = "SlidingContact";
 
-/// One-line description of the model.
 pub(crate) const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
 
 /// Authors, as the licences name them.
@@ -130,15 +129,10 @@ pub(crate) fn enumerations() -> Vec<&'static EnumerationType> {
     found
 }
 
-/// The types of the Real variables in use, in the order of their table.
-fn real_types() -> impl Iterator<Item = &'static RealType> {
-    let used = |kind: &RealType| TABLE.iter().filter_map(Row::real_type).any(|other| other.name == kind.name);
-    TYPES.iter().filter(move |kind| used(kind))
-}
-
 fn types(xml: &mut Xml) {
     xml.open("TypeDefinitions", &[]);
-    for kind in real_types() {
+    let used = |kind: &&RealType| TABLE.iter().filter_map(Row::real_type).any(|other| other.name == kind.name);
+    for kind in TYPES.iter().filter(used) {
         xml.open("SimpleType", &[text("name", kind.name)]);
         let mut attributes = Vec::new();
         if !kind.quantity.is_empty() {

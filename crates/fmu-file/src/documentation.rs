@@ -12,7 +12,6 @@ use crate::description::SUMMARY;
 use crate::xml::number;
 use markdown::{contents, escaped, section, to_html};
 
-/// The frame of the page.
 const FRAME: &str = include_str!("../../../modelDescription/documentation/index.html");
 /// What stands in the page alone. The scene's values stand in it as `{{name}}`.
 const INTRODUCTION: &str = include_str!("../../../modelDescription/documentation/introduction.md");
@@ -30,7 +29,6 @@ pub const PICTURES: [(&str, &[u8]); 7] = [
     ("sensitivities.svg", include_bytes!("../../../examples/batch/sensitivities.svg")),
 ];
 
-/// Writes the page for a scene.
 pub(crate) fn write(scene: &SceneFile) -> String {
     let packaged = &scene.packaged;
     let start = |name: u32| number(packaged.starts[name as usize]);

@@ -63,7 +63,6 @@ fn root() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Folder of the shipped scenes.
 #[cfg(test)]
 fn examples() -> std::path::PathBuf {
     root().join("examples")

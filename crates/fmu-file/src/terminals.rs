@@ -53,7 +53,6 @@ const TERMINALS: [Terminal; 6] = [
     },
 ];
 
-/// Writes the terminals.
 pub(crate) fn write() -> String {
     let mut xml = Xml::new();
     xml.open("fmiTerminalsAndIcons", &[text("fmiVersion", "3.0")]);

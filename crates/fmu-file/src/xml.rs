@@ -45,13 +45,11 @@ impl Xml {
         self.event(Event::Empty(Self::start(name, attributes)));
     }
 
-    /// Ends the element opened last.
     pub(crate) fn close(&mut self) {
         let name = self.open.pop().expect("an element is open");
         self.event(Event::End(BytesEnd::new(name)));
     }
 
-    /// The whole file.
     pub(crate) fn finish(mut self) -> String {
         assert!(self.open.is_empty(), "{:?} are still open", self.open);
         self.writer.get_mut().push(b'\n');

@@ -298,9 +298,6 @@ pub fn parse(content: impl Read, path: &Path, accepted: &[Column], reading: &Rea
 /// The values in the gaps of an input, by row: linear, at the ends the one beside them, where that invents nothing. The gap lasts up to
 /// [`BRIDGED`] times the median time between its values, as in a slower channel and where single values are lost, or the input is the same
 /// on both sides, within [`SAME_VALUE`] of its largest magnitude.
-///
-/// # Errors
-/// Where there is no value at all; another gap, with its lines.
 fn bridged(table: &Table, at: usize, column: &Column) -> Result<Vec<(usize, f64)>> {
     let Table { path, times, lines, names, values, .. } = table;
     let (file, name) = (path.display(), &column.name);

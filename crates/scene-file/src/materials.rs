@@ -75,7 +75,6 @@ pub static MATERIALS: &[Material] = &[
     material("structural_steel", "Unalloyed structural steel", [2e11, 0.3, 7800.0, 460.0, 55.0, 11e-6]),
 ];
 
-/// The preset of this name.
 pub(crate) fn find(name: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.name == name)
 }

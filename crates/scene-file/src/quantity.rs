@@ -22,9 +22,6 @@ pub(crate) fn type_of(value: &DeValue) -> String {
 }
 
 /// The value for one element of `row`, checked against its bounds.
-///
-/// # Errors
-/// The fault, with the value and the accepted alternatives; ranges in the unit that was written.
 pub(crate) fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
     match row.kind {
         Kind::Real { unit, .. } => Written::of(value, unit, !row.is_difference())?.checked(row, unit),
@@ -98,9 +95,6 @@ pub fn factor(text: &str, symbol: Option<&str>) -> Result<f64, String> {
 }
 
 /// A number in `unit`; `absolute`: whether units with an offset, such as degC, make sense.
-///
-/// # Errors
-/// The fault and the accepted alternatives.
 pub(crate) fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
     let written = Written::of(value, unit, absolute)?;
     within(&written, None, None)?;
@@ -209,8 +203,7 @@ impl Written {
         Ok(si)
     }
 
-    /// # Errors
-    /// The units that would be accepted.
+    /// The error tells the units that would be accepted.
     fn in_unit(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
         let symbol = canonical(symbol);
         if symbol == unit.name {

@@ -4,7 +4,7 @@
 //! Theory: docs/theory.md, section 4.7.
 
 use super::driver::Driven;
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use conduction::line::punch::{mate::reduce_mate, reduce};
 use conduction::line::reduced::ReducedHeat;
 use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
@@ -14,12 +14,10 @@ use scene::Scene;
 use scene::variables::{STARTS, find};
 use std::f64::consts::PI;
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    conduction(&mut all);
-    bands(&mut all);
-    uniform(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    conduction(all);
+    bands(all);
+    uniform(all);
 }
 
 const WIDTH: f64 = 0.04;
@@ -47,8 +45,8 @@ const HEIGHT: f64 = 0.5e-3;
 const PARTING: usize = 40;
 const MEAN_RADIUS: f64 = 0.08;
 
-fn cells() -> Result<Cells, String> {
-    Cells::graded(0.5 * WIDTH, CELLS).map_err(|error| error.to_string())
+fn cells() -> Fallible<Cells> {
+    Ok(Cells::graded(0.5 * WIDTH, CELLS)?)
 }
 
 /// The exact difference between the outermost and the innermost cell, and the flux outside.
@@ -62,7 +60,7 @@ fn parted_ring() -> (f64, f64) {
     (ring.rise(radius(CELLS - 1), radius(CELLS)) - ring.rise(radius(0), radius(1)) + through, ring.outer_flux())
 }
 
-fn parted(mate: bool) -> Result<f64, String> {
+fn parted(mate: bool) -> Fallible<f64> {
     let cells = cells()?;
     let mut values = STARTS;
     let body = if mate { "strip" } else { "punch" };
@@ -72,10 +70,10 @@ fn parted(mate: bool) -> Result<f64, String> {
     for (name, value) in iron() {
         values[find(&format!("{body}.{name}")).ok_or("no such variable")? as usize] = value;
     }
-    let scene = Scene::new(&values, None).map_err(|error| format!("{error:?}"))?;
+    let scene = Scene::new(&values, None)?;
     let made = match mate {
-        true => reduce_mate(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?,
-        false => reduce(&scene, &cells, 1e-3, 100.0).map_err(|error| error.to_string())?,
+        true => reduce_mate(&scene, &cells, 1e-3, 100.0)?,
+        false => reduce(&scene, &cells, 1e-3, 100.0)?,
     };
     let mut heat: ReducedHeat = made.ok_or("an insulator")?;
     let outer = parted_ring().1;
@@ -134,11 +132,11 @@ fn bands(all: &mut Vec<Problem>) {
     });
 }
 
-fn band_growth(mean_radius: f64, drive: f64, cells: usize) -> Result<f64, String> {
+fn band_growth(mean_radius: f64, drive: f64, cells: usize) -> Fallible<f64> {
     let (stiffness, friction, expansion, nu) = (3e10, 0.3, 1.2e-5, 0.25);
     let speed = drive * IRON.1 / (friction * stiffness * expansion * (1.0 + nu));
     let load = 1e4;
-    let run = |gap: f64| -> Result<[f64; 3], String> {
+    let run = |gap: f64| -> Fallible<[f64; 3]> {
         let shape: Vec<(String, f64)> = (1..=33)
             .map(|k| (format!("contact.initial_gap[{k}]"), gap * (1.0 + (PI * f64::from(k - 1) / 32.0).cos())))
             .collect();
@@ -211,7 +209,7 @@ fn uniform(all: &mut Vec<Problem>) {
     }
 }
 
-fn slender(level: f64, variable: &str) -> Result<f64, String> {
+fn slender(level: f64, variable: &str) -> Fallible<f64> {
     // Three tenths of the circumference.
     let changes = [("solver.fidelity", level), ("depth", 0.3 * PI * 10.0)];
     let mut driven = Driven::read(include_str!("../scenes/slender_annulus.toml"), &changes)?;

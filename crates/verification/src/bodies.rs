@@ -27,12 +27,10 @@ fn rise(body: &ReducedBody, flux: f64, time: f64) -> f64 {
     flux * (states + body.contact_temperature.direct[contact])
 }
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    half_space(&mut all);
-    steady(&mut all);
-    decay_rates(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    half_space(all);
+    steady(all);
+    decay_rates(all);
 }
 
 /// A slab heated for so short a time that its base has no effect: T = 2 q sqrt(t/(pi k rho c)), 84.375 K.

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 10.
 
 use super::driver::Driven;
-use super::{Problem, Value, known};
+use super::{Fallible, Problem, Value, known};
 use conduction::STEFAN_BOLTZMANN;
 use exact::reference::{ClosedPath, LayerBase};
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ const COVERED: &[(&str, f64)] = &[
 const AREA: f64 = 0.1;
 
 /// [`COVERED`] with changes, under the friction heat flux `flux` (W/m2).
-fn heated(changes: &[(&str, f64)], flux: f64) -> Result<Driven, String> {
+fn heated(changes: &[(&str, f64)], flux: f64) -> Fallible<Driven> {
     let mut all = COVERED.to_vec();
     all.extend(changes);
     let mut driven = Driven::new(&all)?;
@@ -57,7 +57,7 @@ fn after<const N: usize>(
     changes: [(&'static str, f64); N],
     flux: f64,
     (step, count): (f64, u32),
-    of: impl Fn(&mut Driven) -> Result<f64, String> + 'static,
+    of: impl Fn(&mut Driven) -> Fallible<f64> + 'static,
 ) -> Value {
     Box::new(move || {
         let mut driven = heated(&changes, flux)?;
@@ -66,28 +66,26 @@ fn after<const N: usize>(
     })
 }
 
-fn part_of_punch(driven: &mut Driven) -> Result<f64, String> {
+fn part_of_punch(driven: &mut Driven) -> Fallible<f64> {
     Ok(driven.get("heat_received_punch")? / driven.get("dissipated_energy")?)
 }
 
 /// Hotter side less the mean, K.
-fn jump(driven: &mut Driven) -> Result<f64, String> {
+fn jump(driven: &mut Driven) -> Fallible<f64> {
     Ok(driven.get("contact_temperature_max")? - driven.get("contact_temperature")?)
 }
 
 /// Rise of the contact temperature, K.
-fn rise(driven: &mut Driven) -> Result<f64, String> {
+fn rise(driven: &mut Driven) -> Fallible<f64> {
     Ok(driven.get("contact_temperature")? - 300.0)
 }
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    short_heating(&mut all);
-    interface(&mut all);
-    balances(&mut all);
-    cooling(&mut all);
-    wear(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    short_heating(all);
+    interface(all);
+    balances(all);
+    cooling(all);
+    wear(all);
 }
 
 const OWN_TOLERANCE: &str = "solver.tolerance = 1e-4 of the peak rise";

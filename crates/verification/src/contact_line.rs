@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 3, 6.6.
 
-use super::{Problem, Value, known};
+use super::{Fallible, Problem, Value, known};
 use contact::{ContactSolver, Normal, Tilt, pair_compliance};
 use elasticity::block::{Block, BlockProperties, Discretization};
 use elasticity::{Base, Cells, ElasticBody, HalfPlane, Material, Rigid, StripKernel};
@@ -13,19 +13,17 @@ const HALF_WIDTH: f64 = 0.03;
 const LOAD: f64 = 1e6;
 const NU: f64 = 0.3;
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    kernels(&mut all);
-    punches(&mut all);
-    block_energy(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    kernels(all);
+    punches(all);
+    block_energy(all);
 }
 
 /// A deviation whose exact value is zero.
 pub(super) fn deviation(
     name: String,
     quantity: &'static str,
-    compute: impl Fn() -> Result<f64, String> + 'static,
+    compute: impl Fn() -> Fallible<f64> + 'static,
     bound: f64,
     reason: &'static str,
 ) -> Problem {
@@ -99,12 +97,12 @@ fn kernels(all: &mut Vec<Problem>) {
 }
 
 /// Pressure of a punch with the given gap on a steel half-plane.
-fn pressure(cells: &Cells, signed_friction: f64, gap: &[f64]) -> Result<Vec<f64>, String> {
-    let material = Material::new(200e9, NU).map_err(|error| error.to_string())?;
+fn pressure(cells: &Cells, signed_friction: f64, gap: &[f64]) -> Fallible<Vec<f64>> {
+    let material = Material::new(200e9, NU)?;
     let strip = HalfPlane { material }.compliance(cells);
     let compliance = pair_compliance(&Rigid.compliance(cells), &strip, signed_friction);
-    let mut solver = ContactSolver::new(cells, compliance).map_err(|error| error.to_string())?;
-    let state = solver.solve(gap, Normal::Load(LOAD), Tilt::Fixed(0.0)).map_err(|error| error.to_string())?;
+    let mut solver = ContactSolver::new(cells, compliance)?;
+    let state = solver.solve(gap, Normal::Load(LOAD), Tilt::Fixed(0.0))?;
     Ok(state.pressure)
 }
 
@@ -117,8 +115,8 @@ fn largest_error(cells: &Cells, pressure: &[f64], carried: impl Fn(f64) -> f64, 
         .fold(0.0, f64::max)
 }
 
-fn flat_error(count: usize, friction: f64) -> Result<f64, String> {
-    let cells = Cells::graded(HALF_WIDTH, count).map_err(|error| error.to_string())?;
+fn flat_error(count: usize, friction: f64) -> Fallible<f64> {
+    let cells = Cells::graded(HALF_WIDTH, count)?;
     let signed_exponent = friction.signum() * friction_exponent(friction.abs(), NU);
     let exact = FlatPunch { load: LOAD, half_width: HALF_WIDTH, signed_exponent };
     let computed = pressure(&cells, friction, &vec![0.0; count])?;
@@ -126,8 +124,8 @@ fn flat_error(count: usize, friction: f64) -> Result<f64, String> {
 }
 
 /// Hertz contact over the fraction `share` of the zone.
-fn hertz_error(count: usize, share: f64) -> Result<f64, String> {
-    let cells = Cells::graded(HALF_WIDTH, count).map_err(|error| error.to_string())?;
+fn hertz_error(count: usize, share: f64) -> Fallible<f64> {
+    let cells = Cells::graded(HALF_WIDTH, count)?;
     let modulus = 200e9 / (1.0 - NU * NU);
     let radius = (share * HALF_WIDTH).powi(2) * std::f64::consts::PI * modulus / (4.0 * LOAD);
     let exact = HertzLine::new(LOAD, radius, modulus);
@@ -135,7 +133,7 @@ fn hertz_error(count: usize, share: f64) -> Result<f64, String> {
     Ok(largest_error(&cells, &computed, |x| exact.carried(x), exact.half_width, exact.pressure(0.0)))
 }
 
-type Error = fn(usize) -> Result<f64, String>;
+type Error = fn(usize) -> Fallible<f64>;
 
 fn punches(all: &mut Vec<Problem>) {
     let cases: [(&str, Error); 4] = [
@@ -175,7 +173,7 @@ fn punches(all: &mut Vec<Problem>) {
         exact: Box::new(|| Ok(-2.0 * friction_exponent(0.5, NU))),
         scale: None,
         compute: Box::new(|| {
-            let cells = Cells::graded(1.0, 65).map_err(|error| error.to_string())?;
+            let cells = Cells::graded(1.0, 65)?;
             let computed = pressure(&cells, 0.5, &[0.0; 65])?;
             Ok(cells.moment(&computed) / LOAD)
         }),
@@ -186,11 +184,10 @@ fn punches(all: &mut Vec<Problem>) {
 
 /// Strain energy under a smooth load against the finest mesh: exponential in the order from 5 layers on.
 fn block_energy(all: &mut Vec<Problem>) {
-    let energy = |order: usize, layers: usize| -> Result<f64, String> {
+    let energy = |order: usize, layers: usize| -> Fallible<f64> {
         let properties = BlockProperties { width: 2.0, height: 2.0, youngs_modulus: 1.0, poissons_ratio: NU };
-        let block =
-            Block::new(properties, Discretization::uniform(order, layers)).map_err(|error| error.to_string())?;
-        block.strain_energy(|x| (1.0 + 0.5 * x) * (0.7 * x).cos()).map_err(|error| error.to_string())
+        let block = Block::new(properties, Discretization::uniform(order, layers))?;
+        Ok(block.strain_energy(|x| (1.0 + 0.5 * x) * (0.7 * x).cos())?)
     };
     for (order, bound) in [(4, 1e-4), (6, 3e-6), (8, 1e-7)] {
         all.push(Problem {

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::moving_source::base_of;
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{FrozenState, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
@@ -17,13 +17,13 @@ use std::sync::{Arc, OnceLock};
 /// Step longer than all transients: the response is the steady one.
 const FOR_EVER: f64 = 1e12;
 
-fn refused(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
 fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
     StripProperties::bare(Slab::bare(height, [1.0, 1.0], base), path)
+}
+
+fn resolution(duration: f64, shortest: f64, tolerance: f64) -> Resolution {
+    Resolution { duration, shortest, travel: f64::INFINITY, tolerance }
 }
 
 /// Cells, and their steady temperatures under a uniform flux 1 at `velocity`.
@@ -33,9 +33,9 @@ fn steady(
     half_width: f64,
     resolution: Resolution,
     velocity: f64,
-) -> Result<(Cells, Vec<f64>), String> {
-    let cells = Cells::graded(half_width, cells).map_err(refused)?;
-    let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
+) -> Fallible<(Cells, Vec<f64>)> {
+    let cells = Cells::graded(half_width, cells)?;
+    let mut body = StripHeat::new(properties, &cells, &resolution)?;
     body.prepare(&Step::new(FOR_EVER, [velocity; 2]));
     let influence = &body.influence(Stage::End).temperature;
     let answer = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
@@ -54,23 +54,21 @@ fn maximum(cells: &Cells, values: &[f64]) -> (f64, f64) {
         .fold((0.0, 0.0), |best, here| if here.0 > best.0 { here } else { best })
 }
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    jaeger(&mut all);
-    unidirectional(&mut all);
-    between_nodes(&mut all);
-    closed_paths(&mut all);
-    oscillating(&mut all);
-    squares(&mut all);
-    distortion(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    jaeger(all);
+    unidirectional(all);
+    between_nodes(all);
+    closed_paths(all);
+    oscillating(all);
+    squares(all);
+    distortion(all);
 }
 
 /// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over images.
 fn jaeger(all: &mut Vec<Problem>) {
     // Heat of a slow band spreads so far that steps of a tenth of its thermal time would need too many Fourier modes.
-    let slow = Resolution { duration: 1e6, shortest: 10.0, travel: f64::INFINITY, tolerance: 1e-4 };
-    let fast = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
+    let slow = resolution(1e6, 10.0, 1e-4);
+    let fast = resolution(1e4, 0.1, 1e-3);
     for (peclet, height, cells, path, resolution) in [
         (0.1, 60.0, 65, SlidingPath::Closed(4000.0), slow),
         (1.0, 12.0, 65, SlidingPath::Unidirectional, fast),
@@ -93,7 +91,7 @@ fn jaeger(all: &mut Vec<Problem>) {
 
 /// A square on a half-space with lateral conduction to both sides, against the history integral of the instantaneous sources.
 fn squares(all: &mut Vec<Problem>) {
-    let fast = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
+    let fast = resolution(1e4, 0.1, 1e-3);
     for (peclet, height, cells, path, resolution) in
         [(1.0, 30.0, 33, SlidingPath::Unidirectional, fast), (10.0, 4.0, 33, SlidingPath::Unidirectional, fast)]
     {
@@ -119,7 +117,7 @@ fn moving_band(
     all: &mut Vec<Problem>,
     peclet: f64,
     layer: Option<(f64, LayerBase)>,
-    steady: impl Fn() -> Result<(Cells, Vec<f64>), String> + Copy + Send + Sync + 'static,
+    steady: impl Fn() -> Fallible<(Cells, Vec<f64>)> + Copy + Send + Sync + 'static,
 ) {
     let body = match layer {
         None => "half-plane".to_owned(),
@@ -129,13 +127,13 @@ fn moving_band(
     // One solution serves all three.
     let solved: Arc<OnceLock<Result<[f64; 3], String>>> = Arc::default();
     let solve = move || {
-        let (cells, values) = steady()?;
+        let (cells, values) = steady().map_err(|error| error.to_string())?;
         let (highest, place) = maximum(&cells, &values);
         Ok([highest, place, mean(&cells, &values)])
     };
     let answer = |index: usize| {
         let solved = solved.clone();
-        Box::new(move || solved.get_or_init(solve).clone().map(|values| values[index]))
+        Box::new(move || Ok(solved.get_or_init(solve).clone()?[index]))
     };
     let found: Arc<OnceLock<(f64, f64)>> = Arc::default();
     let highest = |part: fn((f64, f64)) -> f64| {
@@ -184,8 +182,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
                 scale: None,
                 compute: Box::new(move || {
                     let properties = unit(height, base_of(base), SlidingPath::Unidirectional);
-                    let resolution =
-                        Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance: 1e-3 };
+                    let resolution = resolution(1e4, 0.1, 1e-3);
                     let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
                     Ok(mean(&cells, &values))
                 }),
@@ -209,11 +206,10 @@ fn between_nodes(all: &mut Vec<Problem>) {
             exact: Box::new(|| Ok(0.0)),
             scale: Some(1.0),
             compute: Box::new(move || {
-                let cells = Cells::graded(1.0, 33).map_err(refused)?;
-                let resolution = Resolution { duration: 1e4, shortest: 0.1, travel: f64::INFINITY, tolerance };
+                let cells = Cells::graded(1.0, 33)?;
+                let resolution = resolution(1e4, 0.1, tolerance);
                 let mut body =
-                    StripHeat::new(&unit(HEIGHT, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution)
-                        .map_err(refused)?;
+                    StripHeat::new(&unit(HEIGHT, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution)?;
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
                     body.prepare(&Step::new(FOR_EVER, [2.0 * peclet; 2]));
@@ -253,8 +249,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     Slab::bare(path.height, [conductivity, capacity], FarBoundary::Held),
                     SlidingPath::Closed(path.length),
                 );
-                let resolution =
-                    Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance: 1e-3 };
+                let resolution = resolution(1000.0, 0.01, 1e-3);
                 let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
                 Ok(mean(&cells, &values))
             }),
@@ -273,12 +268,11 @@ fn oscillating(all: &mut Vec<Problem>) {
             exact: known(exact),
             scale: None,
             compute: Box::new(move || {
-                let cells = Cells::graded(1.0, 33).map_err(refused)?;
+                let cells = Cells::graded(1.0, 33)?;
                 let properties = unit(150.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
                 let step = 2.0 * PI / 64.0;
-                let resolution =
-                    Resolution { duration: 160.0 * PI, shortest: step, travel: f64::INFINITY, tolerance: 1e-4 };
-                let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+                let resolution = resolution(160.0 * PI, step, 1e-4);
+                let mut body = StripHeat::new(&properties, &cells, &resolution)?;
                 let mut state = vec![0.0; body.states()];
                 let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
                 let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
@@ -304,7 +298,7 @@ fn distortion(all: &mut Vec<Problem>) {
         exact: known(1.1e-5 * 1.3 / 55.0),
         scale: None,
         compute: Box::new(|| {
-            let material = Material::new(200e9, 0.3).map_err(refused)?;
+            let material = Material::new(200e9, 0.3)?;
             let expansion = Expansion { material, coefficient: 1.1e-5, base: elasticity::Base::Smooth };
             let properties = StripProperties {
                 expansion: Some(expansion),
@@ -313,9 +307,9 @@ fn distortion(all: &mut Vec<Problem>) {
                     SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
                 )
             };
-            let cells = Cells::graded(0.1, 33).map_err(refused)?;
-            let resolution = Resolution { duration: 1e10, shortest: 100.0, travel: f64::INFINITY, tolerance: 1e-3 };
-            let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+            let cells = Cells::graded(0.1, 33)?;
+            let resolution = resolution(1e10, 100.0, 1e-3);
+            let mut body = StripHeat::new(&properties, &cells, &resolution)?;
             body.prepare(&Step::new(1e14, [0.0; 2]));
             let influence = &body.influence(Stage::End).distortion;
             let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 4.6, 4.8.
 
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use conduction::line::punch::reduce;
 use conduction::line::reduced::ReducedHeat;
 use conduction::line::{GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-4;
 const DURATION: f64 = 1000.0;
 
 /// Steel punch, 60 mm x 100 mm x 10 mm, convecting at its top and sides.
-fn scene() -> Result<Scene, String> {
+fn scene() -> Fallible<Scene> {
     let changes = [
         ("punch.width", 2.0 * HALF_WIDTH),
         ("punch.height", 0.1),
@@ -31,7 +31,7 @@ fn scene() -> Result<Scene, String> {
         ("punch.convection", 300.0),
         ("punch.top_thermal", 2.0),
     ];
-    Scene::new(&changed(&STARTS, &changes)?, None).map_err(|error| format!("{error:?}"))
+    Ok(Scene::new(&changed(&STARTS, &changes)?, None)?)
 }
 
 /// Reduced punch with temperatures and distortions of the last step.
@@ -43,8 +43,8 @@ struct Reduced {
 }
 
 impl Reduced {
-    fn new(scene: &Scene, cells: &Cells) -> Result<Reduced, String> {
-        let heat = reduce(scene, cells, TOLERANCE, DURATION).map_err(|error| error.to_string())?;
+    fn new(scene: &Scene, cells: &Cells) -> Fallible<Reduced> {
+        let heat = reduce(scene, cells, TOLERANCE, DURATION)?;
         let heat = heat.ok_or("the punch conducts no heat")?;
         let state = vec![0.0; heat.states()];
         Ok(Reduced { heat, state, temperature: vec![0.0; CELLS], distortion: vec![0.0; CELLS] })
@@ -71,8 +71,8 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 /// For a flux over the contact times `factor` of the time: largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the
 /// ends of runs of 40 steps each.
-fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Result<[f64; 2], String> {
-    let cells = Cells::graded(HALF_WIDTH, CELLS).map_err(|error| error.to_string())?;
+fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Fallible<[f64; 2]> {
+    let cells = Cells::graded(HALF_WIDTH, CELLS)?;
     let scene = scene()?;
     let flux = |time: f64| -> Vec<f64> {
         cells.centres().iter().map(|x| (0.7 + 0.3 * x / HALF_WIDTH) * factor(time)).collect()

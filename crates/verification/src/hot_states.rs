@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 9.4, 9.6.
 
 use super::driver::Driven;
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
 use exact::reference::{ClosedPath, LayerBase};
@@ -40,37 +40,31 @@ const SMALL: &[(&str, f64)] = &[
 /// Mean pressure of [`SMALL`], Pa.
 const MEAN: f64 = 1e3 / (6e-3 * 0.01);
 
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
+fn small(changes: &[(&str, f64)]) -> Fallible<Values> {
+    let punch = scene_file::parse(include_str!("../../../examples/reciprocating_punch/scene.toml"))?;
+    Ok(changed(&punch.packaged.starts, &[SMALL, changes].concat())?)
 }
 
-fn small(changes: &[(&str, f64)]) -> Result<Values, String> {
-    let punch = scene_file::parse(include_str!("../../../examples/reciprocating_punch/scene.toml")).map_err(text)?;
-    changed(&punch.packaged.starts, &[SMALL, changes].concat())
+fn scene(changes: &[(&str, f64)]) -> Fallible<Scene> {
+    Ok(Scene::new(&small(changes)?, None)?)
 }
 
-fn scene(changes: &[(&str, f64)]) -> Result<Scene, String> {
-    Scene::new(&small(changes)?, None).map_err(text)
-}
-
-fn hot(changes: &[(&str, f64)]) -> Result<HotState, String> {
+fn hot(changes: &[(&str, f64)]) -> Fallible<HotState> {
     let scene = scene(changes)?;
-    let cells = cells_for(&scene, scene.cells).map_err(text)?;
-    let bodies = compliances(&scene, &cells).map_err(text)?;
-    hot_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).map_err(text)
+    let cells = cells_for(&scene, scene.cells)?;
+    let bodies = compliances(&scene, &cells)?;
+    Ok(hot_state(&scene, &cells, &bodies, &Sliding::nominal(&scene))?)
 }
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    closed_paths(&mut all);
-    unidirectional(&mut all);
-    reciprocating(&mut all);
-    relaxation(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    closed_paths(all);
+    unidirectional(all);
+    reciprocating(all);
+    relaxation(all);
 }
 
 /// A run-in insulating punch on a ring: uniform pressure and flux.
@@ -206,14 +200,13 @@ fn relaxation(all: &mut Vec<Problem>) {
                     ("solver.cells", 65.0),
                 ])?;
                 let operators = LineOperators::with_heat(&sliding_scene(&scene), false, steady::run_in)?;
-                let mut map =
-                    CycleMap::new(operators, nominal_half_strokes(&scene), MapResolution::COLD).map_err(text)?;
+                let mut map = CycleMap::new(operators, nominal_half_strokes(&scene), MapResolution::COLD)?;
                 let start = map.start();
                 let cells = map.operators().cells.clone();
                 let mut jumps = Jumps::new(&mut map, start, JumpOptions::default());
                 let mut pressure = Vec::new();
                 let watch = |jump: &model::line::cycle::Jump| pressure.clone_from(&jump.passage.strokes[1].pressure);
-                jumps.carry_to(cycles, watch).map_err(text)?;
+                jumps.carry_to(cycles, watch)?;
                 Ok(cells.point_value(&pressure, 3e-3 * x) / MEAN)
             }),
             bound: 2e-3,

@@ -9,13 +9,11 @@ use super::{Problem, known};
 use exact::instability::{critical_frequency, critical_ratio};
 use std::sync::{Arc, OnceLock};
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    growth(&mut all);
-    threshold(&mut all);
-    slab(&mut all);
-    disc(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    growth(all);
+    threshold(all);
+    slab(all);
+    disc(all);
 }
 
 /// A disc of 11 mm between two thick pads (K. Lee, J. R. Barber, J. Tribology 115 (1993) 607-614), one wave of 80 1/m along
@@ -78,8 +76,9 @@ fn threshold(all: &mut Vec<Problem>) {
         // One run gives both.
         let solved: Arc<OnceLock<Result<(f64, f64), String>>> = Arc::default();
         let found = move || {
-            let solve = || wear_speed::threshold(&WaveScene { wear, ..WaveScene::new(cells) }.build()?, duration);
-            solved.get_or_init(solve).clone()
+            let contact = || WaveScene { wear, ..WaveScene::new(cells) }.build();
+            let solve = || contact().and_then(|contact| wear_speed::threshold(&contact, duration));
+            solved.get_or_init(|| solve().map_err(|error| error.to_string())).clone()
         };
         let other = found.clone();
         all.push(Problem {
@@ -87,7 +86,7 @@ fn threshold(all: &mut Vec<Problem>) {
             quantity: "threshold over the critical speed without wear, 1",
             exact: known(critical_ratio(wear)),
             scale: None,
-            compute: Box::new(move || found().map(|(ratio, _)| ratio)),
+            compute: Box::new(move || Ok(found()?.0)),
             bound: 1e-3,
             reason: REASON,
         });
@@ -96,7 +95,7 @@ fn threshold(all: &mut Vec<Problem>) {
             quantity: "angular frequency over kd m^2, 1",
             exact: known(critical_frequency(wear)),
             scale: None,
-            compute: Box::new(move || other().map(|(_, frequency)| frequency)),
+            compute: Box::new(move || Ok(other()?.1)),
             bound: 1e-3,
             reason: REASON,
         });

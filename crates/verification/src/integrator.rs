@@ -1,13 +1,11 @@
-//! Steps of the worn shape of a given length by three methods, to compare them. The component chooses its steps itself
+//! Steps of the worn shape of a given length by two methods, to compare them. The component chooses its steps itself
 //! (`model::line`).
 //!
 //! Theory: docs/theory.md, section 5.2.
 
-use crate::explicit_limit::explicit_limit;
 use contact::wear::line::{CellRate, Conditions, StageError, WearingContact};
 use contact::{ContactState, Normal, Tilt};
 use numerics::sdirk::GAMMA;
-use std::fmt;
 
 /// Time stepping scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,42 +15,7 @@ pub enum Scheme {
     Sdirk2,
     /// Implicit Euler: first order, L-stable.
     ImplicitEuler,
-    /// Explicit Euler, for comparison: an error beyond its stability bound.
-    ExplicitEuler,
 }
-
-/// Reason why a step failed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StepError {
-    /// A stage has no solution.
-    Stage(StageError),
-    /// An explicit step beyond the stability bound.
-    Unstable {
-        /// The requested step.
-        step: f64,
-        /// The longest stable step.
-        limit: f64,
-    },
-}
-
-impl From<StageError> for StepError {
-    fn from(error: StageError) -> Self {
-        Self::Stage(error)
-    }
-}
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Stage(error) => error.fmt(f),
-            Self::Unstable { step, limit } => {
-                write!(f, "explicit wear step {step:e} s is beyond the stability bound of {limit:e} s")
-            }
-        }
-    }
-}
-
-impl std::error::Error for StepError {}
 
 /// Callback that overwrites the conditions with those of a time.
 type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
@@ -61,8 +24,7 @@ type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
 ///
 /// Conditions are evaluated at the stage times, so load and speed may vary within a step; the direction must not change
 /// within one: a step ends at every reversal. They are written into the integrator's memory, which is the same at every
-/// call, so that unchanged entries need not be written again. No allocation after construction, except for the stability
-/// bound of explicit steps.
+/// call, so that unchanged entries need not be written again. No allocation after construction.
 #[derive(Clone, Debug)]
 pub struct Integrator {
     /// The scheme.
@@ -96,7 +58,7 @@ impl Integrator {
         step: f64,
         conditions: ConditionsAt<'_>,
         state: &mut ContactState,
-    ) -> Result<(), StepError> {
+    ) -> Result<(), StageError> {
         match self.scheme {
             Scheme::Sdirk2 => {
                 conditions(time + GAMMA * step, &mut self.conditions);
@@ -122,28 +84,10 @@ impl Integrator {
                     *w += step * self.conditions.rate.rate(i, state.pressure[i]);
                 }
             }
-            Scheme::ExplicitEuler => {
-                conditions(time, &mut self.conditions);
-                self.stage(contact, worn, 0.0, state)?;
-                let limit = explicit_limit(contact, &self.conditions, &state.pressure);
-                if step >= limit {
-                    return Err(StepError::Unstable { step, limit });
-                }
-                for (i, w) in worn.iter().enumerate() {
-                    self.base[i] = w + step * self.conditions.rate.rate(i, state.pressure[i]);
-                }
-                conditions(time + step, &mut self.conditions);
-                let base = std::mem::take(&mut self.base);
-                let outcome = self.stage(contact, &base, 0.0, state);
-                self.base = base;
-                outcome?;
-                worn.copy_from_slice(&self.base);
-            }
         }
         Ok(())
     }
 
-    /// A stage under the present conditions from the worn depth.
     fn stage(
         &mut self,
         contact: &mut WearingContact,

@@ -33,7 +33,10 @@ mod wear_line;
 
 use std::time::Instant;
 
-type Value = Box<dyn Fn() -> Result<f64, String>>;
+/// What a computation gives, or any reason why it fails.
+type Fallible<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
+
+type Value = Box<dyn Fn() -> Fallible<f64>>;
 
 /// A problem with an exact solution.
 pub struct Problem {
@@ -82,7 +85,7 @@ impl Row {
 impl Problem {
     /// Solves the problem.
     pub fn solve(&self) -> Result<Row, String> {
-        let named = |text: String| format!("{}: {text}", self.name);
+        let named = |error: Box<dyn std::error::Error + Send + Sync>| format!("{}: {error}", self.name);
         let exact = (self.exact)().map_err(named)?;
         let start = Instant::now();
         let computed = (self.compute)().map_err(named)?;
@@ -102,23 +105,23 @@ impl Problem {
 
 /// All problems, in printing order.
 pub fn problems() -> Vec<Problem> {
-    let mut all = bodies::problems();
-    all.extend(moving_source::problems());
-    all.extend(heat_line::problems());
+    let mut all = Vec::new();
+    bodies::problems(&mut all);
+    moving_source::problems(&mut all);
+    heat_line::problems(&mut all);
     all.extend(punch_heat::problems());
     all.extend(heat_punch::problems());
-    all.extend(annulus::problems());
-    all.extend(instability::problems());
-    all.extend(component::problems());
+    annulus::problems(&mut all);
+    instability::problems(&mut all);
+    component::problems(&mut all);
     all.extend(operator_split::problems());
-    all.extend(contact_line::problems());
-    all.extend(wear_line::problems());
-    all.extend(steady_states::problems());
-    all.extend(hot_states::problems());
+    contact_line::problems(&mut all);
+    wear_line::problems(&mut all);
+    steady_states::problems(&mut all);
+    hot_states::problems(&mut all);
     all
 }
 
-/// A constant value.
 fn known(value: f64) -> Value {
     Box::new(move || Ok(value))
 }

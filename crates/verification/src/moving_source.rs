@@ -24,12 +24,10 @@ fn unit_source(height: f64, base: FarBoundary) -> MovingSource {
     MovingSource::new(slab, 1.0, Path::Endless)
 }
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    jaeger(&mut all);
-    layers(&mut all);
-    closed_paths(&mut all);
-    all
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    jaeger(all);
+    layers(all);
+    closed_paths(all);
 }
 
 /// Means of the band on the half-plane: Jaeger (1942), and the quadrature of his kernel.

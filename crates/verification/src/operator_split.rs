@@ -8,12 +8,12 @@
 //! Theory: docs/theory.md, section 5.6.
 
 use super::wave::{SplitWave, WaveScene, amplification, unit};
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 
 const RATIO: f64 = 5.0;
 
 /// Growth rate in 1/s of the longest wave in steps of `step` s: number of steps, and number of those that are evaluated.
-fn growth(step: f64, [steps, counted]: [usize; 2]) -> Result<f64, String> {
+fn growth(step: f64, [steps, counted]: [usize; 2]) -> Fallible<f64> {
     let mut wave = SplitWave::new(WaveScene::new(32).build()?.linear_wave(RATIO)?);
     let amplitudes: Vec<_> = (0..steps)
         .map(|_| {

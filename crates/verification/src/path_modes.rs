@@ -16,7 +16,6 @@ use exact::reference::{ClosedPath, LayerBase};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Modes of a closed path at one velocity.
 #[derive(Clone, Debug)]
 pub(crate) struct PathModes {
     rate: Vec<Complex<f64>>,
@@ -47,7 +46,6 @@ impl PathModes {
         modes
     }
 
-    /// Steady mean temperature over the contact per flux, K m2/W.
     pub(crate) fn steady(&self) -> f64 {
         self.steady
     }
@@ -80,12 +78,10 @@ pub(crate) fn exact(z: Complex<f64>) -> Complex<f64> {
     (-z).exp()
 }
 
-/// Trapezoidal rule.
 pub(crate) fn crank_nicolson(z: Complex<f64>) -> Complex<f64> {
     (1.0 - 0.5 * z) / (1.0 + 0.5 * z)
 }
 
-/// Implicit Euler.
 pub(crate) fn implicit_euler(z: Complex<f64>) -> Complex<f64> {
     (1.0 + z).inv()
 }

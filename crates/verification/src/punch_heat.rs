@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, section 4.6.
 
 use super::Problem;
+use crate::Fallible;
 use conduction::line::punch;
 use conduction::line::{GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
@@ -76,13 +77,13 @@ impl Flux {
     }
 
     /// The same temperature by the reduced body with `count` steps up to `time`.
-    fn reduced(self, time: f64, count: u32) -> Result<f64, String> {
-        let cells = Cells::graded(0.5 * WIDTH, CELLS).map_err(|error| error.to_string())?;
-        let scene = Scene::new(&starts()?, None).map_err(|broken| broken.to_string())?;
-        let body = punch::reduce(&scene, &cells, TOLERANCE, DURATION).map_err(|error| error.to_string())?;
+    fn reduced(self, time: f64, count: u32) -> Fallible<f64> {
+        let cells = Cells::graded(0.5 * WIDTH, CELLS)?;
+        let scene = Scene::new(&starts()?, None)?;
+        let body = punch::reduce(&scene, &cells, TOLERANCE, DURATION)?;
         let mut body = body.ok_or("the punch conducts")?;
         if body.error() > 3.0 * TOLERANCE {
-            return Err(format!("the reduction states an error of {:e}", body.error()));
+            return Err(format!("the reduction states an error of {:e}", body.error()).into());
         }
         let air = Surroundings::default();
         let mut state = vec![0.0; body.states()];
@@ -108,7 +109,7 @@ impl Flux {
     }
 }
 
-fn starts() -> Result<Values, String> {
+fn starts() -> Fallible<Values> {
     let changes = [
         ("punch.width", WIDTH),
         ("punch.height", HEIGHT),
@@ -119,7 +120,7 @@ fn starts() -> Result<Values, String> {
         ("punch.top_thermal", 1.0),
         ("punch.thermal_expansion", 0.0),
     ];
-    changed(&STARTS, &changes)
+    Ok(changed(&STARTS, &changes)?)
 }
 
 pub(super) fn problems() -> Vec<Problem> {

@@ -14,6 +14,7 @@ pub mod reversal;
 pub mod wear_speed;
 pub mod wear_step;
 
+use crate::Fallible;
 use std::fmt;
 
 /// Resolution of a map.
@@ -150,7 +151,6 @@ impl Panel {
         self.points.iter().filter(|point| point.verdict == verdict).count()
     }
 
-    /// Largest error over the runs that have one.
     pub(crate) fn largest_error(&self) -> f64 {
         self.points.iter().map(|point| point.error).filter(|error| !error.is_nan()).fold(0.0, f64::max)
     }
@@ -178,7 +178,7 @@ pub struct Definition {
 }
 
 /// Function that computes a map.
-pub(crate) type Compute = fn(Grid, &dyn Fn(f64)) -> Result<Map, String>;
+pub(crate) type Compute = fn(Grid, &dyn Fn(f64)) -> Fallible<Map>;
 
 /// All maps.
 pub fn maps() -> Vec<Definition> {

@@ -4,7 +4,7 @@
 
 use super::contact_line::deviation;
 use super::wear_line::half_plane;
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use crate::integrator::{Integrator, Scheme};
 use contact::wear::law::PressureLaw;
 use contact::wear::line::{CellRate, Conditions, WearTerm, WearingContact};
@@ -17,27 +17,16 @@ use steady::{CycleProblem, Reciprocating, ReciprocatingProblem, punch_run_in};
 /// Load per depth on a width of 2: a mean pressure of 1.
 const LOAD: f64 = 2.0;
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    unidirectional(&mut all);
-    half_planes(&mut all);
-    stepping(&mut all);
-    even_wear(&mut all);
-    block_table(&mut all);
-    all
-}
-
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    unidirectional(all);
+    half_planes(all);
+    stepping(all);
+    even_wear(all);
+    block_table(all);
 }
 
 /// Cycle of a rigid punch on a half-plane, E* = 1, nu = .3, a = 1.
-fn cycle(
-    cells: &Cells,
-    friction: f64,
-    pivot_height: Option<f64>,
-    wear_per_stroke: f64,
-) -> Result<Reciprocating, String> {
+fn cycle(cells: &Cells, friction: f64, pivot_height: Option<f64>, wear_per_stroke: f64) -> Fallible<Reciprocating> {
     let (punch, strip) = (Rigid.compliance(cells), half_plane()?.compliance(cells));
     let problem = ReciprocatingProblem {
         cells,
@@ -48,7 +37,7 @@ fn cycle(
         pivot_height,
         wear_per_stroke,
     };
-    problem.solve().map_err(text)
+    Ok(problem.solve()?)
 }
 
 fn unidirectional(all: &mut Vec<Problem>) {
@@ -57,9 +46,9 @@ fn unidirectional(all: &mut Vec<Problem>) {
             format!("unidirectional punch free to rotate, lever {lever:.3} of the width, 129 cells"),
             "largest error of p/pm",
             move || {
-                let cells = Cells::graded(0.5, 129).map_err(text)?;
+                let cells = Cells::graded(0.5, 129)?;
                 let rate = CellRate::uniform(1.0, 1.0, 1.0);
-                let state = punch_run_in(&cells, cells.widths(), &rate, 1.0, Tilt::ResultantAt(lever)).map_err(text)?;
+                let state = punch_run_in(&cells, cells.widths(), &rate, 1.0, Tilt::ResultantAt(lever))?;
                 let error = |(x, p): (&f64, &f64)| (p - unidirectional_rotating_pressure(*x, lever, 1.0)).abs();
                 Ok(cells.centres().iter().zip(&state.pressure).map(error).fold(0.0, f64::max))
             },
@@ -72,13 +61,13 @@ fn unidirectional(all: &mut Vec<Problem>) {
             format!("annular punch from 1 to 2 m, a = {a}, b = {b}, 65 cells"),
             "largest relative error of p = C r^(-a/b)",
             move || {
-                let cells = Cells::graded(0.5, 65).map_err(text)?;
+                let cells = Cells::graded(0.5, 65)?;
                 let radii: Vec<f64> = cells.centres().iter().map(|x| (1.5 + x) / 1.5).collect();
                 let weights: Vec<f64> = cells.widths().iter().zip(&radii).map(|(c, r)| c * r).collect();
                 let coefficient: Vec<f64> = radii.iter().map(|r: &f64| r.powf(a)).collect();
                 let terms = vec![WearTerm { coefficient: coefficient.into(), law: PressureLaw::power(b) }];
                 let rate = CellRate { reference_pressure: 1.0, terms };
-                let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).map_err(text)?;
+                let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0))?;
                 let error =
                     |(x, p): (&f64, &f64)| (p / annular_pressure(1.5 + x, LOAD, (1.0, 2.0), (a, b)) - 1.0).abs();
                 Ok(cells.centres().iter().zip(&state.pressure).map(error).fold(0.0, f64::max))
@@ -102,7 +91,7 @@ fn half_planes(all: &mut Vec<Problem>) {
             "largest error of the cell means of p+/pm at |x| < .8 a",
             move || {
                 let exact = exact()?;
-                let cells = Cells::graded(1.0, 65).map_err(text)?;
+                let cells = Cells::graded(1.0, 65)?;
                 let found = cycle(&cells, 0.25, pivot_height, 0.0)?;
                 let means = cells.means_from_primitive(|x| exact.forward_primitive(x));
                 let inside = |i: &usize| cells.centres()[*i].abs() < 0.8;
@@ -117,7 +106,7 @@ fn half_planes(all: &mut Vec<Problem>) {
             exact: Box::new(move || Ok(exact()?.inner_half_width())),
             scale: Some(1.0),
             compute: Box::new(move || {
-                let cells = Cells::graded(1.0, 65).map_err(text)?;
+                let cells = Cells::graded(1.0, 65)?;
                 let found = cycle(&cells, 0.25, pivot_height, 0.0)?;
                 let clipped = found.forward.iter().filter(|p| **p == 0.0).count();
                 // By symmetry the same number of cells at either edge.
@@ -134,10 +123,10 @@ fn half_planes(all: &mut Vec<Problem>) {
 }
 
 /// Implicit Euler, one step per half-stroke, 400 cycles; forward and backward means over the half-strokes.
-fn stepped(cells: &Cells, friction: f64, height: Option<f64>, wear: f64) -> Result<[Vec<f64>; 2], String> {
+fn stepped(cells: &Cells, friction: f64, height: Option<f64>, wear: f64) -> Fallible<[Vec<f64>; 2]> {
     let count = cells.count();
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), &half_plane()?.compliance(cells));
-    let mut contact = WearingContact::new(cells, cells.widths(), normal, shear, vec![0.0; count]).map_err(text)?;
+    let mut contact = WearingContact::new(cells, cells.widths(), normal, shear, vec![0.0; count])?;
     let mut integrator = Integrator::new(Scheme::ImplicitEuler, count);
     let (mut worn, mut state) = (vec![0.0; count], ContactState::new(count));
     let mut means = [vec![0.0; count], vec![0.0; count]];
@@ -152,7 +141,7 @@ fn stepped(cells: &Cells, friction: f64, height: Option<f64>, wear: f64) -> Resu
                     rate: CellRate::uniform(1.0, wear, 1.0),
                 };
             };
-            integrator.step(&mut contact, &mut worn, 0.0, 1.0, &mut given, &mut state).map_err(text)?;
+            integrator.step(&mut contact, &mut worn, 0.0, 1.0, &mut given, &mut state)?;
             *mean = worn.iter().zip(&before).map(|(a, b)| (a - b) / wear).collect();
         }
     }
@@ -161,7 +150,7 @@ fn stepped(cells: &Cells, friction: f64, height: Option<f64>, wear: f64) -> Resu
 
 fn stepping(all: &mut Vec<Problem>) {
     for (name, height) in [("translating", None), ("free to rotate", Some(1.1))] {
-        let cells = || Cells::graded(1.0, 33).map_err(text);
+        let cells = || Cells::graded(1.0, 33);
         all.push(deviation(
             format!("reciprocating, by 400 cycles of time stepping, {name}, 33 cells"),
             "largest |p+ + p- - 2 pm|/pm of the half-stroke means",
@@ -196,7 +185,7 @@ fn even_wear(all: &mut Vec<Problem>) {
             format!("reciprocating on a half-plane, b = {exponent}, half-strokes of 1 and .6"),
             "largest deviation of the depth per cycle from its mean, over it",
             move || {
-                let cells = Cells::graded(1.0, 65).map_err(text)?;
+                let cells = Cells::graded(1.0, 65)?;
                 let (punch, strip) = (Rigid.compliance(&cells), half_plane()?.compliance(&cells));
                 let rate = CellRate::uniform(1.0, 1.0, exponent);
                 let problem = CycleProblem {
@@ -209,7 +198,7 @@ fn even_wear(all: &mut Vec<Problem>) {
                     rate: &rate,
                     durations: [1.0, 0.6],
                 };
-                let found = problem.solve().map_err(text)?;
+                let found = problem.solve()?;
                 let pairs = found.forward.iter().zip(&found.backward);
                 let depth: Vec<f64> = pairs.map(|(p, q)| p.powf(exponent) + 0.6 * q.powf(exponent)).collect();
                 let mean = cells.integral(&depth) / 2.0;
@@ -228,11 +217,11 @@ const BLOCK_PRESSURES: [f64; 9] = [0.4340, 0.7023, 0.8403, 0.9299, 1.0, 1.0701, 
 /// Clipped width at either edge, over a.
 const BLOCK_CLIPPED: f64 = 0.112;
 
-fn block_cycle(count: usize) -> Result<(Cells, Reciprocating), String> {
-    let cells = Cells::graded(1.0, count).map_err(text)?;
+fn block_cycle(count: usize) -> Fallible<(Cells, Reciprocating)> {
+    let cells = Cells::graded(1.0, count)?;
     let properties = BlockProperties { width: 2.0, height: 2.0, youngs_modulus: 0.91, poissons_ratio: 0.3 };
-    let block = Block::new(properties, Discretization::for_cells(2.0, 2.0, cells.edges(), 1e-4)).map_err(text)?;
-    let compliance = block.compliance(cells.edges()).map_err(text)?;
+    let block = Block::new(properties, Discretization::for_cells(2.0, 2.0, cells.edges(), 1e-4))?;
+    let compliance = block.compliance(cells.edges())?;
     let punch = Compliance { normal: compliance.normal, shear: compliance.shear };
     let strip = Rigid.compliance(&cells);
     let problem = ReciprocatingProblem {
@@ -244,7 +233,7 @@ fn block_cycle(count: usize) -> Result<(Cells, Reciprocating), String> {
         pivot_height: None,
         wear_per_stroke: 0.0,
     };
-    let found = problem.solve().map_err(text)?;
+    let found = problem.solve()?;
     Ok((cells, found))
 }
 

@@ -1,6 +1,7 @@
 //! Wear steps of the contact line for `cargo fmu bench --line`, and the unit in which they are timed: one solution of a dense system
 //! with cached LU factors, by faer.
 
+use crate::Fallible;
 use crate::integrator::{Integrator, Scheme};
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearingContact};
 use contact::{ContactState, Normal, Tilt, WorkCounter, pair_operators};
@@ -93,14 +94,13 @@ pub struct TimedLine {
 
 impl TimedLine {
     /// A contact of `count` cells before its first turn.
-    pub fn new(count: usize, case: &StepCase) -> Result<Self, String> {
-        let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
+    pub fn new(count: usize, case: &StepCase) -> Fallible<Self> {
+        let cells = Cells::graded(1.0, count)?;
         // E* = 1: with a = 1 and a mean pressure of 1 everything is of order 1.
-        let strip = HalfPlane { material: Material::new(0.91, 0.3).map_err(|error| error.to_string())? };
+        let strip = HalfPlane { material: Material::new(0.91, 0.3)? };
         let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip.compliance(&cells));
         let gap = cells.centres().iter().map(|x| case.curvature * x * x).collect();
-        let contact =
-            WearingContact::new(&cells, cells.widths(), normal, shear, gap).map_err(|error| error.to_string())?;
+        let contact = WearingContact::new(&cells, cells.widths(), normal, shear, gap)?;
         let zero = (WorkCounter::default(), 0);
         Ok(Self {
             contact,
@@ -113,13 +113,13 @@ impl TimedLine {
     }
 
     /// Seconds of every chunk of steps of a turn that starts after some wear.
-    pub fn turn(&mut self, case: &StepCase) -> Result<[f64; STEPS / CHUNK], String> {
+    pub fn turn(&mut self, case: &StepCase) -> Fallible<[f64; STEPS / CHUNK]> {
         self.worn.fill(0.0);
         // Caches of the last turn are dropped.
         let count = self.worn.len();
         let none = DMatrix::zeros(count, count);
         for extra in [Some(&none), None] {
-            self.contact.set_added_compliance(extra).map_err(|error| error.to_string())?;
+            self.contact.set_added_compliance(extra)?;
         }
         let mut conditions = |n: f64, c: &mut Conditions| {
             let [load, speed, friction] = (case.drive)(n);
@@ -135,17 +135,16 @@ impl TimedLine {
                 // Conditions are those of the step, the same in both stages, unless the speed changes.
                 let changing = case.name.contains("speed");
                 let at = |time: f64| if changing { n as f64 + (time - STEP * n as f64) / STEP } else { n as f64 };
-                let step = line.integrator.step(
+                line.integrator.step(
                     &mut line.contact,
                     &mut line.worn,
                     STEP * n as f64,
                     STEP,
                     &mut |time, c| conditions(at(time), c),
                     &mut line.state,
-                );
-                step.map_err(|error| error.to_string())?;
+                )?;
             }
-            Ok::<(), String>(())
+            Fallible::Ok(())
         };
         run(self, 0..10, &mut conditions)?;
         self.before = (self.contact.counter(), self.contact.newton_iterations());

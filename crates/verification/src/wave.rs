@@ -7,6 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 7.4, 10.
 
+use crate::Fallible;
 use conduction::line::{FrozenState, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
 use exact::instability;
@@ -31,7 +32,6 @@ const EXPANSION: f64 = 1.1e-5;
 /// Mean pressure, Pa.
 const PRESSURE: f64 = 1e6;
 
-/// Parameters of the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct WaveScene {
     /// Number of cells, over one wavelength.
@@ -82,7 +82,7 @@ impl WaveScene {
         self.beginning() * (4.0 * z * ratio / (b * (1.0 + 2.0 * z))) * (b * time).exp()
     }
 
-    fn starts(&self) -> Result<Values, String> {
+    fn starts(&self) -> Fallible<Values> {
         let changes = [
             ("solver.fidelity", 3.0),
             ("solver.cells", self.cells as f64),
@@ -126,8 +126,8 @@ impl WaveScene {
     }
 
     /// Operators of the contact, from which waves start.
-    pub(crate) fn build(&self) -> Result<WaveContact, String> {
-        let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
+    pub(crate) fn build(&self) -> Fallible<WaveContact> {
+        let scene = Scene::new(&self.starts()?, None)?;
         let operators = Arc::new(LineOperators::new(&scene, steady::run_in)?);
         let angles: Vec<f64> = operators.cells.centres().iter().map(|x| 2.0 * PI * x / WAVELENGTH).collect();
         Ok(WaveContact { scene: *self, operators, angles })
@@ -152,12 +152,10 @@ pub struct WaveContact {
 }
 
 impl WaveContact {
-    /// Its parameters.
     pub(crate) fn scene(&self) -> &WaveScene {
         &self.scene
     }
 
-    /// A wave at `ratio` times the critical speed.
     pub(crate) fn wave(&self, ratio: f64) -> Wave<'_> {
         let mut inputs = Inputs::from_array(std::array::from_fn(|index| STARTS[index]));
         inputs.sliding_velocity = ratio * critical_speed();
@@ -168,12 +166,12 @@ impl WaveContact {
     }
 
     /// The same wave as a linear problem, without opening of the contact and without step control.
-    pub(crate) fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
+    pub(crate) fn linear_wave(&self, ratio: f64) -> Fallible<LinearWave> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
         let [body, _] = operators.heat.as_ref().ok_or("the contact line carries no heat")?.prototypes.clone();
         let body = body.ok_or("the punch conducts no heat")?;
-        let [punch, _] = compliances(&operators.scene, &operators.cells).map_err(|error| error.to_string())?;
+        let [punch, _] = compliances(&operators.scene, &operators.cells)?;
         Ok(LinearWave {
             compliance: along(&cosine, &punch.normal, &cosine),
             heat: FRICTION * ratio * critical_speed(),
@@ -187,10 +185,7 @@ impl WaveContact {
 
     /// Communication steps of `step` (over `1/(kd m^2)`), at most `count`, at `ratio` times the critical speed: amplitudes
     /// after each, as long as every cell is in contact.
-    ///
-    /// # Errors
-    /// A failing step, or a contact that opens within a few steps.
-    pub(crate) fn follow(&self, ratio: f64, step: f64, count: usize) -> Result<Vec<Complex<f64>>, String> {
+    pub(crate) fn follow(&self, ratio: f64, step: f64, count: usize) -> Fallible<Vec<Complex<f64>>> {
         let mut wave = self.wave(ratio);
         let mut amplitudes = Vec::with_capacity(count);
         for _ in 0..count {
@@ -205,24 +200,21 @@ impl WaveContact {
             return Err(format!(
                 "the contact opens within {} steps at {ratio} times the critical speed",
                 amplitudes.len()
-            ));
+            )
+            .into());
         }
         Ok(amplitudes)
     }
 
     /// Growth rate over `kd m^2` measured over the last `counted` of at most `count` steps of `step` (over `1/(kd m^2)`) at
     /// `ratio` times the critical speed. The step control may subdivide the steps.
-    ///
-    /// # Errors
-    /// A failing step, or a contact that opens within a few steps.
-    pub(crate) fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Result<Complex<f64>, String> {
+    pub(crate) fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Fallible<Complex<f64>> {
         let amplitudes = self.follow(ratio, step, count)?;
         let oscillates = self.scene.exact(ratio).im != 0.0 && !self.scene.coupled;
         Ok(amplification(&amplitudes, counted, oscillates).ln() / step)
     }
 }
 
-/// State of a stepped wave.
 #[derive(Debug)]
 pub(crate) struct Wave<'a> {
     contact: &'a WaveContact,
@@ -232,8 +224,8 @@ pub(crate) struct Wave<'a> {
 
 impl Wave<'_> {
     /// A communication step of `step`, over `1/(kd m^2)`, with the full step control.
-    pub(crate) fn step(&mut self, step: f64) -> Result<(), String> {
-        self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
+    pub(crate) fn step(&mut self, step: f64) -> Fallible<()> {
+        Ok(self.line.step(&self.inputs, None, step / unit())?)
     }
 
     /// Amplitude of the wave over the mean pressure.
@@ -286,7 +278,6 @@ impl LinearWave {
         self.body.step(&mut self.state, &air, &fluxes[0], &fluxes[1]);
     }
 
-    /// Amplitude over the mean pressure.
     pub(crate) fn amplitude(&self) -> Complex<f64> {
         Complex::new(self.amplitude / PRESSURE, 0.0)
     }
@@ -308,7 +299,6 @@ pub(crate) struct SplitWave {
 }
 
 impl SplitWave {
-    /// A wave from rest.
     pub(crate) fn new(mut wave: LinearWave) -> SplitWave {
         let rates = wave.body.decay_rates(0.0);
         // Resolves the fastest state: no input is lost to rounding.
@@ -336,7 +326,6 @@ impl SplitWave {
         *moved = 2.0 / fluxes.len() as f64 * wave.cosine.iter().zip(&distortion).map(|(c, u)| c * u).sum::<f64>();
     }
 
-    /// Amplitude over the mean pressure.
     pub(crate) fn amplitude(&self) -> Complex<f64> {
         self.wave.amplitude()
     }

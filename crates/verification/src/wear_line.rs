@@ -4,7 +4,7 @@
 
 use super::contact_line::deviation;
 use super::driver::Driven;
-use super::{Problem, known};
+use super::{Fallible, Problem, known};
 use crate::explicit_limit::explicit_limit;
 use contact::wear::line::{CellRate, Conditions, WearingContact};
 use contact::{Normal, Tilt, pair_operators};
@@ -15,29 +15,23 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::STATIONS;
 
-pub(super) fn problems() -> Vec<Problem> {
-    let mut all = Vec::new();
-    winkler(&mut all);
-    galin(&mut all);
-    cylinder(&mut all);
-    explicit(&mut all);
-    orders(&mut all);
-    all
-}
-
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
+pub(super) fn problems(all: &mut Vec<Problem>) {
+    winkler(all);
+    galin(all);
+    cylinder(all);
+    explicit(all);
+    orders(all);
 }
 
 /// Half-plane with E* = 1.
-pub(super) fn half_plane() -> Result<HalfPlane, String> {
-    Ok(HalfPlane { material: Material::new(0.91, 0.3).map_err(text)? })
+pub(super) fn half_plane() -> Fallible<HalfPlane> {
+    Ok(HalfPlane { material: Material::new(0.91, 0.3)? })
 }
 
 /// A rigid punch on a body without friction.
-fn contact(cells: &Cells, body: &dyn ElasticBody) -> Result<WearingContact, String> {
+fn contact(cells: &Cells, body: &dyn ElasticBody) -> Fallible<WearingContact> {
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), &body.compliance(cells));
-    WearingContact::new(cells, cells.widths(), normal, shear * 0.0, vec![0.0; cells.count()]).map_err(text)
+    Ok(WearingContact::new(cells, cells.widths(), normal, shear * 0.0, vec![0.0; cells.count()])?)
 }
 
 fn conditions(load: f64) -> Conditions {
@@ -87,7 +81,7 @@ const WEARING: &[(&str, f64)] = &[
 ];
 
 /// [`WEARING`] on a body of this number with wear of this exponent, and with changes; under [`LOAD`] at 1 m/s.
-fn wearing(body: f64, exponent: f64, changes: &[(&str, f64)]) -> Result<Driven, String> {
+fn wearing(body: f64, exponent: f64, changes: &[(&str, f64)]) -> Fallible<Driven> {
     let own = [
         ("strip.body", body),
         ("punch.wear_pressure_exponent", exponent),
@@ -100,7 +94,7 @@ fn wearing(body: f64, exponent: f64, changes: &[(&str, f64)]) -> Result<Driven, 
 }
 
 /// Values of a profile at its stations, over `scale`.
-fn stations(driven: &mut Driven, name: &str, scale: f64) -> Result<Vec<f64>, String> {
+fn stations(driven: &mut Driven, name: &str, scale: f64) -> Fallible<Vec<f64>> {
     (1..=STATIONS).map(|station| Ok(driven.get(&format!("{name}[{station}]"))? / scale)).collect()
 }
 
@@ -124,7 +118,7 @@ fn winkler(all: &mut Vec<Problem>) {
                 let mut changes: Vec<(&str, f64)> = gap.iter().map(|(name, value)| (name.as_str(), *value)).collect();
                 changes.extend([("solver.cells", 9.0), ("solver.tolerance", 1e-8)]);
                 let mut driven = wearing(WINKLER, exponent, &changes)?;
-                let deviation = |driven: &mut Driven| -> Result<f64, String> {
+                let deviation = |driven: &mut Driven| -> Fallible<f64> {
                     let pressure = stations(driven, "profile.pressure", MEAN_PRESSURE)?;
                     Ok(pressure[0] - pressure[STATIONS - 1])
                 };
@@ -141,7 +135,7 @@ fn winkler(all: &mut Vec<Problem>) {
 }
 
 /// Largest error of p/pm over tau = .1, .5, 1, 3 at the station nearest to x = `part` a: its mean over the station's interval.
-fn galin_error(count: usize, part: f64, tolerance: f64) -> Result<f64, String> {
+fn galin_error(count: usize, part: f64, tolerance: f64) -> Fallible<f64> {
     let exact = GalinRelaxation::new(150);
     let mut driven = wearing(HALF_PLANE, 1.0, &[("solver.cells", count as f64), ("solver.tolerance", tolerance)])?;
     let station = ((part + 1.0) * 0.5 * (STATIONS - 1) as f64).round() as usize;
@@ -159,8 +153,8 @@ fn galin_error(count: usize, part: f64, tolerance: f64) -> Result<f64, String> {
 }
 
 /// Largest eigenvalues of C on pressures of zero mean, E* = a = 1.
-fn eigenvalues(count: usize) -> Result<Vec<f64>, String> {
-    let cells = Cells::graded(1.0, count).map_err(text)?;
+fn eigenvalues(count: usize) -> Fallible<Vec<f64>> {
+    let cells = Cells::graded(1.0, count)?;
     let normal = half_plane()?.compliance(&cells).normal;
     let root: Vec<f64> = cells.widths().iter().map(|c| (c / 2.0).sqrt()).collect();
     let mut matrix = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * root[i] / root[j]);
@@ -169,7 +163,7 @@ fn eigenvalues(count: usize) -> Result<Vec<f64>, String> {
     let energy = unit.dot(&image);
     matrix -= &image * unit.transpose() + &unit * image.transpose();
     matrix += &unit * unit.transpose() * energy;
-    let eigen = factorization::symmetric_eigen(matrix).map_err(text)?;
+    let eigen = factorization::symmetric_eigen(matrix)?;
     let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
     values.sort_by(|a, b| b.total_cmp(a));
     Ok(values)
@@ -243,15 +237,15 @@ fn explicit(all: &mut Vec<Problem>) {
         exact: known(2.0),
         scale: None,
         compute: Box::new(|| {
-            let cells = Cells::graded(1.0, 12).map_err(text)?;
-            let mut contact = contact(&cells, &Winkler::new(4.0).map_err(text)?)?;
+            let cells = Cells::graded(1.0, 12)?;
+            let mut contact = contact(&cells, &Winkler::new(4.0)?)?;
             Ok(4.0 * explicit_limit(&mut contact, &conditions(2.0), &[1.0; 12]))
         }),
         bound: 1e-12,
         reason: "closed form",
     });
-    let uniform = || -> Result<(Cells, WearingContact, Conditions, f64), String> {
-        let cells = Cells::uniform(1.0, 100).map_err(text)?;
+    let uniform = || -> Fallible<(Cells, WearingContact, Conditions, f64)> {
+        let cells = Cells::uniform(1.0, 100)?;
         let mut contact = contact(&cells, &half_plane()?)?;
         let given = conditions(200.0);
         let limit = explicit_limit(&mut contact, &given, &[100.0; 100]);
@@ -280,7 +274,7 @@ fn explicit(all: &mut Vec<Problem>) {
                 let mut worn: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 1e-6 } else { -1e-6 }).collect();
                 let (mut before, mut now) = (0.0, 0.0);
                 for _ in 0..10 {
-                    let pressure = contact.pressure(&worn, &given).map_err(text)?.pressure;
+                    let pressure = contact.pressure(&worn, &given)?.pressure;
                     worn.iter_mut().zip(&pressure).for_each(|(w, p)| *w += share * limit * p);
                     before = now;
                     // In the middle, where the sawtooth is the least damped disturbance.
@@ -303,7 +297,7 @@ fn relaxation(lifting: bool) -> f64 {
 /// Worn depth at the stations after two relaxations in equal communication steps, over the depth under the mean pressure.
 ///
 /// At the largest tolerance every communication step is one step of the method.
-fn stepped(steps: u32, lifting: bool) -> Result<Vec<f64>, String> {
+fn stepped(steps: u32, lifting: bool) -> Fallible<Vec<f64>> {
     let gap = tabulated(|x| MEAN_PRESSURE / FOUNDATION * 0.2 * (1.0 + (3.0 * x).sin()));
     let mut changes: Vec<(&str, f64)> = gap.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     if lifting {
@@ -324,16 +318,16 @@ fn stepped(steps: u32, lifting: bool) -> Result<Vec<f64>, String> {
     // The mean temperature takes one step, the shape another.
     let taken = driven.work().0;
     if taken != 2 * u64::from(steps) {
-        return Err(format!("{steps} communication steps took {taken} steps of the method"));
+        return Err(format!("{steps} communication steps took {taken} steps of the method").into());
     }
     stations(&mut driven, "profile.wear_punch", WEAR_RATE * 2.0 * relaxation(lifting))
 }
 
 fn orders(all: &mut Vec<Problem>) {
-    let order = |lifting: bool, coarse: u32, halvings: u32| -> Result<f64, String> {
+    let order = |lifting: bool, coarse: u32, halvings: u32| -> Fallible<f64> {
         let fine = coarse << halvings;
         let truth = stepped(16 * fine, lifting)?;
-        let error = |steps: u32| -> Result<f64, String> {
+        let error = |steps: u32| -> Fallible<f64> {
             let worn = stepped(steps, lifting)?;
             Ok(worn.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
         };

@@ -241,7 +241,6 @@ impl Description {
     }
 }
 
-/// Attributes of one element.
 struct Attributes(Vec<(String, String)>);
 
 impl Attributes {

@@ -15,7 +15,6 @@ pub(crate) const WARNING: Status = 1;
 /// `fmi2Fatal`: no instance may be touched any more.
 pub(crate) const FATAL: Status = 4;
 
-/// Name of a status.
 pub(crate) fn status_name(status: Status) -> &'static str {
     match status {
         0 => "fmi2OK",
@@ -51,19 +50,18 @@ pub(crate) struct Callbacks {
 }
 
 unsafe extern "C" {
-    /// Of the C library.
     pub(crate) fn calloc(count: usize, size: usize) -> *mut c_void;
-    /// Of the C library.
     pub(crate) fn free(memory: *mut c_void);
 }
 
+/// Functions of a library by the names that FMI 2.0 has for them.
 macro_rules! functions {
-    ($($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {
-        /// The functions that the host calls.
-        pub struct Functions { $(pub $field: unsafe extern "C" fn($($argument),*) -> $result,)* }
+    ($(#[$doc:meta])* $table:ident: $($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {
+        $(#[$doc])*
+        pub(crate) struct $table { $(pub $field: unsafe extern "C" fn($($argument),*) -> $result,)* }
 
-        impl Functions {
-            fn find(library: &Library) -> Result<Self, String> {
+        impl $table {
+            fn find(library: &libloading::Library) -> Result<Self, String> {
                 $(
                     // SAFETY: the signature is the one that FMI 2.0 fixes for this name.
                     let $field = *unsafe { library.get($symbol.to_bytes()) }
@@ -74,8 +72,11 @@ macro_rules! functions {
         }
     };
 }
+pub(crate) use functions;
 
 functions! {
+    /// The functions that the host calls.
+    Functions:
     types_platform = c"fmi2GetTypesPlatform" () -> *const c_char;
     version = c"fmi2GetVersion" () -> *const c_char;
     instantiate = c"fmi2Instantiate" (*const c_char, c_uint, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
@@ -96,9 +97,6 @@ functions! {
 
 impl Functions {
     /// Loads a library and finds its functions. They must not be called after the library is dropped.
-    ///
-    /// # Errors
-    /// Where it cannot be loaded, a function is missing, or it is of another version or type platform.
     pub(crate) fn load(path: &Path) -> Result<(Self, Library), Failure> {
         let failed = |reason: String| Failure::library(format!("loading {}: {reason}", path.display()));
         // SAFETY: loading runs the library's initialisers; that is what loading an FMU means.

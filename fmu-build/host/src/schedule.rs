@@ -58,7 +58,6 @@ impl<'a> Schedule<'a> {
         Ok(Self { times, values, columns })
     }
 
-    /// Inputs per row.
     pub(crate) fn columns(&self) -> usize {
         self.columns
     }

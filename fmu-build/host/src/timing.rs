@@ -2,8 +2,8 @@
 //!
 //! Here and not beside the clock that reads them: the command line is compiled without optimisation.
 
-use crate::functions::{self, Callbacks, Handle, Status};
-use anyhow::{Context, Result, bail};
+use crate::functions::{self, Callbacks, Handle, Status, functions};
+use anyhow::{Context, Result, anyhow, bail};
 use libloading::Library;
 use std::cell::Cell;
 use std::ffi::{CString, c_char, c_double, c_int, c_uint, c_void};
@@ -22,46 +22,39 @@ static CALLBACKS: Shared = Shared(Callbacks {
     environment: ptr::null_mut(),
 });
 
-macro_rules! functions {
-    ($($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {
-        /// Functions that every peer exports.
-        struct Functions { $($field: unsafe extern "C" fn($($argument),*) -> $result,)* }
-
-        impl Functions {
-            fn load(library: &Library) -> Result<Self> {
-                // SAFETY: the signatures are those that FMI 2.0 fixes for these names.
-                unsafe { Ok(Self { $($field: *library.get($symbol).with_context(|| String::from_utf8_lossy($symbol).into_owned())?,)* }) }
-            }
-        }
-    };
+functions! {
+    /// Functions that every peer exports.
+    Functions:
+    instantiate = c"fmi2Instantiate" (*const c_char, c_uint, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
+    free = c"fmi2FreeInstance" (Handle) -> ();
+    setup = c"fmi2SetupExperiment" (Handle, c_int, c_double, c_double, c_int, c_double) -> Status;
+    enter = c"fmi2EnterInitializationMode" (Handle) -> Status;
+    exit = c"fmi2ExitInitializationMode" (Handle) -> Status;
+    reset = c"fmi2Reset" (Handle) -> Status;
+    set = c"fmi2SetReal" (Handle, *const c_uint, usize, *const c_double) -> Status;
+    get = c"fmi2GetReal" (Handle, *const c_uint, usize, *mut c_double) -> Status;
+    step = c"fmi2DoStep" (Handle, c_double, c_double, c_int) -> Status;
 }
 
 functions! {
-    instantiate = b"fmi2Instantiate" (*const c_char, c_uint, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
-    free = b"fmi2FreeInstance" (Handle) -> ();
-    setup = b"fmi2SetupExperiment" (Handle, c_int, c_double, c_double, c_int, c_double) -> Status;
-    enter = b"fmi2EnterInitializationMode" (Handle) -> Status;
-    exit = b"fmi2ExitInitializationMode" (Handle) -> Status;
-    reset = b"fmi2Reset" (Handle) -> Status;
-    set = b"fmi2SetReal" (Handle, *const c_uint, usize, *const c_double) -> Status;
-    get = b"fmi2GetReal" (Handle, *const c_uint, usize, *mut c_double) -> Status;
-    step = b"fmi2DoStep" (Handle, c_double, c_double, c_int) -> Status;
+    /// Functions for the state of an FMU.
+    StateFunctions:
+    get = c"fmi2GetFMUstate" (Handle, *mut Handle) -> Status;
+    set = c"fmi2SetFMUstate" (Handle, Handle) -> Status;
+    free = c"fmi2FreeFMUstate" (Handle, *mut Handle) -> Status;
+    size = c"fmi2SerializedFMUstateSize" (Handle, Handle, *mut usize) -> Status;
 }
 
-/// Functions for the state of an FMU.
-struct StateFunctions {
-    get: unsafe extern "C" fn(Handle, *mut Handle) -> Status,
-    set: unsafe extern "C" fn(Handle, Handle) -> Status,
-    free: unsafe extern "C" fn(Handle, *mut Handle) -> Status,
-    size: unsafe extern "C" fn(Handle, Handle, *mut usize) -> Status,
+functions! {
+    /// The function for derivatives of inputs.
+    DerivativeFunctions:
+    set = c"fmi2SetRealInputDerivatives" (Handle, *const c_uint, usize, *const c_int, *const c_double) -> Status;
 }
-
-type SetInputDerivatives = unsafe extern "C" fn(Handle, *const c_uint, usize, *const c_int, *const c_double) -> Status;
 
 /// A loaded library.
 pub struct Component {
     functions: Functions,
-    set_derivatives: Option<SetInputDerivatives>,
+    derivatives: Option<DerivativeFunctions>,
     state: Option<StateFunctions>,
     guid: CString,
     // Last: the functions must not outlive it.
@@ -73,24 +66,9 @@ impl Component {
     pub fn load(path: &Path, guid: &str) -> Result<Self> {
         // SAFETY: loading runs the library's initialisers; both libraries are made by this project.
         let library = unsafe { Library::new(path) }.with_context(|| format!("loading {}", path.display()))?;
-        let functions = Functions::load(&library)?;
-        // SAFETY: the signatures are those that FMI 2.0 fixes for these names.
-        let state = unsafe {
-            match (
-                library.get(b"fmi2GetFMUstate"),
-                library.get(b"fmi2SetFMUstate"),
-                library.get(b"fmi2FreeFMUstate"),
-                library.get(b"fmi2SerializedFMUstateSize"),
-            ) {
-                (Ok(get), Ok(set), Ok(free), Ok(size)) => {
-                    Some(StateFunctions { get: *get, set: *set, free: *free, size: *size })
-                }
-                _ => None,
-            }
-        };
-        // SAFETY: as above.
-        let set_derivatives = unsafe { library.get(b"fmi2SetRealInputDerivatives").ok().map(|function| *function) };
-        Ok(Self { functions, set_derivatives, state, guid: CString::new(guid)?, _library: library })
+        let functions = Functions::find(&library).map_err(|missing| anyhow!("{}: {missing}", path.display()))?;
+        let (derivatives, state) = (DerivativeFunctions::find(&library).ok(), StateFunctions::find(&library).ok());
+        Ok(Self { functions, derivatives, state, guid: CString::new(guid)?, _library: library })
     }
 
     /// A new instance, not initialised.
@@ -175,8 +153,10 @@ impl Instance<'_> {
             ok((functions.set)(handle, variables.inputs.as_ptr(), 2, inputs.as_ptr()), "fmi2SetReal")?;
             if let Some(slopes) = slopes {
                 const FIRST: [c_int; 2] = [1; 2];
-                let Some(set) = self.component.set_derivatives else { bail!("the library takes no input derivatives") };
-                let status = set(handle, variables.inputs.as_ptr(), 2, FIRST.as_ptr(), slopes.as_ptr());
+                let Some(derivatives) = &self.component.derivatives else {
+                    bail!("the library takes no input derivatives")
+                };
+                let status = (derivatives.set)(handle, variables.inputs.as_ptr(), 2, FIRST.as_ptr(), slopes.as_ptr());
                 ok(status, "fmi2SetRealInputDerivatives")?;
             }
             ok((functions.step)(handle, self.time.get(), step, 1), "fmi2DoStep")?;

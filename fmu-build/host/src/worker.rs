@@ -112,9 +112,6 @@ impl Worker {
     }
 
     /// As [`Worker::run`], until another thread sets `stop`.
-    ///
-    /// # Errors
-    /// As [`Worker::run`]; a run that was stopped.
     pub(crate) fn run_until(&mut self, scene: &Scene, stop: Option<&AtomicBool>) -> Result<Vec<f64>, Failure> {
         // A handle of its own, so that the request may point into the description while the worker changes.
         let description = Arc::clone(&self.description);

@@ -21,10 +21,6 @@ pub(crate) struct Arguments {
 /// Turns of a whole drive.
 const DRIVE_TURNS: usize = 3;
 
-/// Runs the command.
-///
-/// # Errors
-/// Where a step fails, or a cost exceeds its limit with the allowance.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let mut costs = line::measure()?;
     costs.extend(level::measure()?);

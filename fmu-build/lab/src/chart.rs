@@ -15,9 +15,9 @@ mod truth;
 use crate::output::{self, print_line, print_text};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::bar;
 use measure::Point;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use verification::drives::{self, DriveProblem, Sample};
@@ -61,7 +61,6 @@ pub(crate) struct Arguments {
 /// Name of the chart of the cost per step among the scenes.
 const SCALING: &str = "cost_per_step";
 
-/// A scene with everything that was measured.
 struct Chart {
     problem: DriveProblem,
     /// Origin of the reference solution.
@@ -76,10 +75,6 @@ struct Chart {
     quick: bool,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where there is no such scene, its reference cannot be computed, a peer breaks, or a file cannot be written.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     if arguments.list {
@@ -165,10 +160,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
 
 /// Measures every family and every peer against the reference.
 fn measure(problem: DriveProblem, known: (String, Vec<Sample>), quick: bool, with_peers: bool) -> Result<Chart> {
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}")?;
     let families = problem.families(quick);
-    let count: usize = families.iter().map(|family| family.settings.len()).sum();
-    let bar = ProgressBar::new(count as u64).with_style(style);
+    let bar = bar(families.iter().map(|family| family.settings.len()).sum(), "{percent:>3} % {msg}");
     let budget = measure::Budget::new(quick);
     let (how, truth) = known;
     let measured = machine::measured(quick);
@@ -205,7 +198,6 @@ fn draw(chart: &Chart, folder: &Path) -> Result<[PathBuf; 2]> {
 }
 
 impl Chart {
-    /// Points of one family.
     fn family(&self, name: &str) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(move |point| point.family == name)
     }
@@ -225,10 +217,5 @@ impl Chart {
     fn judge(&mut self, point: Point, samples: &[Sample], truth: &[Sample]) {
         let errors = self.problem.errors(samples, truth);
         self.points.push(Point { errors, ..point });
-    }
-
-    /// The findings' head for machines.
-    fn head(&self) -> Value {
-        json!({ "scene": self.problem.name, "title": self.problem.title, "truth": self.how, "omissions": self.omissions })
     }
 }

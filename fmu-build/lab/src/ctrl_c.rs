@@ -9,9 +9,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Does work that Ctrl-C ends; a second one ends the process.
-///
-/// # Errors
-/// Those of the work; [`Interrupted`] where it was ended and kept nothing.
 pub(crate) fn attended<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     // For the rest of the process: one command, one piece of work.
     let stop: &'static Arc<AtomicBool> = Box::leak(Box::default());

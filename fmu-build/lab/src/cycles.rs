@@ -41,11 +41,6 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
-/// written.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
         output::check_file("--output", path)?;
@@ -74,8 +69,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 fn history(arguments: &Arguments) -> Result<CycleHistory> {
-    let mut file = scenes::load(arguments.scene.as_deref())?;
-    scenes::assign_all(&mut file, &arguments.set)?;
+    let file = scenes::changed(arguments.scene.as_deref(), &arguments.set)?;
     scenes::warn(&file);
     let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let mut progress = Progress::default();

@@ -21,9 +21,6 @@ pub(crate) enum Drawn<'a> {
 }
 
 /// Draws into a file, whose folder is made; `option` names it.
-///
-/// # Errors
-/// Where the Python environment cannot be made, or the file not be written.
 pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
     let kind = format(option, path)?;
     output::make_above(path)?;
@@ -55,9 +52,6 @@ pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
 }
 
 /// Format of a figure's file; SVG where it has no ending.
-///
-/// # Errors
-/// Another ending, with those that are accepted.
 pub(crate) fn format(option: &str, path: &Path) -> Result<&'static str> {
     let Some(ending) = path.extension() else { return Ok(FORMATS[0]) };
     FORMATS.into_iter().find(|format| ending.eq_ignore_ascii_case(format)).ok_or_else(|| {

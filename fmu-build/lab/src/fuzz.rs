@@ -116,7 +116,6 @@ pub(crate) struct Kinds {
 const KIND: usize = 70;
 
 impl Kinds {
-    /// Takes note of a message.
     pub(crate) fn note(&mut self, text: &str) {
         let kind = kind_of(text);
         if !self.seen.contains(&kind) {
@@ -156,10 +155,6 @@ fn keep_panics() {
     }));
 }
 
-/// Runs an execution in this process.
-///
-/// # Errors
-/// Findings; a panic is one.
 fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
     let body = || match target {
         Target::Calls => calls::run(seed, kinds),
@@ -173,7 +168,6 @@ fn run(target: Target, seed: u64, kinds: &mut Kinds) -> Verdict {
     })
 }
 
-/// Runs the command.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     for (option, seconds) in [("--seconds", arguments.seconds), ("--limit", arguments.limit)] {
         if !(seconds > 0.0 && seconds < 1e6) {

@@ -37,10 +37,8 @@ pub(crate) struct Arguments {
     write: bool,
 }
 
-/// Runs the command.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
-    let mut file = scenes::load(arguments.scene.as_deref())?;
-    scenes::assign_all(&mut file, &arguments.set)?;
+    let file = scenes::changed(arguments.scene.as_deref(), &arguments.set)?;
     scenes::warn(&file);
     if let (true, Some(name)) = (arguments.write, arguments.scene.as_deref().filter(|name| !Path::new(name).is_file()))
     {

@@ -63,16 +63,8 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Everything wrong with the arguments, the scene and the files, by file, line, variable and value; a step that fails; a file
-/// that cannot be written.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
-    let parquet = arguments
-        .output
-        .as_deref()
-        .filter(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")));
+    let parquet = arguments.output.as_deref().filter(|path| output::ends_with(path, "parquet"));
     output::check_ending(arguments.output.as_deref(), &["csv", "parquet"])?;
     // The table of a Parquet file is that of the CSV beside it.
     let table =
@@ -88,8 +80,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         output::check_file(option, path)?;
         refuse_to_replace(option, path, arguments)?;
     }
-    let mut file = scenes::load(Some(&arguments.scene))?;
-    scenes::assign_all(&mut file, &arguments.set)?;
+    let file = scenes::changed(Some(&arguments.scene), &arguments.set)?;
     let packaged = &file.packaged;
     let (inputs, record) = read(arguments)?;
     let mut trajectory = Trajectory::new(&file, inputs, arguments.step)?;

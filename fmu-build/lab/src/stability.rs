@@ -4,7 +4,7 @@ use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::bar;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::fs;
@@ -33,10 +33,6 @@ pub(crate) struct Arguments {
     list: bool,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where there is no such map, one cannot be computed, or a file cannot be written.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let definitions = chosen(&arguments.maps)?;
     if arguments.list {
@@ -82,8 +78,7 @@ fn chosen(names: &[String]) -> Result<Vec<Definition>> {
 }
 
 fn compute(definition: &Definition, grid: Grid) -> Result<Map> {
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}")?;
-    let bar = ProgressBar::new(1000).with_style(style).with_message(definition.name);
+    let bar = bar(1000, "{percent:>3} % {msg}").with_message(definition.name);
     let map = (definition.compute)(grid, &|part| bar.set_position((1000.0 * part) as u64));
     bar.finish_and_clear();
     let map = map.map_err(|text| anyhow!("{}: {text}", definition.name))?;
@@ -191,16 +186,10 @@ fn summary(map: &Map) -> String {
 }
 
 fn record(name: &str, map: &Map) -> Value {
-    // JSON has no NaN: a refused run has no error.
-    let error = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     let panels = map.panels.iter().map(|panel| {
         let points = panel.points.iter().map(|point| {
-            json!({
-                "x": point.x,
-                "y": point.y,
-                "verdict": point.verdict.to_string(),
-                "error": error(point.error),
-            })
+            // The error of a refused run is not finite, which becomes null.
+            json!({ "x": point.x, "y": point.y, "verdict": point.verdict.to_string(), "error": point.error })
         });
         let curves = panel.curves.iter().map(|curve| json!({ "name": curve.name, "points": curve.points }));
         json!({

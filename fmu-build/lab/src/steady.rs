@@ -51,10 +51,6 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.law {
         output::check_ending(arguments.output.as_deref(), &["svg"])?;
@@ -90,8 +86,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
 
 /// The scene with what the command sets.
 fn read(arguments: &Arguments) -> Result<SceneFile> {
-    let mut scene = scenes::load(arguments.scene.as_deref())?;
-    scenes::assign_all(&mut scene, &arguments.set)?;
+    let scene = scenes::changed(arguments.scene.as_deref(), &arguments.set)?;
     scenes::warn(&scene);
     Ok(scene)
 }

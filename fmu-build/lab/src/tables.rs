@@ -22,7 +22,6 @@ pub(crate) struct Arguments {
     tolerance: Option<f64>,
 }
 
-/// Runs the command.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     print_line!("{:#}", tables(arguments.scene.as_deref(), arguments.tolerance)?);
     Ok(())
@@ -34,7 +33,6 @@ fn speeds() -> impl Iterator<Item = f64> {
     (0..=1400).map(|index| 1e-6 * (f64::from(index) / 60.0).exp())
 }
 
-/// The tables of a scene.
 pub(crate) fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     let packaged = scenes::load(scene)?.packaged;
     let mut scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;

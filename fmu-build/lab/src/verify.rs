@@ -2,7 +2,7 @@
 
 use crate::output::{print_line, print_text};
 use anyhow::{Result, anyhow, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::bar;
 use serde_json::{Value, json};
 use verification::{Row, problems};
 
@@ -20,10 +20,6 @@ pub(crate) struct Arguments {
     filter: Option<String>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where the filter leaves nothing, a problem cannot be solved, or an error exceeds its bound.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let rows = solve(arguments.filter.as_deref())?;
     if arguments.json {
@@ -49,8 +45,7 @@ fn solve(filter: Option<&str>) -> Result<Vec<Row>> {
     if chosen.is_empty() {
         bail!("none of the {all} problems has {wanted:?} in its name or quantity");
     }
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?;
-    let bar = ProgressBar::new(chosen.len() as u64).with_style(style);
+    let bar = bar(chosen.len(), "{pos}/{len} {msg}");
     let rows = chosen
         .iter()
         .map(|problem| {

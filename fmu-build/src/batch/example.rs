@@ -10,16 +10,7 @@ pub(crate) enum Script {
     Sweep,
 }
 
-impl Script {
-    /// Builds what the script needs unless the arguments name it, and runs it.
-    pub(crate) fn run(self, arguments: &[String], json: bool) -> Result<()> {
-        match self {
-            Script::Sweep => run("sweep.py", &["disc_brake"], arguments, json),
-        }
-    }
-}
-
-/// Runs a file of examples/batch with the Python package and the FMUs of these shipped scenes.
+/// Runs a file of examples/batch with the Python package and the FMUs of these shipped scenes, unless the arguments name others.
 pub(crate) fn run(file: &str, fmus: &[&str], arguments: &[String], json: bool) -> Result<()> {
     let python = python::own(python::BATCH)?;
     let is_given = |name: &str| {

@@ -23,7 +23,7 @@ use results::{Identity, Results, Row};
 use scene::message::Clipped;
 use std::fs;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 use timeline::Timeline;
 use unpacked::Unpacked;
@@ -145,7 +145,6 @@ struct Job {
 }
 
 impl Job {
-    /// How the columns of the inputs are read.
     fn reading(&self) -> Result<columns::Reading> {
         let named = self.named.iter().map(|text| text.parse().map_err(|wrong: String| anyhow!(wrong)));
         Ok(columns::Reading { columns: named.collect::<Result<_>>()?, strict: self.strict, python: false })
@@ -188,8 +187,8 @@ struct Summary {
 /// Where a file cannot be read or written, a name is none of the FMU's, or no worker process can be started. Scenes
 /// that fail are rows, not errors, unless all of them do.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    if let Some(script) = arguments.example {
-        return script.run(&arguments.script_arguments, arguments.json);
+    if let Some(example::Script::Sweep) = arguments.example {
+        return example::run("sweep.py", &["disc_brake"], &arguments.script_arguments, arguments.json);
     }
     let (Some(design), Some(output)) = (&arguments.design, &arguments.output) else {
         bail!("DESIGN and --output are needed");
@@ -197,19 +196,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let inputs = arguments.inputs.as_ref();
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.unwrap_or(cores);
-    let as_parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
+    let as_parquet = output::ends_with(output, "parquet");
     output::check_ending(Some(output), &["csv", "parquet"])?;
     // Rows are appended to a CSV file in any case, which stands beside the other.
     let rows = &if as_parquet { output.with_extension("csv") } else { output.clone() };
     if let Some(read) = [Some(design), inputs].into_iter().flatten().find(|read| output::would_replace(rows, read)) {
         bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
     }
-    if is_scene_file(design) {
+    if output::ends_with(design, "toml") {
         bail!("{} is a scene file; --scene takes it, and DESIGN is a table of what its rows vary", design.display());
     }
     let table = Table::read(design)?;
     let fmu = match (&arguments.fmu, &arguments.scene) {
-        (Some(path), _) if is_scene_file(path) => bail!("{} is a scene file; --scene takes it", path.display()),
+        (Some(path), _) if output::ends_with(path, "toml") => {
+            bail!("{} is a scene file; --scene takes it", path.display())
+        }
         (Some(path), _) => fs::read(path).with_context(|| format!("reading {}", path.display()))?,
         (None, Some(scene)) => packaged(scene)?,
         (None, None) => bail!("--scene, or --fmu, is needed: what the rows of {} vary", design.display()),
@@ -305,12 +306,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Whether a path is that of a scene file by its ending.
-fn is_scene_file(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
-}
-
-/// The FMU of a scene.
 fn packaged(scene: &str) -> Result<Vec<u8>> {
     let file = scenes::load(Some(scene))?;
     let path = project::target().join("batch").join(format!("{}.{}.fmu", file.packaged.name, std::process::id()));

@@ -63,7 +63,6 @@ pub(crate) fn percentiles<'a>(
     found.into_iter().map(of).collect()
 }
 
-/// A table with a line for each.
 pub(crate) fn table(found: &[Percentiles]) -> String {
     let width = found.iter().map(|own| own.result.chars().count()).max().unwrap_or(0);
     let mut text = format!("{:<width$}", "");

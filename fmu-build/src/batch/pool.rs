@@ -17,9 +17,6 @@ use std::sync::mpsc;
 const TRIES: usize = 2;
 
 /// Runs the pending scenes on `jobs` processes; `keep` takes each answer as it comes. A row that is a fault is its answer.
-///
-/// # Errors
-/// Where no process can be started or `keep` fails; scenes under way are given up then.
 pub(crate) fn run(
     job: &Job,
     rows: &[Result<Vec<String>, String>],
@@ -68,7 +65,7 @@ fn attempt(job: &Job, cells: &[String], process: &mut Option<Process>) -> Result
             Some(own) => own,
             None => process.insert(Process::start(job)?),
         };
-        match own.ask(cells) {
+        match own.exchange(&serde_json::to_string(cells)?) {
             Ok(answer) => {
                 if answer.status == fmu_host::Stage::Library.name() {
                     *process = None;
@@ -84,7 +81,6 @@ fn attempt(job: &Job, cells: &[String], process: &mut Option<Process>) -> Result
     Ok(Answer::failed(LOST, format!("the worker process was lost {TRIES} times, the last time: {reason}")))
 }
 
-/// A worker process.
 struct Process {
     child: Child,
     /// `None` only while it ends.
@@ -111,10 +107,6 @@ impl Process {
             bail!("a worker process could not open the FMU: {}", answer.reason);
         }
         Ok(process)
-    }
-
-    fn ask(&mut self, cells: &[String]) -> Result<Answer> {
-        self.exchange(&serde_json::to_string(cells)?)
     }
 
     fn exchange(&mut self, line: &str) -> Result<Answer> {

@@ -36,7 +36,6 @@ impl Row {
     }
 }
 
-/// Rows that failed, and why.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Failures {
     /// Number of rows.
@@ -45,7 +44,6 @@ pub(crate) struct Failures {
     pub reasons: Vec<Reason>,
 }
 
-/// A reason of failures.
 #[derive(serde::Serialize, Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Reason {
     /// As the FMU says it.
@@ -61,7 +59,6 @@ pub(crate) struct Reason {
 pub(crate) struct Identity(String);
 
 impl Identity {
-    /// Of these parts.
     pub(crate) fn of(parts: &[(&str, &[u8])]) -> Self {
         let hashed: Vec<String> = parts.iter().map(|(name, part)| format!("{name} {}", fingerprint(part))).collect();
         Self(hashed.join(", "))
@@ -114,8 +111,7 @@ impl Drop for Held<'_> {
     }
 }
 
-/// # Errors
-/// Where another batch that runs holds it.
+/// Refuses a file that another batch that runs holds.
 fn lock(partial: &File, path: &Path, output: &Path) -> Result<()> {
     match partial.try_lock() {
         Err(TryLockError::WouldBlock) => bail!(
@@ -131,9 +127,6 @@ fn lock(partial: &File, path: &Path, output: &Path) -> Result<()> {
 impl Results {
     /// Continues what an earlier run left beside or in `output`, or begins. Rows are those of the design where their cells are the same.
     /// `replace`: what belongs to another batch or to other cells is replaced.
-    ///
-    /// # Errors
-    /// Where what is there belongs to another batch, or has results that the design has no row for, or a file cannot be read or written.
     pub(crate) fn open(
         output: &Path,
         header: &[String],

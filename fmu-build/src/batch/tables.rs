@@ -27,9 +27,6 @@ pub struct Table {
 
 impl Table {
     /// Reads a file.
-    ///
-    /// # Errors
-    /// Where it cannot be read, has no row, a column twice, or a row of another length.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         Self::parse(columns::open(path)?, path)
     }
@@ -68,9 +65,6 @@ impl Table {
 
     /// Its cells as the FMU takes them: without the units of headers (`punch.width [mm]`) and of cells (`40 mm`), checked against the bounds of
     /// their variables.
-    ///
-    /// # Errors
-    /// A header with a unit that is not one of its variable, with those that are accepted; a column that is there twice then.
     pub(crate) fn for_fmu(&self, description: &Description) -> Result<Converted> {
         let mut columns: Vec<String> = Vec::with_capacity(self.columns.len());
         let mut rows: Vec<Result<Vec<String>, String>> =
@@ -153,8 +147,7 @@ impl Cells {
         }
     }
 
-    /// # Errors
-    /// Where the column has no such unit, with the accepted ones.
+    /// Refuses a unit that the column does not have, with the accepted ones.
     fn check_unit(&self, symbol: &str) -> Result<(), String> {
         let (unit, absolute) = match self {
             Self::Variable(row) => match row.kind {

@@ -25,9 +25,6 @@ pub(crate) struct Timeline {
 
 impl Timeline {
     /// The inputs of the job's file, or the nominal ones of a scene with these `cells` of the design; of the FMU's own scene without any.
-    ///
-    /// # Errors
-    /// A file that cannot be read, nominal conditions that are none, steps that do not fit the time.
     pub(crate) fn new(job: &Job, description: &Description, cells: &[String]) -> Result<Self> {
         let asked = job.step.as_ref().map(super::Text::value).transpose()?;
         if let Some(step) = asked.filter(|step| !(step.is_finite() && *step > 0.0)) {

@@ -22,9 +22,6 @@ pub(crate) struct Unpacked {
 
 impl Unpacked {
     /// Unpacks an .fmu into a folder of cargo's.
-    ///
-    /// # Errors
-    /// Where it is no archive, is too large, or has files outside of itself; where the disk is full.
     pub(crate) fn new(fmu: impl Read + Seek) -> Result<Self> {
         let above = project::target().join("batch");
         fs::create_dir_all(&above).with_context(|| format!("making {}", above.display()))?;

@@ -14,7 +14,6 @@ pub(crate) const OK: &str = "ok";
 /// Status of a scene whose process was lost.
 pub(crate) const LOST: &str = "lost";
 
-/// Result of a scene.
 #[derive(serde::Serialize, serde::Deserialize, Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Answer {
     /// [`OK`], [`LOST`], or the stage that failed.

@@ -18,9 +18,7 @@ const SEPARATOR: &str = "\u{1f}";
 
 /// A library that is shipped.
 pub(crate) struct Product {
-    /// Package with the library.
     package: &'static str,
-    /// Name of the crate.
     name: &'static str,
     /// Profile of cargo that it is built with.
     profile: &'static str,
@@ -29,14 +27,10 @@ pub(crate) struct Product {
 /// The FMU's library, its scene slot not yet filled.
 pub(crate) const FMU: Product = Product { package: "sliding-contact", name: "sliding_contact", profile: "fmu" };
 
-/// The library of the Python package.
 pub(crate) const PYTHON: Product =
     Product { package: "sliding-contact-python", name: "sliding_contact_native", profile: "wheel" };
 
 /// Builds a library for a platform and returns its bytes.
-///
-/// # Errors
-/// Where the platform cannot be built here, with what would be needed, or the compiler reports an error.
 pub(crate) fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
     let path = match platform {
         Platform::Linux64 => linux64(product)?,
@@ -50,7 +44,7 @@ pub(crate) fn for_this_machine(product: &Product) -> Result<Vec<u8>> {
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return build(Platform::Linux64, product);
     }
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = project::cargo();
     command.arg("rustc");
     let version = Command::new("rustc").arg("-vV").output().context("starting rustc")?;
     let version = String::from_utf8(version.stdout)?;
@@ -75,7 +69,7 @@ fn linux64(product: &Product) -> Result<PathBuf> {
         Err(reason) => {
             eprintln!("warning: {reason:#}");
             eprintln!("warning: linking with this system's linker; the library will not run on older distributions");
-            let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+            let mut command = project::cargo();
             command.arg("rustc");
             // Apart from the other one: cargo does not notice that the linker has changed.
             (command, target.to_owned(), project::target().join("system-linker"))

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
 use crate::project;
 use fmu_file::archive::Files;
@@ -14,9 +13,6 @@ use fmu_file::archive::Files;
 pub(crate) const FOLDER: &str = "documentation/licenses";
 
 /// Adds the licence files of a package of this workspace and what is compiled into it, below a folder.
-///
-/// # Errors
-/// Where cargo cannot list the dependencies or one comes without the text of its licence.
 pub(crate) fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> {
     let own = ["LICENSE-MIT", "LICENSE-APACHE"];
     let mut index = format!(
@@ -43,18 +39,10 @@ pub(crate) fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> 
 
 /// Packages compiled into the library: `name-version`, licence and source folder.
 fn dependencies(root: &str) -> Result<BTreeMap<String, (String, PathBuf)>> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let run = |arguments: &[&str]| -> Result<String> {
-        let output = Command::new(&cargo)
-            .args(arguments)
-            .arg("--locked")
-            .current_dir(project::root())
-            .output()
-            .context("starting cargo")?;
-        if !output.status.success() {
-            bail!("listing the dependencies failed: {}", String::from_utf8_lossy(&output.stderr).trim());
-        }
-        Ok(String::from_utf8(output.stdout)?)
+    let run = |arguments: &[&str]| {
+        let mut cargo = project::cargo();
+        cargo.args(arguments).arg("--locked").current_dir(project::root());
+        project::printed(&mut cargo, "cargo", "listing the dependencies failed: ")
     };
     let target = "x86_64-unknown-linux-gnu";
     let tree = ["tree", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "none"];

@@ -9,7 +9,6 @@ mod toolchain;
 pub mod wheel;
 
 pub use fmu_file::description::write as model_description;
-pub use fmu_file::documentation::pages::write as reference_pages;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -121,13 +120,17 @@ pub(crate) fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBu
     Ok(path)
 }
 
+/// As [`build`], of a scene with these changes, for this machine.
+pub(crate) fn build_changed(scene: Option<&str>, changes: &[String], output: PathBuf) -> Result<PathBuf> {
+    build_scene(&scenes::changed(scene, changes)?, &Options { output: Some(output), ..Options::default() })
+}
+
 fn default_path(scene: &SceneFile, ending: &str) -> PathBuf {
     let name = scene.packaged.name.as_str();
     let stem = if name == slot::STOCK_NAME { MODEL_IDENTIFIER.into() } else { format!("{MODEL_IDENTIFIER}.{name}") };
     project::target().join("fmu").join(format!("{stem}.{ending}"))
 }
 
-/// Everything in the FMU.
 fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     let mut files = Files::new();
     for &platform in platforms {

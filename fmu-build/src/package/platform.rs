@@ -22,52 +22,37 @@ impl Platform {
     /// Platform of this machine; [`None`] where there is none for it. A Mac with an ARM processor runs the library for x86-64 in an
     /// importer for x86-64.
     pub(crate) fn host() -> Option<Self> {
-        match (std::env::consts::OS, std::env::consts::ARCH) {
-            ("linux", "x86_64") => Some(Platform::Linux64),
-            ("linux", "aarch64") => Some(Platform::Aarch64Linux),
-            ("windows", "x86_64") => Some(Platform::Win64),
-            ("macos", _) => Some(Platform::Darwin64),
-            _ => None,
+        Self::value_variants().iter().copied().find(|platform| platform.folder() == fmu_host::platform())
+    }
+
+    /// Name of its folder in the FMU, Rust target of the prebuilt standard library, and beginning and ending of a library's name.
+    fn names(self) -> [&'static str; 4] {
+        match self {
+            Platform::Linux64 => ["linux64", "x86_64-unknown-linux-gnu", "lib", "so"],
+            Platform::Win64 => ["win64", "x86_64-pc-windows-gnu", "", "dll"],
+            Platform::Aarch64Linux => ["aarch64-linux", "aarch64-unknown-linux-gnu", "lib", "so"],
+            Platform::Darwin64 => ["darwin64", "x86_64-apple-darwin", "lib", "dylib"],
         }
     }
 
-    /// Name of its folder in the FMU.
     pub(crate) fn folder(self) -> &'static str {
-        match self {
-            Platform::Linux64 => "linux64",
-            Platform::Win64 => "win64",
-            Platform::Aarch64Linux => "aarch64-linux",
-            Platform::Darwin64 => "darwin64",
-        }
+        self.names()[0]
     }
 
     /// Path of the library in the FMU.
     pub(crate) fn library_path(self) -> String {
-        let ending = match self {
-            Platform::Linux64 | Platform::Aarch64Linux => "so",
-            Platform::Win64 => "dll",
-            Platform::Darwin64 => "dylib",
-        };
-        format!("binaries/{}/{MODEL_IDENTIFIER}.{ending}", self.folder())
+        let [folder, .., ending] = self.names();
+        format!("binaries/{folder}/{MODEL_IDENTIFIER}.{ending}")
     }
 
     /// Name that cargo gives the built library of a crate.
     pub(crate) fn built_name(self, name: &str) -> String {
-        match self {
-            Platform::Linux64 | Platform::Aarch64Linux => format!("lib{name}.so"),
-            Platform::Win64 => format!("{name}.dll"),
-            Platform::Darwin64 => format!("lib{name}.dylib"),
-        }
+        let [_, _, prefix, ending] = self.names();
+        format!("{prefix}{name}.{ending}")
     }
 
-    /// Rust target of the prebuilt standard library.
     pub(crate) fn target(self) -> &'static str {
-        match self {
-            Platform::Linux64 => "x86_64-unknown-linux-gnu",
-            Platform::Win64 => "x86_64-pc-windows-gnu",
-            Platform::Aarch64Linux => "aarch64-unknown-linux-gnu",
-            Platform::Darwin64 => "x86_64-apple-darwin",
-        }
+        self.names()[1]
     }
 
     /// Rust target where the standard library is compiled too. The Windows one needs nothing newer than Windows 7,

@@ -29,12 +29,9 @@ impl Compiler {
         runs.then_some(Self { cargo, rustc, sysroot })
     }
 
-    fn has_target(&self, target: &str) -> bool {
-        self.sysroot.join("lib/rustlib").join(target).join("lib").is_dir()
-    }
-
-    fn has_sources(&self) -> bool {
-        self.sysroot.join("lib/rustlib/src/rust/library/Cargo.toml").is_file()
+    /// Whether something is installed for it.
+    fn has(&self, path: &str) -> bool {
+        self.sysroot.join("lib/rustlib").join(path).exists()
     }
 }
 
@@ -50,9 +47,6 @@ pub(crate) struct Toolchain {
 
 impl Toolchain {
     /// The first toolchain that can build for the platform.
-    ///
-    /// # Errors
-    /// Where there is none: what to install.
     pub(crate) fn find(platform: Platform) -> Result<Self, String> {
         if platform == Platform::Darwin64 && cfg!(not(target_os = "macos")) {
             return Err("darwin64 is built on macOS only: Apple's SDK, which the linker needs, is for macOS".into());
@@ -72,12 +66,10 @@ impl Toolchain {
                 .filter_map(|(cargo, rustc)| Compiler::of(cargo, rustc))
                 .collect();
         let prebuilt = platform.target();
-        let found = match compilers.iter().position(|compiler| compiler.has_target(prebuilt)) {
-            Some(at) => Some((at, prebuilt, false)),
-            None => {
-                compilers.iter().position(Compiler::has_sources).map(|at| (at, platform.target_with_sources(), true))
-            }
-        };
+        let with = |path: &str| compilers.iter().position(|compiler| compiler.has(path));
+        let found = with(&format!("{prebuilt}/lib"))
+            .map(|at| (at, prebuilt, false))
+            .or_else(|| with("src/rust/library/Cargo.toml").map(|at| (at, platform.target_with_sources(), true)));
         if found.is_none() {
             missing.push(format!(
                 "the standard library for {prebuilt} (rustup target add {prebuilt}) or its sources (rustup component \

@@ -13,9 +13,7 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-/// Name of the package.
 const PACKAGE: &str = "sliding_contact";
 /// The command that an installation puts on the path.
 const ENTRY_POINTS: &str = "[console_scripts]\nsliding-contact = sliding_contact._commands:main\n";
@@ -41,9 +39,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 /// Makes the wheel for a platform, by default that of this machine, in a folder, and returns its path.
-///
-/// # Errors
-/// Where the library or an FMU cannot be built, or a file not be read or written.
 pub(crate) fn build(folder: &Path, platform: Option<Platform>) -> Result<PathBuf> {
     let platform = match platform {
         Some(platform) => platform,
@@ -94,20 +89,12 @@ pub(crate) fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
 
 /// Builds the native library as the programs of this project are built and returns its path.
 fn for_scripts() -> Result<PathBuf> {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = project::cargo();
     command
         // Beside the program that is built anyway: alone, two libraries beneath would have fewer features, and every layer above
         // them would be compiled again.
-        .args([
-            "build",
-            "--package",
-            "sliding-contact-python",
-            "--package",
-            "fmu-lab",
-            "--release",
-            "--locked",
-            "--target-dir",
-        ])
+        .args(["build", "--package", "sliding-contact-python", "--package", "fmu-lab"])
+        .args(["--release", "--locked", "--target-dir"])
         .arg(project::target())
         .current_dir(project::root());
     let beat = Heartbeat::start("Compiling the library of the Python package");
@@ -120,15 +107,10 @@ fn for_scripts() -> Result<PathBuf> {
     Ok(project::target().join("release").join(name))
 }
 
-/// The platform that this program runs on.
 pub(crate) fn of_this_machine() -> Result<Platform> {
-    match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => Ok(Platform::Linux64),
-        ("linux", "aarch64") => Ok(Platform::Aarch64Linux),
-        ("windows", "x86_64") => Ok(Platform::Win64),
-        ("macos", "x86_64") => Ok(Platform::Darwin64),
-        (system, processor) => bail!("there is no wheel for {system} on {processor}"),
-    }
+    let (system, processor) = (std::env::consts::OS, std::env::consts::ARCH);
+    let platform = Platform::host().filter(|platform| *platform != Platform::Darwin64 || processor == "x86_64");
+    platform.with_context(|| format!("there is no wheel for {system} on {processor}"))
 }
 
 /// Python files and scenes.

@@ -22,7 +22,6 @@ impl Histogram {
         Self { sorted: times }
     }
 
-    /// Number of times.
     pub(crate) fn count(&self) -> usize {
         self.sorted.len()
     }

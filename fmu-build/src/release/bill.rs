@@ -17,10 +17,7 @@ use crate::{project, python};
 const PROGRAM: &str = include_str!("../../python/sbom.py");
 
 /// The bill of a package's library, built for these platforms, as JSON.
-///
-/// # Errors
-/// Where cargo cannot list the packages, the environment cannot be made, or the bill does not fit the standard's schema.
-pub fn write(root: &str, platforms: &[Platform]) -> Result<String> {
+pub(crate) fn write(root: &str, platforms: &[Platform]) -> Result<String> {
     let python = python::own(python::RELEASE)?;
     let mut packages = Packages { root: root.to_owned(), checksums: checksums(&lock()?), ..Packages::default() };
     for platform in platforms {
@@ -51,18 +48,14 @@ pub fn write(root: &str, platforms: &[Platform]) -> Result<String> {
 
 /// Packages linked into the library on a platform, with the depth of each.
 fn tree(root: &str, target: &str) -> Result<String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
+    let mut cargo = project::cargo();
+    cargo
         .args(["tree", "--locked", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "depth"])
         .args(["--target", target, "--format", "\t{p}\t{l}"])
-        .current_dir(project::root())
-        .output()
-        .context("starting cargo")?;
-    ensure!(output.status.success(), "listing the packages: {}", String::from_utf8_lossy(&output.stderr).trim());
-    Ok(String::from_utf8(output.stdout)?)
+        .current_dir(project::root());
+    project::printed(&mut cargo, "cargo", "listing the packages: ")
 }
 
-/// Text of the lock file.
 fn lock() -> Result<String> {
     let path = project::root().join("Cargo.lock");
     std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))

@@ -8,7 +8,6 @@ use scene::variables::units::{KILOGRAM, METRE, ONE, SQUARE_METRE, Unit};
 use scene_file::{SceneFile, nearest, quantity};
 use std::ops::RangeInclusive;
 
-/// A property of the car.
 struct Property {
     name: &'static str,
     unit: &'static Unit,
@@ -36,9 +35,6 @@ const PROPERTIES: [Property; 9] = [
 ];
 
 /// Changes the scene by the assignments, except those of the car, which are returned as the scripts take them: `NAME=VALUE` in SI units.
-///
-/// # Errors
-/// Everything wrong with an assignment; a car where the example has none.
 pub(crate) fn apply(example: Example, assignments: &[String], scene: &mut SceneFile) -> Result<Vec<String>> {
     let of_car = |assignment: &&String| assignment.trim_start().starts_with("car.");
     let (car, others): (Vec<&String>, Vec<&String>) = assignments.iter().partition(of_car);

@@ -42,9 +42,6 @@ impl Drop for Cycle {
 /// A cycle of the project by its name, or any other by its path, converted from its units for as long as the [`Cycle`] lives.
 /// Results have the name of its file, so the converted one has it too, in a folder of its own in cargo's target folder. `reading`: how
 /// its columns are read.
-///
-/// # Errors
-/// Where there is no such file, what is wrong with it, by line, column and value, or that results in `output` would replace it.
 pub(crate) fn file(name: &str, reading: &Reading, output: &Path) -> Result<Cycle> {
     let folder = project::root().join("examples/data");
     let own = folder.join(format!("{name}.csv"));

@@ -19,18 +19,11 @@ const PERIODIC: f64 = 3.0;
 /// Largest fraction of the disc covered by pads.
 const PADS: f64 = 0.5;
 
-/// Refuses a scene that does not fit the example.
-///
-/// # Errors
-/// With the variables, their values and what the example drives.
 pub(crate) fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
     check(example, &packaged.name, &|name| Some(packaged.starts[variables::find(name)? as usize]))
 }
 
 /// The same with the start values of an .fmu.
-///
-/// # Errors
-/// As [`check_scene`], and where the file is no FMU.
 pub(crate) fn check_fmu(example: Example, file: &Path) -> Result<()> {
     let context = || format!("reading {}", file.display());
     let mut text = String::new();

@@ -20,10 +20,8 @@ const TOLERANCE: f64 = 1e-9;
 /// Fraction of the largest range among the outputs of a unit below which a range is rounding error: the heat through an insulated
 /// base, a difference of large numbers, is not 0 but has no significant digits.
 const LEAST_RANGE: f64 = 1e-13;
-/// Scene that is driven.
 const SCENE: &str = "disc_brake";
 
-/// A platform other than this one.
 struct Foreign {
     platform: Platform,
     compiler: &'static str,
@@ -40,7 +38,6 @@ const FOREIGN: [Foreign; 2] = [
     },
 ];
 
-/// Runs the tier.
 pub(crate) fn check(tally: &mut Tally) {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.skip("platforms", "the trajectory that they are compared with is that of Linux on x86-64");
@@ -74,7 +71,6 @@ pub(crate) fn check(tally: &mut Tally) {
 }
 
 impl Foreign {
-    /// Software to install before this platform can be tested.
     fn missing(&self) -> Option<String> {
         package::missing(self.platform).or_else(|| {
             let (words, packages) = self.emulator;
@@ -99,7 +95,6 @@ impl Foreign {
     }
 }
 
-/// An output that is compared.
 struct Output {
     name: String,
     reference: u32,
@@ -226,15 +221,11 @@ impl Drive {
 fn compile(compiler: &str, platform: Platform, folder: &Path) -> Result<String> {
     let windows = platform == Platform::Win64;
     let name = format!("host-{}{}", platform.folder(), if windows { ".exe" } else { "" });
-    let build = |source: &str, libraries: &[&str], target: &str| -> Result<()> {
+    let build = |source: &str, libraries: &[&str], target: &str| {
         let mut command = Command::new(compiler);
         command.args(["-std=c99", "-O1", "-Wall", "-D_POSIX_C_SOURCE=200809L", "-o"]).arg(folder.join(target));
         command.arg(project::root().join("tests/platforms").join(source)).args(libraries);
-        let output = command.output().with_context(|| format!("starting {compiler}"))?;
-        if !output.status.success() {
-            bail!("{compiler} does not compile {source}:\n{}", String::from_utf8_lossy(&output.stderr));
-        }
-        Ok(())
+        project::printed(&mut command, compiler, &format!("{compiler} does not compile {source}:\n"))
     };
     if windows {
         build("bcryptprimitives.c", &["-shared", "-ladvapi32"], "bcryptprimitives.dll")?;

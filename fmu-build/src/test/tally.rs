@@ -31,14 +31,12 @@ impl Counts {
     }
 }
 
-/// Everything counted so far.
 pub(crate) struct Tally {
     json: bool,
     steps: Vec<(String, Counts, f64)>,
     skipped: Vec<(String, String)>,
 }
 
-/// A step that is running.
 pub(crate) struct Step {
     json: bool,
     counts: Counts,
@@ -65,7 +63,6 @@ impl Tally {
         self.steps.push((name.to_owned(), step.counts, begin.elapsed().as_secs_f64()));
     }
 
-    /// A step that is left out.
     pub(crate) fn skip(&mut self, name: &str, reason: &str) {
         say(self.json, &format!("== {name}: skipped, {reason}"));
         self.steps.push((name.to_owned(), Counts { skipped: 1, ..Counts::default() }, 0.0));
@@ -114,7 +111,6 @@ impl Tally {
 }
 
 impl Step {
-    /// Counts one success.
     pub(crate) fn pass(&mut self) {
         self.counts.passed += 1;
     }
@@ -134,7 +130,6 @@ impl Step {
         self.stream(command, |_, _| ())
     }
 
-    /// Runs a test runner and counts its results.
     pub(crate) fn run(&mut self, command: Command, counter: Counter) -> Result<()> {
         let result = self.stream(command, |step, line| {
             if let Some(counts) = counts_of(line, counter) {
@@ -170,7 +165,6 @@ impl Step {
     }
 }
 
-/// A line of the log.
 fn say(json: bool, line: &str) {
     if json {
         eprintln!("{line}");

@@ -5,7 +5,6 @@ use model::line::operators::LineOperators;
 use scene::{Body, Scene};
 use scene_file::property_tables;
 
-/// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Effect {
     /// Name of the effect.

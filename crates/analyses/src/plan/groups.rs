@@ -105,7 +105,6 @@ impl Groups {
         }
     }
 
-    /// Every number with its name.
     pub(crate) fn named(&self) -> [(&'static str, f64); 15] {
         [
             ("Peclet number of the strip", self.peclet),

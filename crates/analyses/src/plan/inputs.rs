@@ -146,7 +146,6 @@ pub fn tolerance(file: &SceneFile, given: Option<f64>) -> Result<f64> {
     Ok(tolerance)
 }
 
-/// Main outputs of a run.
 fn history(recording: &Recording, ambient: f64) -> Vec<Main> {
     let [wear, temperature, force] =
         ["wear_depth", "contact_temperature", "friction_force"].map(|name| recording.values(name));
@@ -234,7 +233,6 @@ pub fn compare(
     Ok(Levels { tolerance, candidates: candidates.collect(), failed, resolution, interrupted })
 }
 
-/// Whether a run was not ended on request.
 fn is_whole(run: &Result<Recording>) -> bool {
     run.as_ref().map_or(true, |recording| !recording.interrupted)
 }

@@ -158,7 +158,6 @@ fn significant(shown: &Shown, value: f64) -> String {
     format!("{} {}", rounded_to_four(shown.value(value)), shown.unit).trim_end().to_owned()
 }
 
-/// Four significant digits.
 fn rounded_to_four(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -46,7 +46,6 @@ impl NeglectedSlip {
         json!({ "reversals": self.reversals, "lost": self.lost, "part_of_distance": self.share })
     }
 
-    /// In words.
     pub(super) fn text(&self) -> String {
         let each = self.lost / self.reversals as f64;
         format!(
@@ -59,7 +58,6 @@ impl NeglectedSlip {
     }
 }
 
-/// A number of things.
 pub(super) fn counted(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }

@@ -50,17 +50,14 @@ impl Shown {
         }
     }
 
-    /// The shown value.
     pub(crate) fn value(&self, value: f64) -> f64 {
         self.factor * value + self.offset
     }
 
-    /// The value with its unit.
     pub(crate) fn text(&self, value: f64) -> String {
         format!("{} {}", number(self.value(value)), self.unit).trim_end().to_owned()
     }
 
-    /// Label of an axis.
     pub(crate) fn label(&self, quantity: &str) -> String {
         if self.unit.is_empty() { quantity.to_owned() } else { format!("{quantity} ({})", self.unit) }
     }

@@ -17,7 +17,6 @@ const RUN_IN: f64 = 0.1;
 /// Windows of the distance in which rates are taken; the last tenth of them has the final rate.
 const WINDOWS: usize = 50;
 
-/// Results of a run as of a rig.
 pub(super) struct Rig {
     /// Time and distance at which running-in has ended, s and m; `None`: not within the run.
     pub running_in: Option<[f64; 2]>,
@@ -27,7 +26,6 @@ pub(super) struct Rig {
     pub friction_loop: Option<Loop>,
 }
 
-/// A friction loop.
 pub(super) struct Loop {
     /// Rows of the recording.
     pub rows: Range<usize>,
@@ -69,7 +67,6 @@ impl Rig {
         })
     }
 
-    /// Lines of the table.
     pub(super) fn lines(&self) -> Vec<(String, String)> {
         let per_km = self.volume_per_distance.map(|own| number(1e12 * own));
         let mut lines = vec![(

@@ -78,15 +78,11 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// The recorded variable of this name.
     pub(crate) fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Values of an output.
-    ///
-    /// # Panics
-    /// Where there is none of that name.
+    /// Values of an output, which must be there.
     pub(crate) fn values(&self, name: &str) -> &[f64] {
         &self.channel(name).unwrap_or_else(|| panic!("no output {name}")).values
     }
@@ -112,7 +108,6 @@ impl Recording {
     }
 }
 
-/// Every input and output of the variable table.
 fn channels() -> Vec<Channel> {
     let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
     let channel =

@@ -39,7 +39,6 @@ fn limits(sum: f64) -> String {
     if reached.is_empty() { "none".into() } else { reached.join(", ") }
 }
 
-/// A time as in a sentence.
 fn seconds(time: f64) -> String {
     format!("{} s", rounded(time))
 }

@@ -54,9 +54,6 @@ impl Trajectory {
     }
 
     /// The inputs of a table; an input without a column keeps the scene's start value.
-    ///
-    /// # Errors
-    /// A single row; no velocity; no load where the scene's own is 0.
     fn of_table(table: Table, starts: &[f64; COUNT], step: Option<f64>) -> Result<Self> {
         let file = table.path.display();
         if table.times.len() < 2 {
@@ -160,9 +157,6 @@ impl Trajectory {
     }
 
     /// The times `at` (s); one beyond an end by rounding is that end.
-    ///
-    /// # Errors
-    /// A time outside of the trajectory.
     pub(crate) fn within(&self, at: &[f64]) -> Result<Vec<f64>> {
         let (first, last) = self.span();
         let rounding = 1e-12 * first.abs().max(last.abs());

@@ -54,7 +54,6 @@ pub(super) fn number_of(trip: f64) -> String {
 }
 
 impl Trip {
-    /// In words.
     pub(super) fn text(&self) -> String {
         let celsius = |kelvin: f64| Shown::of("contact_temperature", "K", kelvin).text(kelvin);
         let [contact, strip, start] = self.temperature.map(celsius);

@@ -65,7 +65,6 @@ pub(crate) fn rise(solved: &Solved, hot: &HotState) -> f64 {
     hot.heat.highest - solved.scene.ambient_temperature
 }
 
-/// The state with heat as JSON.
 pub(crate) fn record(solved: &Solved) -> Value {
     let hot = match &solved.hot {
         None => return Value::Null,

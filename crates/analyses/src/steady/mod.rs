@@ -16,7 +16,6 @@ use scene::{Constraint, STATIONS, Scene};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 
-/// Default number of cells.
 const CELLS: usize = 65;
 
 /// Largest speed of a half-stroke, that of `nominal.velocity`, m/s.
@@ -104,7 +103,6 @@ fn on_half(scene: &Scene, cells: &Cells, sliding: &Sliding, hot: &HotState) -> O
     Some(Convergence { value: hot.heat.highest, cells: cells.count(), coarser, coarser_cells })
 }
 
-/// Direction of a half-stroke.
 pub(crate) fn direction(stroke: &SteadyStroke) -> &'static str {
     if stroke.velocity < 0.0 { "backward" } else { "forward" }
 }
@@ -118,7 +116,6 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
-/// Largest value.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
@@ -132,7 +129,6 @@ impl Solved {
         }
     }
 
-    /// Kind of the state in words.
     pub(crate) fn kind(&self) -> &'static str {
         match (self.state.kind, self.state.strokes.len()) {
             (SteadyKind::RunIn, 1) => "run-in, unidirectional",

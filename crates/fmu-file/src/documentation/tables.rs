@@ -6,7 +6,6 @@ use scene::variables::{Causality, Kind, Row, TABLE};
 use crate::description::variability;
 use crate::xml::number;
 
-/// A table of variables.
 pub(crate) struct Topic {
     /// Heading of the table.
     pub title: &'static str,

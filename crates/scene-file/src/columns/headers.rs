@@ -149,9 +149,6 @@ pub(super) enum Match<'a> {
 }
 
 /// Finds the column of a header.
-///
-/// # Errors
-/// The fault of a header that names a known quantity with a wrong unit or none, or is one mistyped, and the accepted headers.
 pub(super) fn find<'a>(header: &'a str, known: &[&'a Column]) -> Result<Match<'a>, String> {
     if let Some((column, said)) = known.iter().find_map(|column| Some((*column, column.unit_of(header)?))) {
         return match said {

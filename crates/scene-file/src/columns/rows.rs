@@ -22,7 +22,6 @@ pub(super) fn is_gap(text: &str) -> bool {
 
 /// A cell of a row.
 pub(crate) struct Cell<'a> {
-    /// Name of its quantity.
     pub(crate) name: &'a str,
     /// Its value in the SI unit; NaN of a gap.
     pub(crate) value: f64,
@@ -75,9 +74,6 @@ pub(crate) struct Quantities {
 }
 
 /// Gives the rows of a file of `known` quantities to `take`, one after the other; returns what its columns are.
-///
-/// # Errors
-/// As [`super::read`], and those of `take`.
 pub(crate) fn rows(
     mut content: impl Read,
     path: &Path,
@@ -348,7 +344,6 @@ pub fn whole(record: csv::Result<csv::StringRecord>, separator: char, path: &Pat
     })
 }
 
-/// A column of a file.
 struct Found {
     name: String,
     symbol: String,

@@ -35,9 +35,6 @@ pub(super) struct Sheet {
 impl Sheet {
     /// `known` says of a header whether it is a known column, and whether it is a required one; `is_unit` whether a text is a unit of a
     /// header's column.
-    ///
-    /// # Errors
-    /// Where the content is no table: binary, empty, or with rows longer or shorter than the header.
     pub(crate) fn new(
         content: &[u8],
         path: &Path,

@@ -8,14 +8,13 @@
 
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "contact conductance 0 to 1e12 W/(m².K) by step: the heat partition against its closed form";
 
 /// Conductivity of the punch over that of the strip.
 const RATIO: f64 = 0.02;
-/// Communication steps of a run.
 const STEPS: u32 = 10;
 /// Error bound of the heat partition: `solver.tolerance`.
 pub(crate) const AGREEMENT: f64 = 1e-3;
@@ -34,8 +33,7 @@ pub fn run(ratio: f64, conductance: f64, step: f64) -> (Verdict, f64) {
     }
 }
 
-/// Computes the map.
-pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let mut conductances = grid.spread(1.0, 1e12, 9);
     conductances.insert(0, 0.0);
     let step_sizes = grid.spread(1e-4, 10.0, 6);

@@ -10,8 +10,8 @@
 use super::conductance::run;
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "conductivity of one body 0 to 1 times the other's by step: the heat partition against its closed form";
 
@@ -20,8 +20,7 @@ const CONDUCTANCE: f64 = 1e12;
 /// Position of a zero ratio in the map.
 const NONE: f64 = 1e-9;
 
-/// Computes the map.
-pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let mut ratios = grid.spread(1e-8, 1.0, 9);
     ratios.insert(0, 0.0);
     let step_sizes = grid.spread(1e-3, 10.0, 6);

@@ -31,13 +31,13 @@
 //! Theory: docs/theory.md, section 7.6.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 use crate::wave::{LinearWave, SplitWave, Wave, WaveContact, WaveScene, amplification};
 use conduction::line::GAMMA;
 use exact::reference::root;
 use nalgebra::Complex;
 use std::f64::consts::FRAC_PI_2;
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "growth of pressure waves by speed and step: an implicit step without growth limit, the default";
 
@@ -52,7 +52,6 @@ const GAP: f64 = 1e-11;
 const LINEAR_GAP: f64 = 1e-14;
 /// Largest growth per step, b h, of the runs of the default: their contact opens during the run and continues in patches.
 const LARGEST_GROWTH: f64 = 40.0;
-/// Largest number of steps of a run.
 const MOST_STEPS: usize = 400;
 
 /// Stepping method.
@@ -67,7 +66,7 @@ pub enum Method {
 }
 
 /// A contact on `cells` cells to judge a method in.
-pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
+pub fn contact(cells: usize, method: Method) -> Fallible<WaveContact> {
     let gap = if method == Method::Unguarded { LINEAR_GAP } else { GAP };
     WaveScene { tolerance: 1e-4, gap, ..WaveScene::new(cells) }.build()
 }
@@ -149,7 +148,6 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
     (verdict, error)
 }
 
-/// State of a stepped wave.
 enum Stepper<'a> {
     Line(Box<Wave<'a>>),
     Linear(LinearWave),
@@ -157,7 +155,7 @@ enum Stepper<'a> {
 }
 
 impl<'a> Stepper<'a> {
-    fn new(contact: &'a WaveContact, method: Method, ratio: f64) -> Result<Self, String> {
+    fn new(contact: &'a WaveContact, method: Method, ratio: f64) -> Fallible<Self> {
         Ok(match method {
             Method::Unguarded => Self::Linear(contact.linear_wave(ratio)?),
             Method::Split => Self::Split(SplitWave::new(contact.linear_wave(ratio)?)),
@@ -166,7 +164,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// Amplitude after a step, and whether every cell is in contact.
-    fn step(&mut self, step: f64) -> Result<(Complex<f64>, bool), String> {
+    fn step(&mut self, step: f64) -> Fallible<(Complex<f64>, bool)> {
         match self {
             Self::Line(wave) => {
                 wave.step(step)?;
@@ -187,7 +185,7 @@ impl<'a> Stepper<'a> {
 /// Message of the first failing step in a run of the default, if any.
 fn failure(contact: &WaveContact, ratio: f64, step: f64) -> Option<String> {
     let mut wave = contact.wave(ratio);
-    (0..MOST_STEPS).find_map(|_| wave.step(step).err())
+    (0..MOST_STEPS).find_map(|_| wave.step(step).err().map(|error| error.to_string()))
 }
 
 /// R beyond which an implicit step of `step` (over `1/(kd m^2)`) without growth guard damps growing waves.
@@ -219,14 +217,14 @@ pub fn hidden_from(step: f64) -> f64 {
 
 /// [`hidden_from`] measured by stepping, with bisection to one part in a hundred between the first run that hides growth and
 /// the one before.
-pub fn measured_hidden_from(contact: &WaveContact, step: f64) -> Result<f64, String> {
+pub fn measured_hidden_from(contact: &WaveContact, step: f64) -> Fallible<f64> {
     let hides = |ratio: f64| run(contact, Method::Unguarded, ratio, step).0 == Verdict::Hides;
     // From a third of the way from the critical speed to the theoretical value.
     let beyond = hidden_from(step) - 1.0;
     let ratio = |part: f64| 1.0 + part * beyond;
     let parts: Vec<f64> = (0..12).map(|k| 0.4 * 1.15_f64.powi(k)).collect();
     let Some(first) = parts.iter().position(|&part| hides(ratio(part))).filter(|&first| first > 0) else {
-        return Err(format!("the step {step} hides growth nowhere near {} times the critical speed", ratio(1.0)));
+        return Err(format!("the step {step} hides growth nowhere near {} times the critical speed", ratio(1.0)).into());
     };
     let (mut low, mut high) = (ratio(parts[first - 1]), ratio(parts[first]));
     while high - 1.0 > 1.01 * (low - 1.0) {
@@ -241,8 +239,7 @@ fn ratios(grid: Grid) -> Vec<f64> {
     grid.spread(0.32, 31.0, 19)
 }
 
-/// Computes the map.
-pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let methods = [Method::Split, Method::Unguarded, Method::Default];
     let mut contacts = Vec::new();
     for method in methods {

@@ -3,6 +3,7 @@
 //!
 //! Theory: docs/theory.md, section 2.4.
 
+use crate::Fallible;
 use crate::driver::Driven;
 use exact::reference::integral_from_singularity;
 use std::f64::consts::PI;
@@ -55,7 +56,7 @@ impl HalfSpaces {
 
     /// The same fraction by the component at its line level, after `count` communication steps of `step` (s), and the
     /// imbalance of the heat. The thermal expansion, which selects resolved heat, is too small to affect the contact.
-    pub(crate) fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
+    pub(crate) fn stepped(&self, step: f64, count: u32) -> Fallible<(f64, f64)> {
         let duration = step * f64::from(count);
         // Deep enough that no heat returns, and no deeper, so that both bodies are resolved near the contact.
         let depth = |ratio: f64| {

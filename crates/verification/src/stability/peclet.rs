@@ -10,17 +10,16 @@
 
 use super::reversal::{AGREEMENT, PATH, steps, strip};
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 use crate::path_modes::{PathModes, crank_nicolson, exact, implicit_euler};
 use conduction::line::Observed;
 use exact::reference::{ClosedPath, LayerBase};
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "Peclet number 0 to 1e6 by step: implicit Euler, Crank-Nicolson and the default, and a disc that turns";
 
 /// Fourier modes and depth modes of the exact sum.
 const MODES: (u32, u32) = (200, 200);
-/// Number of steps from rest.
 const STEPS: i32 = 10;
 /// Position of Pe = 0 in the map.
 const REST: f64 = 1e-3;
@@ -37,7 +36,7 @@ pub const DISC: ClosedPath = ClosedPath {
 
 /// Errors of implicit Euler, Crank-Nicolson and the default after each of `count` steps of `step` from rest at `velocity`,
 /// relative to the temperature at that time.
-pub fn errors(path: &ClosedPath, velocity: f64, step: f64, count: i32) -> Result<[Vec<f64>; 3], String> {
+pub fn errors(path: &ClosedPath, velocity: f64, step: f64, count: i32) -> Fallible<[Vec<f64>; 3]> {
     let (cells, mut strip) = strip(path, step, f64::from(count) * step)?;
     let modes = PathModes::new(path, velocity, MODES.0, MODES.1);
     let mut state = vec![0.0; strip.states()];
@@ -60,7 +59,7 @@ fn compare(modes: &PathModes, found: &[f64], step: f64) -> [Vec<f64>; 3] {
 }
 
 /// Computes the map.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let mut peclets = grid.spread(1e-2, 1e6, 13);
     peclets.insert(0, 0.0);
     let step_sizes = grid.spread(1e-2, 1e3, 11);

@@ -11,6 +11,7 @@
 //! Theory: docs/theory.md, section 5.3.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
@@ -19,7 +20,6 @@ use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 use scene::FarBoundary;
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "jump of velocity and flux at reversal by Peclet number and step: Crank-Nicolson, the default";
 
@@ -42,14 +42,14 @@ const FLUX: f64 = 0.5;
 pub const AGREEMENT: f64 = 1e-3;
 
 /// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
-pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
-    let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
+pub(crate) fn strip(path: &ClosedPath, step: f64, duration: f64) -> Fallible<(Cells, StripHeat)> {
+    let cells = Cells::graded(path.half_length, 17)?;
     let properties = StripProperties::bare(
         Slab::bare(path.height, [path.conductivity, path.conductivity / path.diffusivity], FarBoundary::Held),
         SlidingPath::Closed(path.length),
     );
     let resolution = Resolution { duration, shortest: step, travel: f64::INFINITY, tolerance: 0.2 * AGREEMENT };
-    let strip = StripHeat::new(&properties, &cells, &resolution).map_err(|error| error.to_string())?;
+    let strip = StripHeat::new(&properties, &cells, &resolution)?;
     Ok((cells, strip))
 }
 
@@ -110,7 +110,7 @@ fn verdict([before, last]: [f64; 2]) -> Verdict {
 }
 
 /// Computes the map.
-pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let (peclets, step_sizes) = (grid.spread(0.01, 1e3, 11), grid.spread(1e-3, 1e4, 15));
     let modes: Vec<PathModes> = (peclets.iter()).map(|pe| PathModes::new(&PATH, -2.0 * pe, MODES.0, MODES.1)).collect();
     let mut points = [Vec::new(), Vec::new()];
@@ -129,7 +129,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
 }
 
 /// Temperatures over the steady one by the number of steps of a hundred thermal times at Pe = 10: exact, Crank-Nicolson, default.
-fn trace() -> Result<[Vec<(f64, f64)>; 3], String> {
+fn trace() -> Fallible<[Vec<(f64, f64)>; 3]> {
     let (velocity, step, count) = (20.0, 100.0, 20);
     let (cells, mut strip) = strip(&PATH, step, f64::from(count) * step)?;
     let modes = PathModes::new(&PATH, -velocity, MODES.0, MODES.1);

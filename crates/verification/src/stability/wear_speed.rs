@@ -7,12 +7,12 @@
 //! Theory: docs/theory.md, sections 7.4, 10.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+use crate::Fallible;
 use crate::wave::{WaveContact, WaveScene, amplification};
 use exact::instability::{critical_frequency, critical_ratio};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Summary of the map.
 pub(crate) const SUMMARY: &str =
     "wear against speed: where pressure waves begin to grow, and how fast they oscillate there";
 
@@ -22,13 +22,13 @@ const CELLS: usize = 32;
 const MARGIN: f64 = 0.02;
 
 /// A contact of the wear number `wear`.
-pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
+pub fn contact(cells: usize, wear: f64) -> Fallible<WaveContact> {
     WaveScene { wear, tolerance: 1e-4, ..WaveScene::new(cells) }.build()
 }
 
 /// Growth rate (complex, over `kd m^2`) of the default scheme at `ratio` times the critical speed without wear, at the end
 /// of `duration` (over `1/(kd m^2)`), after which other parts of the wave have decayed.
-pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
+pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Fallible<Complex<f64>> {
     let exact = contact.scene().exact(ratio);
     let step = 0.1 / (1.0 + exact.norm());
     let count = ((duration / step).ceil() as usize).max(40);
@@ -36,7 +36,7 @@ pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Comple
 }
 
 /// Verdict on a run, and the error of its growth rate over `kd m^2 + |b|`.
-pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> {
+pub fn run(contact: &WaveContact, ratio: f64) -> Fallible<(Verdict, f64)> {
     let exact = contact.scene().exact(ratio);
     let step = 0.2 / (1.0 + exact.norm());
     // A quarter of the run contains a crest of the oscillation.
@@ -64,7 +64,7 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
 /// Measured threshold: speed over the critical one without wear at which the growth rate is 0, and the angular frequency
 /// there over `kd m^2`; by the secant through growth rates a twentieth below and above the theoretical one, each after
 /// `duration`.
-pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
+pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Fallible<(f64, f64)> {
     let guess = critical_ratio(contact.scene().wear);
     let (mut low, mut high) = (0.95 * guess, 1.05 * guess);
     let (mut below, mut above) = (growth(contact, low, duration)?, growth(contact, high, duration)?);
@@ -82,8 +82,7 @@ pub(crate) fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f6
     Ok((low, below.im.abs()))
 }
 
-/// Computes the map.
-pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+pub(crate) fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
     let count = grid.count(12);
     let wears: Vec<f64> = (0..count).map(|k| 2.2 * k as f64 / (count - 1) as f64).collect();
     let (mut points, mut thresholds, mut frequencies) = (Vec::new(), Vec::new(), Vec::new());

@@ -47,14 +47,12 @@ impl<T: Copy + Default> Group<T> {
     }
 }
 
-/// Getters of an FMU.
 pub(super) struct Getters {
     pub real: unsafe extern "C" fn(Handle, *const u32, usize, *mut f64) -> Status,
     pub integer: unsafe extern "C" fn(Handle, *const u32, usize, *mut c_int) -> Status,
     pub boolean: unsafe extern "C" fn(Handle, *const u32, usize, *mut c_int) -> Status,
 }
 
-/// Rows of recorded values.
 pub(super) struct Recording<'a> {
     names: &'a [&'a str],
     reals: Group<f64>,

@@ -6,7 +6,6 @@ use crate::scene::Scene;
 use crate::schedule::Interpolation;
 use std::ffi::c_int;
 
-/// Value references and values of one type.
 pub(super) struct Numbers<T> {
     pub references: Vec<u32>,
     pub values: Vec<T>,
@@ -40,8 +39,7 @@ pub(super) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// # Errors
-    /// Where a name is none of the FMU's or stands twice, a value is none of its type, or times do not fit.
+    /// An error where a name is none of the FMU's or stands twice, a value is none of its type, or times do not fit.
     pub(crate) fn resolve(description: &'a Description, scene: &Scene) -> Result<Self, Failure> {
         let wrong = |reason: String| Err(Failure::request(reason));
         let (mut reals, mut integers, mut booleans) = (Numbers::new(), Numbers::new(), Numbers::new());

@@ -4,7 +4,7 @@ use super::Worker;
 use super::recording::{Getters, Recording};
 use super::request::{Numbers, Request};
 use crate::error::{Failure, Stage};
-use crate::functions::Functions;
+use crate::functions::{Functions, Handle, Status};
 use crate::scene::Scene;
 use crate::schedule::Follower;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,26 +21,10 @@ impl Worker {
             (self.functions.setup_experiment)(handle, scene.tolerance.is_some().into(), tolerance, start, 1, stop)
         };
         self.check(status, STAGE, || "fmi2SetupExperiment".to_owned())?;
-        let Numbers { references, values } = &request.reals;
-        if !references.is_empty() {
-            let status =
-                unsafe { (self.functions.set_real)(handle, references.as_ptr(), references.len(), values.as_ptr()) };
-            self.check(status, STAGE, || "fmi2SetReal for the parameters".to_owned())?;
-        }
-        let Numbers { references, values } = &request.integers;
-        if !references.is_empty() {
-            // SAFETY: see above.
-            let status =
-                unsafe { (self.functions.set_integer)(handle, references.as_ptr(), references.len(), values.as_ptr()) };
-            self.check(status, STAGE, || "fmi2SetInteger for the parameters".to_owned())?;
-        }
-        let Numbers { references, values } = &request.booleans;
-        if !references.is_empty() {
-            // SAFETY: see above.
-            let status =
-                unsafe { (self.functions.set_boolean)(handle, references.as_ptr(), references.len(), values.as_ptr()) };
-            self.check(status, STAGE, || "fmi2SetBoolean for the parameters".to_owned())?;
-        }
+        let Functions { set_real, set_integer, set_boolean, .. } = self.functions;
+        self.set_parameters(&request.reals, set_real, "fmi2SetReal")?;
+        self.set_parameters(&request.integers, set_integer, "fmi2SetInteger")?;
+        self.set_parameters(&request.booleans, set_boolean, "fmi2SetBoolean")?;
         // SAFETY: the handle is alive.
         let status = unsafe { (self.functions.enter_initialization_mode)(handle) };
         self.check(status, STAGE, || "fmi2EnterInitializationMode".to_owned())?;
@@ -51,6 +35,20 @@ impl Worker {
         // SAFETY: the handle is alive.
         let status = unsafe { (self.functions.exit_initialization_mode)(handle) };
         self.check(status, STAGE, || "fmi2ExitInitializationMode".to_owned())
+    }
+
+    fn set_parameters<T>(
+        &mut self,
+        Numbers { references, values }: &Numbers<T>,
+        set: unsafe extern "C" fn(Handle, *const u32, usize, *const T) -> Status,
+        name: &str,
+    ) -> Result<(), Failure> {
+        if references.is_empty() {
+            return Ok(());
+        }
+        // SAFETY: see `set_up`.
+        let status = unsafe { set(self.handle, references.as_ptr(), references.len(), values.as_ptr()) };
+        self.check(status, Stage::Initialisation, || format!("{name} for the parameters"))
     }
 
     #[inline]

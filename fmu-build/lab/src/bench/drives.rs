@@ -54,10 +54,6 @@ impl Drive {
     }
 }
 
-/// Measures both drives, and initialisation.
-///
-/// # Errors
-/// Where the scene or a step fails.
 pub(crate) fn measure() -> Result<Vec<Cost>> {
     let starts = scenes::load(Some("disc_brake"))?.packaged.starts;
     let mut costs = Vec::new();

@@ -58,7 +58,6 @@ pub(super) fn cost(quantity: String, value: f64, unit: &'static str, limit: f64,
     Cost { quantity: quantity.leak(), value, unit, peer: None, limit, gated }
 }
 
-/// Measures the line level.
 pub(crate) fn measure() -> Result<Vec<Cost>> {
     let mut costs = Vec::new();
     for (count, target) in [(33, 10.0), (129, 150.0)] {

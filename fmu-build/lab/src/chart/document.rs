@@ -77,9 +77,6 @@ pub(crate) fn describe(chart: &Chart, findings: &Findings) -> String {
 }
 
 /// Puts every description between its marks; what has no marks is left out.
-///
-/// # Errors
-/// Where the page cannot be read or written, or a mark has no end.
 pub(crate) fn write(descriptions: &[(&str, String)]) -> Result<()> {
     let path = project::root().join(PAGE);
     let mut text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;

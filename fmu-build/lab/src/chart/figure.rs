@@ -5,7 +5,6 @@ use super::{Chart, table};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use verification::drives::Quantity;
 
-/// Quantity on the horizontal axis.
 type Cost = fn(&Point) -> f64;
 
 /// Errors below are drawn here.
@@ -35,7 +34,6 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
     }
 }
 
-/// The whole picture.
 pub(crate) fn draw(chart: &Chart) -> Figure {
     let costs: [(&str, Cost); 2] =
         [("processor time of the whole run (s)", Point::cost), ("internal time steps", |point| point.steps as f64)];

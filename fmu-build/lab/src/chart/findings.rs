@@ -9,7 +9,6 @@ use verification::drives::{FORMER, Quantity};
 /// Error that a setting must reach.
 const WANTED: f64 = 1e-2;
 
-/// See the module.
 pub(crate) struct Findings {
     /// The cheapest run within 1 % in wear depth, contact temperature and friction force.
     pub right: Option<Reached>,
@@ -22,11 +21,8 @@ pub(crate) struct Findings {
     omissions: Vec<String>,
 }
 
-/// A run with its error and cost.
 pub(crate) struct Reached {
-    /// Family of the run.
     pub family: String,
-    /// Its settings.
     pub setting: String,
     /// Largest error; NaN where it did not finish.
     pub error: f64,
@@ -62,7 +58,6 @@ fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached
     good.min_by(|a, b| a.0.cost().total_cmp(&b.0.cost())).map(|(point, error)| reached(point, error))
 }
 
-/// Reads the findings off a chart.
 pub(crate) fn of(chart: &Chart) -> Findings {
     let main = MAIN;
     let lumped = chart.family("lumped").filter_map(|point| Some((point, worst(point, main)?)));
@@ -102,7 +97,6 @@ impl fmt::Display for Reached {
     }
 }
 
-/// A time with its unit.
 pub(crate) fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "µs"),
@@ -150,20 +144,19 @@ impl fmt::Display for Findings {
 }
 
 impl Findings {
-    /// The findings for machines.
     pub(crate) fn record(&self, chart: &Chart) -> Value {
-        let run = |found: &Reached| {
-            // JSON has no NaN.
-            let error = if found.error.is_finite() { json!(found.error) } else { Value::Null };
-            json!({ "family": found.family, "setting": found.setting, "error": error, "seconds": found.cost })
-        };
-        let mut record = chart.head();
+        // What is not finite becomes null.
+        let run = |found: &Reached| json!({ "family": found.family, "setting": found.setting, "error": found.error, "seconds": found.cost });
+        let mut record = json!({
+            "scene": chart.problem.name,
+            "title": chart.problem.title,
+            "truth": chart.how,
+            "omissions": chart.omissions,
+        });
         record["within_1_percent"] = self.right.as_ref().map_or(Value::Null, run);
         record["within_1_percent_with_pressure"] = self.with_pressure.as_ref().map_or(Value::Null, run);
         record["lumped"] = self.lumped.map_or(Value::Null, |[wear, temperature, force]| {
-            // Not judged in every scene, and JSON has no NaN.
-            let number = |error: f64| if error.is_finite() { json!(error) } else { Value::Null };
-            json!({ "error_wear_depth": number(wear), "error_contact_temperature": number(temperature), "error_friction_force": number(force) })
+            json!({ "error_wear_depth": wear, "error_contact_temperature": temperature, "error_friction_force": force })
         });
         let pair = |(peer, own): &(Reached, Reached)| json!({ "peer": run(peer), "own": run(own), "ratio": peer.cost / own.cost });
         record["peers"] = self.peers.iter().map(pair).collect();

@@ -15,24 +15,18 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// Budgets of the whole and of the quick chart.
     pub(crate) fn new(quick: bool) -> Self {
         if quick { Self { run: 0.5, truth: 6.0, repeats: 0.02 } } else { Self { run: 4.0, truth: 40.0, repeats: 0.1 } }
     }
 }
 
-/// One run on the chart.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Point {
-    /// Family it belongs to.
     pub family: String,
-    /// Its settings.
     pub setting: String,
-    /// Whether it is a peer's.
     pub peer: bool,
     /// Processor time of the initialisation and of the whole run, s.
     pub seconds: [f64; 2],
-    /// Internal time steps tried.
     pub steps: u64,
     /// Errors; NaN: not judged.
     pub errors: Errors,

@@ -49,9 +49,6 @@ const PEERS: [Peer; 3] = [
 ];
 
 /// Adds the runs of every peer that can do the scene to the chart; for the others the reason to its omissions.
-///
-/// # Errors
-/// Where the environment cannot be made or a peer breaks; the end of its output is in the message.
 pub(crate) fn measure(chart: &mut Chart, truth: &[Sample]) -> Result<()> {
     for peer in &PEERS {
         if !peer.scenes.contains(&chart.problem.name) {

@@ -60,7 +60,6 @@ struct Group {
     laws: Vec<Law>,
 }
 
-/// Everything that was measured.
 pub(crate) struct Scaling {
     groups: Vec<Group>,
     omissions: Vec<String>,
@@ -68,9 +67,6 @@ pub(crate) struct Scaling {
 }
 
 /// Measures the costs; `quick`: to 129 cells.
-///
-/// # Errors
-/// Where a scene is missing. What a scene refuses is an omission.
 pub(crate) fn measure(quick: bool) -> Result<Scaling> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     let starts = |name: &str| {
@@ -104,21 +100,13 @@ pub(crate) fn measure(quick: bool) -> Result<Scaling> {
     let cells = |values: &Values| find("solver.cells").map(|reference| values[reference as usize]);
     // The hot punch creeps: at held inputs it would soon leave its stroke.
     let (slow, hard) = ([0.5, 100.0], [5e-4, 10e3]);
-    let by_cells = Group {
-        title: GROUPS[0].0,
-        label: GROUPS[0].1,
-        laws: vec![
-            law("pressure and wear", &over(&cold, 1e-3, slow)?, &cells),
-            law("with heat and distortion", &over(&hot, 1e-3, hard)?, &cells),
-        ],
-    };
+    let by_cells = vec![
+        law("pressure and wear", &over(&cold, 1e-3, slow)?, &cells),
+        law("with heat and distortion", &over(&hot, 1e-3, hard)?, &cells),
+    ];
     let tolerances = if quick { &[1e-1, 1e-3][..] } else { &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4][..] };
     let runs: Result<Vec<_>> = tolerances.iter().map(|&t| Ok((line(&hot, 33.0, t)?, 1e-3, hard))).collect();
-    let by_states = Group {
-        title: GROUPS[1].0,
-        label: GROUPS[1].1,
-        laws: vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[0]))],
-    };
+    let by_states = vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[0]))];
     let lengths = if quick { &[1.0, 4.0][..] } else { &[0.5, 1.0, 2.0, 4.0, 8.0][..] };
     let runs: Result<Vec<_>> = lengths
         .iter()
@@ -127,16 +115,14 @@ pub(crate) fn measure(quick: bool) -> Result<Scaling> {
             Ok((with(&values, &[("strip.length", length)])?, 1e-3, hard))
         })
         .collect();
-    let by_waves = Group {
-        title: GROUPS[2].0,
-        label: GROUPS[2].1,
-        laws: vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[1]))],
-    };
+    let by_waves = vec![law("with heat and distortion", &runs?, &|values| sizes(values).map(|size| size[1]))];
+    let group = |((title, label), laws)| Group { title, label, laws };
+    let groups = GROUPS.into_iter().zip([by_cells, by_states, by_waves]).map(group).collect();
     let header = vec![
         "Processor time of one internal step at constant inputs, through the component, one thread.".to_owned(),
         format!("{}; commit {}.", machine::name(), machine::commit()),
     ];
-    Ok(Scaling { groups: vec![by_cells, by_states, by_waves], omissions, header })
+    Ok(Scaling { groups, omissions, header })
 }
 
 /// Costs that [`Scaling::write`] wrote into the folder.
@@ -246,7 +232,6 @@ impl Scaling {
         Ok([svg, csv])
     }
 
-    /// The exponents for machines.
     pub(crate) fn record(&self) -> Value {
         let laws = self.groups.iter().flat_map(|group| {
             group.laws.iter().map(move |law| {
@@ -255,19 +240,21 @@ impl Scaling {
         });
         json!({ "scene": super::SCALING, "laws": laws.collect::<Vec<_>>(), "omissions": self.omissions })
     }
-}
 
-impl Scaling {
-    /// The exponents as a table of Markdown.
+    /// Axis, law, its exponent, and the largest size with its cost.
+    fn exponents(&self) -> impl Iterator<Item = [String; 5]> {
+        let laws = self.groups.iter().flat_map(|group| group.laws.iter().map(|law| (group.label, law)));
+        laws.map(|(label, law)| {
+            let exponent = law.exponent().map_or("none".into(), |exponent| format!("{exponent:.2}"));
+            let (size, cost) = law.points.last().copied().unwrap_or((0.0, 0.0));
+            [label.to_owned(), law.name.clone(), exponent, size.to_string(), super::findings::time(cost)]
+        })
+    }
+
     pub(crate) fn table(&self) -> String {
         let mut text = "| over | of | exponent | largest, time of a step |\n|---|---|---|---|\n".to_owned();
-        for group in &self.groups {
-            for law in &group.laws {
-                let exponent = law.exponent().map_or("none".into(), |exponent| format!("{exponent:.2}"));
-                let (size, cost) = law.points.last().copied().unwrap_or((0.0, 0.0));
-                let cost = super::findings::time(cost);
-                let _ = writeln!(text, "| {} | {} | {exponent} | {size}: {cost} |", group.label, law.name);
-            }
+        for [label, name, exponent, size, cost] in self.exponents() {
+            let _ = writeln!(text, "| {label} | {name} | {exponent} | {size}: {cost} |");
         }
         text
     }
@@ -276,13 +263,8 @@ impl Scaling {
 impl fmt::Display for Scaling {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(formatter, "Cost of a step against its size")?;
-        for group in &self.groups {
-            for law in &group.laws {
-                let exponent = law.exponent().map_or("none".into(), |exponent| format!("{exponent:.2}"));
-                let (size, cost) = law.points.last().copied().unwrap_or((0.0, 0.0));
-                let cost = super::findings::time(cost);
-                writeln!(formatter, "  {:24} {:26} exponent {exponent}; {cost} at {size}", group.label, law.name)?;
-            }
+        for [label, name, exponent, size, cost] in self.exponents() {
+            writeln!(formatter, "  {label:24} {name:26} exponent {exponent}; {cost} at {size}")?;
         }
         self.omissions.iter().try_for_each(|text| writeln!(formatter, "  left out: {text}"))
     }

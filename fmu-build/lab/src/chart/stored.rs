@@ -2,7 +2,7 @@
 
 use super::Chart;
 use super::measure::Point;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use std::path::Path;
 use verification::drives::{DriveProblem, Errors, FORMER};
 
@@ -23,36 +23,24 @@ fn parse(problem: DriveProblem, text: &str) -> Result<Chart> {
     let measured = header.iter().find(|line| line.contains("; commit ")).context("no line on the machine")?.clone();
     let omissions = header.iter().filter_map(|line| Some(line.strip_prefix("left out: ")?.to_owned())).collect();
     let own: Vec<&str> = problem.families(false).iter().map(|family| family.name).collect();
-    let mut points = Vec::new();
-    for (number, line) in text.lines().enumerate().skip(header.len() + 1) {
-        points.push(point(line, &own).with_context(|| format!("line {}: {line}", number + 1))?);
-    }
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let points = reader.deserialize().map(|row| Ok(point(row?, &own))).collect::<Result<_>>()?;
     Ok(Chart { how, data, measured, points, omissions, quick: false, problem })
 }
 
-fn point(line: &str, own: &[&str]) -> Result<Point> {
-    // Texts are between quotation marks, numbers are not.
-    let mut cells = Vec::new();
-    for (index, part) in line.split('"').enumerate() {
-        if index % 2 == 1 {
-            cells.push(part.to_owned());
-        } else {
-            cells.extend(part.trim_matches(',').split(',').filter(|_| part.len() > 1).map(str::to_owned));
-        }
-    }
-    let [family, setting, initialisation, total, steps, wear, temperature, force, pressure, part, failure] =
-        <[String; 11]>::try_from(cells).map_err(|cells| anyhow!("{} columns of 11", cells.len()))?;
-    let number = |text: &str| text.parse::<f64>().with_context(|| format!("{text:?} is not a number"));
-    let error = |text: &str| if text.is_empty() { Ok(f64::NAN) } else { number(text) };
-    Ok(Point {
+/// Family, settings, processor times, internal steps, errors (empty: not judged), part done and failure of a run.
+type Row = (String, String, [f64; 2], u64, [Option<f64>; 4], f64, String);
+
+fn point((family, setting, seconds, steps, errors, part, failure): Row, own: &[&str]) -> Point {
+    Point {
         peer: !own.contains(&family.as_str()) && !FORMER.contains(&family.as_str()),
-        seconds: [number(&initialisation)?, number(&total)?],
-        steps: steps.parse()?,
-        errors: Errors([error(&wear)?, error(&temperature)?, error(&force)?, error(&pressure)?]),
-        failure: if failure.is_empty() { None } else { Some((failure, number(&part)?)) },
+        seconds,
+        steps,
+        errors: Errors(errors.map(|error| error.unwrap_or(f64::NAN))),
+        failure: (!failure.is_empty()).then_some((failure, part)),
         family,
         setting,
-    })
+    }
 }
 
 #[cfg(test)]

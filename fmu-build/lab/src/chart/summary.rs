@@ -31,16 +31,9 @@ fn best<'a>(points: impl Iterator<Item = &'a Point>, quantities: &[Quantity]) ->
     runs
 }
 
-/// A method: cost and error of its runs, colour and mark.
-struct Curve {
-    name: String,
-    runs: Vec<(f64, f64)>,
-    colour: usize,
-    mark: Mark,
-}
-
-fn curves(chart: &Chart, quantities: &[Quantity]) -> Vec<Curve> {
-    let curve = |name: &str, runs, colour, mark| Curve { name: name.to_owned(), runs, colour, mark };
+/// Cost and error of the runs of every method.
+fn curves(chart: &Chart, quantities: &[Quantity]) -> Vec<Series> {
+    let curve = |name: &str, runs, colour, mark| Series::line(name, runs).with(mark).coloured(colour);
     let line = chart.points.iter().filter(|point| LINE.contains(&point.family.as_str()));
     let family = |name: &'static str| all(chart.family(name), quantities);
     let mut curves = vec![
@@ -53,7 +46,7 @@ fn curves(chart: &Chart, quantities: &[Quantity]) -> Vec<Curve> {
         let name = peer.family.split(',').next().unwrap_or_default();
         curves.push(curve(&format!("{name}, best of its runs"), best(peers(), quantities), 1, Mark::DashesAndSquares));
     }
-    curves.retain(|curve| !curve.runs.is_empty());
+    curves.retain(|curve| !curve.points.is_empty());
     curves
 }
 
@@ -67,19 +60,19 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
         if !panels.is_empty() {
             curves.retain(|curve| !curve.name.starts_with("lumped"));
         }
-        let runs = || curves.iter().flat_map(|curve| &curve.runs);
+        let runs = || curves.iter().flat_map(|curve| &curve.points);
         let costs = runs().fold((f64::INFINITY, 0.0_f64), |(low, high), run| (low.min(run.0), high.max(run.0)));
         let (low, high) = (0.6 * costs.0, 1.6 * costs.1);
         let least = runs().map(|run| run.1).fold(1e-3, f64::min).max(LEAST_SHOWN);
         let bound =
             if runs().any(|run| run.1 < LEAST_SHOWN) { format!(", {LEAST_SHOWN:e} at least") } else { String::new() };
         let mut series: Vec<Series> = Vec::new();
-        for Curve { name, runs, colour, mark } in curves {
+        for curve in curves {
+            let points = curve.points.iter().map(|&(cost, error)| (cost, error.max(LEAST_SHOWN))).collect();
+            series.push(Series { name: String::new(), points, ..curve });
             if panels.is_empty() {
-                key.push(Series::line(name, Vec::new()).with(mark).coloured(colour));
+                key.push(Series { points: Vec::new(), ..curve });
             }
-            let shown = runs.into_iter().map(|(cost, error)| (cost, error.max(LEAST_SHOWN))).collect();
-            series.push(Series::line("", shown).with(mark).coloured(colour));
         }
         series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Thin).coloured(6));
         panels.push(Panel::new(

@@ -31,9 +31,6 @@ fn fingerprint(problem: &DriveProblem) -> u64 {
 }
 
 /// Samples of the reference and its origin: the stored one if it belongs to this scene, otherwise computed within `budget` s.
-///
-/// # Errors
-/// Where no run gives it in time, or the stored file is damaged.
 pub(crate) fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> {
     if matches!(problem.truth, Truth::Finest(_))
         && let Ok(text) = fs::read_to_string(path(problem))

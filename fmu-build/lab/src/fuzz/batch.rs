@@ -74,7 +74,6 @@ fn change(text: &mut String, random: &mut Random) {
     *text = lines.iter().map(|line| line.join(",")).collect::<Vec<_>>().join("\n");
 }
 
-/// Runs an execution.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut texts = [(*random.pick(&DESIGNS)).to_owned(), (*random.pick(&SCHEDULES)).to_owned()];

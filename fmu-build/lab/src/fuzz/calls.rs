@@ -13,7 +13,6 @@ use actor::Actor;
 /// Most instances of an execution.
 const MOST_INSTANCES: usize = 3;
 
-/// Runs an execution.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let count = if random.one_in(4) { 1 + random.below(MOST_INSTANCES) } else { 1 };

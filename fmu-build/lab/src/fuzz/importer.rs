@@ -16,9 +16,7 @@ use super::watchdog::{call, enter, tell};
 /// Messages: status and text.
 pub(crate) type Log = Vec<(Status, String)>;
 
-/// An instance.
 pub(crate) struct Importer {
-    /// Its handle.
     pub component: *mut c_void,
     log: Box<RefCell<Log>>,
 }
@@ -102,7 +100,6 @@ impl Importer {
         (0..model::INPUTS).any(|at| lookup(at as ValueReference).is_some_and(|(row, _)| cause.starts_with(row.name)))
     }
 
-    /// `fmi2SetupExperiment`
     pub(crate) fn setup(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         let (with_tolerance, with_stop) = (tolerance.is_some().into(), stop.is_some().into());
         // SAFETY: no pointers.
@@ -112,31 +109,26 @@ impl Importer {
         }
     }
 
-    /// `fmi2EnterInitializationMode`
     pub(crate) fn enter(&self) -> Status {
         // SAFETY: no pointers, here and below.
         unsafe { call!(fmi2EnterInitializationMode(self.component)) }
     }
 
-    /// `fmi2ExitInitializationMode`
     pub(crate) fn exit(&self) -> Status {
         // SAFETY: as above.
         unsafe { call!(fmi2ExitInitializationMode(self.component)) }
     }
 
-    /// `fmi2Terminate`
     pub(crate) fn terminate(&self) -> Status {
         // SAFETY: as above.
         unsafe { call!(fmi2Terminate(self.component)) }
     }
 
-    /// `fmi2Reset`
     pub(crate) fn reset(&self) -> Status {
         // SAFETY: as above.
         unsafe { call!(fmi2Reset(self.component)) }
     }
 
-    /// `fmi2DoStep`
     pub(crate) fn step(&self, from: f64, step: f64) -> Status {
         enter("fmi2DoStep");
         tell(|| format!("{step:e} s from {from:e} s"));
@@ -163,7 +155,6 @@ impl Importer {
         unsafe { fmi2SetReal(self.component, references.as_ptr(), count, values.as_ptr()) }
     }
 
-    /// `fmi2SetInteger`
     pub(crate) fn set_integer(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetInteger");
         tell(|| format!("{} = {value}", name_of(reference)));
@@ -171,7 +162,6 @@ impl Importer {
         unsafe { fmi2SetInteger(self.component, &reference, 1, &value) }
     }
 
-    /// `fmi2SetBoolean`
     pub(crate) fn set_boolean(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetBoolean");
         tell(|| format!("{} = {value}", name_of(reference)));
@@ -189,7 +179,6 @@ impl Importer {
         if status == Status::Ok { Ok(values) } else { Err(status) }
     }
 
-    /// `limit_reached`
     pub(crate) fn limits(&self) -> i32 {
         let mut limits = 0;
         // SAFETY: as above.
@@ -197,25 +186,21 @@ impl Importer {
         limits
     }
 
-    /// `fmi2GetFMUstate`
     pub(crate) fn save(&self, state: &mut FmuState) -> Status {
         // SAFETY: the place is there, here and below.
         unsafe { call!(fmi2GetFMUstate(self.component, state)) }
     }
 
-    /// `fmi2SetFMUstate`
     pub(crate) fn restore(&self, state: FmuState) -> Status {
         // SAFETY: as above.
         unsafe { call!(fmi2SetFMUstate(self.component, state)) }
     }
 
-    /// `fmi2FreeFMUstate`
     pub(crate) fn free(&self, state: &mut FmuState) -> Status {
         // SAFETY: as above.
         unsafe { call!(fmi2FreeFMUstate(self.component, state)) }
     }
 
-    /// `fmi2SerializedFMUstateSize` and `fmi2SerializeFMUstate`
     pub(crate) fn serialize(&self, state: FmuState) -> Result<Vec<u8>, Status> {
         enter("fmi2SerializeFMUstate");
         let mut size = 0;
@@ -230,7 +215,6 @@ impl Importer {
         if status == Status::Ok { Ok(bytes) } else { Err(status) }
     }
 
-    /// `fmi2DeSerializeFMUstate`
     pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<FmuState, Status> {
         let mut state = ptr::null_mut();
         // SAFETY: the array is as long as told, the place is there.

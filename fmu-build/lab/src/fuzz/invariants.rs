@@ -26,7 +26,6 @@ pub(crate) fn name_of(reference: ValueReference) -> String {
     lookup(reference).map_or_else(|| format!("#{reference}"), |(row, element)| row.element_name(element))
 }
 
-/// Values of all [`OUTPUTS`].
 #[derive(Clone, Debug)]
 pub(crate) struct Outputs {
     values: Vec<f64>,
@@ -53,12 +52,10 @@ impl Outputs {
         Self { seconds: seconds.abs(), ..self }
     }
 
-    /// One of them.
     fn of(&self, reference: ValueReference) -> f64 {
         OUTPUTS.binary_search(&reference).ok().and_then(|at| self.values.get(at)).copied().unwrap_or(f64::NAN)
     }
 
-    /// Their bits.
     pub(crate) fn bits(&self) -> impl Iterator<Item = u64> {
         self.values.iter().map(|value| value.to_bits())
     }
@@ -69,8 +66,7 @@ impl Outputs {
         Some(format!("{} = {:e} and {:e}", name_of(OUTPUTS[at]), self.values[at], other.values[at]))
     }
 
-    /// # Errors
-    /// The first output that is not finite.
+    /// The error is the first output that is not finite.
     pub(crate) fn check_finite(&self) -> Result<(), String> {
         match self.values.iter().position(|value| !value.is_finite()) {
             Some(at) => Err(format!("{} = {}", name_of(OUTPUTS[at]), self.values[at])),
@@ -78,8 +74,7 @@ impl Outputs {
         }
     }
 
-    /// # Errors
-    /// The first invariant that does not hold; `before`: the outputs of the step before, where the run was not set back.
+    /// The error is the first invariant that does not hold; `before`: the outputs of the step before, where the run was not set back.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), String> {
         self.check_finite()?;
         const NOT_NEGATIVE: [ValueReference; 9] = [
@@ -134,8 +129,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// # Errors
-    /// Dissipated, stored and lost heat, where they do not add up.
+    /// The error is dissipated, stored and lost heat, where they do not add up.
     fn check_balance(&self) -> Result<(), String> {
         let terms = [
             reference("dissipated_energy"),

@@ -40,7 +40,6 @@ impl Random {
         Self(start.bits() ^ seed)
     }
 
-    /// 64 random bits.
     pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -59,7 +58,6 @@ impl Random {
         self.below(count) == 0
     }
 
-    /// One of some values.
     pub(crate) fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
         &from[self.below(from.len())]
     }
@@ -74,7 +72,6 @@ impl Random {
         10_f64.powf(self.between(low, high))
     }
 
-    /// 1 or -1.
     pub(crate) fn sign(&mut self) -> f64 {
         if self.one_in(2) { -1.0 } else { 1.0 }
     }

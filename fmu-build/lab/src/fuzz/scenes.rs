@@ -118,7 +118,6 @@ fn change(text: &mut String, random: &mut Random) {
     *text = lines.join("\n");
 }
 
-/// Runs an execution.
 pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     let mut text = random.pick(&SHIPPED).clone();
@@ -128,7 +127,6 @@ pub(crate) fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     check(&text, kinds)
 }
 
-/// Reads a text.
 pub(crate) fn check(text: &str, kinds: &mut Kinds) -> Verdict {
     enter("scene_file::parse");
     let read = match scene_file::parse(text) {

@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 /// Running call: function and since when.
 static RUNNING: Mutex<Option<(&'static str, Instant)>> = Mutex::new(None);
-/// Calls so far.
 static CALLS: AtomicU64 = AtomicU64::new(0);
 /// Whether every call is printed.
 static TRACED: AtomicBool = AtomicBool::new(false);
@@ -33,7 +32,6 @@ macro_rules! call {
 }
 pub(crate) use call;
 
-/// Number of calls so far.
 pub(crate) fn calls() -> u64 {
     CALLS.load(Ordering::Relaxed)
 }

@@ -15,20 +15,15 @@ pub(crate) enum Allowed {
     Relative(f64),
 }
 
-/// A value that differs.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Value {
-    /// Name of the variable.
     pub name: String,
     /// Communication point and time, s; `None` for what has none.
     pub point: Option<(usize, f64)>,
-    /// The value in the record.
     pub recorded: f64,
-    /// The value now.
     pub now: f64,
 }
 
-/// Differences in a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Differences {
     /// Differences that are not of values: messages, communication points, variables.
@@ -48,7 +43,6 @@ pub(crate) struct Differences {
 }
 
 impl Differences {
-    /// Whether there is none.
     pub(crate) fn is_none(&self) -> bool {
         self.structure.is_empty()
             && self.first.is_none()

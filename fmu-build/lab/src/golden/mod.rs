@@ -71,10 +71,6 @@ impl Chosen {
     }
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where a scene cannot be computed, a file not be read or written, or a record differs.
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     match &arguments.action {
         Action::Record(chosen) => record_all(chosen),
@@ -197,7 +193,6 @@ fn compare_all(chosen: &Chosen, tolerance: Option<f64>, all_bits: bool) -> Resul
     Ok(())
 }
 
-/// Prints what differs in a scene.
 fn show(scene: &GoldenScene, now: &Record, found: &Differences) {
     print_line!("{}: {}", scene.name, scene.what);
     for text in &found.structure {

@@ -20,12 +20,10 @@ impl Default for Hash {
 }
 
 impl Hash {
-    /// Takes a number in.
     pub(crate) fn add(&mut self, value: f64) {
         self.0 = value.to_le_bytes().into_iter().fold(Fnv(self.0), Fnv::with).0;
     }
 
-    /// The hash of these numbers.
     pub(crate) fn of(values: &[f64]) -> Self {
         let mut hash = Self::default();
         values.iter().for_each(|&value| hash.add(value));
@@ -45,23 +43,18 @@ pub(crate) struct Series {
     pub values: Vec<f64>,
 }
 
-/// Record of a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Record {
-    /// The error that the scene ended with.
     pub error: Option<String>,
-    /// Number of communication points.
     pub points: usize,
     /// Those at which values are kept, and their times, s.
     pub kept: Vec<(usize, f64)>,
     /// For every communication point the folded hash of all its values.
     pub hashes: Vec<u32>,
-    /// The values.
     pub series: Vec<Series>,
 }
 
 impl Record {
-    /// The record as text.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "error: {}", self.error.as_deref().unwrap_or("none").replace('\n', " "));

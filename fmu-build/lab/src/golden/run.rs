@@ -42,55 +42,34 @@ fn work(component: &Component) -> [(&'static str, u64); 8] {
     ]
 }
 
-/// Everything that the FMU calculates: outputs and locals, each with its values at one communication point.
-struct Layout {
-    /// Name of the row, value reference of its first element, number of elements (0: a scalar).
-    rows: Vec<(&'static str, ValueReference, u32)>,
+/// Name of a row, value reference of its first element, number of elements (0: a scalar).
+type Calculated = (&'static str, ValueReference, u32);
+
+/// Everything that the FMU calculates: outputs and locals.
+fn layout() -> Vec<Calculated> {
+    let calculated = |reference: ValueReference| {
+        let (row, _) = lookup(reference)
+            .filter(|(row, element)| *element == 0 && matches!(row.causality, Causality::Output | Causality::Local))?;
+        Some((row.name, reference, row.elements))
+    };
+    (0..COUNT as ValueReference).filter_map(calculated).collect()
 }
 
-impl Layout {
-    fn new() -> Self {
-        let mut rows: Vec<(&str, ValueReference, u32)> = Vec::new();
-        for reference in 0..COUNT as ValueReference {
-            if let Some((row, 0)) = lookup(reference)
-                && matches!(row.causality, Causality::Output | Causality::Local)
-            {
-                rows.push((row.name, reference, row.elements));
-            }
-        }
-        Self { rows }
-    }
-
-    fn read(&self, component: &mut Component) -> Vec<f64> {
-        let mut values = Vec::new();
-        for &(_, first, elements) in &self.rows {
-            values.extend((first..first + elements.max(1)).map(|reference| component.get(reference)));
-        }
-        values
-    }
-}
-
-/// A communication point.
 struct Point {
     time: f64,
     outputs: Vec<f64>,
     work: Vec<f64>,
 }
 
-/// A scene on its way.
 struct Run<'a> {
     starts: Arc<[f64; COUNT]>,
     tolerance: f64,
-    layout: &'a Layout,
+    layout: &'a [Calculated],
     component: Component,
     time: f64,
     points: Vec<Point>,
 }
 
-/// The record of a scene, made anew.
-///
-/// # Errors
-/// Where the scene cannot be read, names what is no variable, fails where it should not or does not where it should.
 pub(crate) fn record(golden: &GoldenScene) -> Result<Record> {
     let record = match &golden.command {
         Some(arguments) => run_command(arguments),
@@ -105,11 +84,10 @@ pub(crate) fn record(golden: &GoldenScene) -> Result<Record> {
 }
 
 fn drive(golden: &GoldenScene) -> Result<Record> {
-    let mut scene = scenes::load(golden.scene.as_deref())?;
-    scenes::assign_all(&mut scene, &golden.set)?;
+    let scene = scenes::changed(golden.scene.as_deref(), &golden.set)?;
     let packaged = scene.packaged;
     let (starts, tolerance) = (Arc::new(packaged.starts), packaged.experiment.tolerance);
-    let layout = Layout::new();
+    let layout = layout();
     let component = Component::new(starts.clone()).declaring(tolerance);
     let mut run = Run { starts, tolerance, layout: &layout, component, time: 0.0, points: Vec::new() };
     run.component.enter_initialization();
@@ -144,7 +122,8 @@ fn named(values: &BTreeMap<String, f64>) -> Result<BTreeMap<ValueReference, f64>
 
 impl Run<'_> {
     fn keep(&mut self) {
-        let outputs = self.layout.read(&mut self.component);
+        let references = self.layout.iter().flat_map(|&(_, first, elements)| first..first + elements.max(1));
+        let outputs = references.map(|reference| self.component.get(reference)).collect();
         let work = work(&self.component).map(|(_, count)| count as f64).to_vec();
         self.points.push(Point { time: self.time, outputs, work });
     }
@@ -197,7 +176,7 @@ fn kept(points: usize) -> Vec<usize> {
     (0..count).map(|index| if count < 2 { 0 } else { index * (points - 1) / (count - 1) }).collect()
 }
 
-fn compress(layout: &Layout, points: &[Point], component: &Component) -> Record {
+fn compress(layout: &[Calculated], points: &[Point], component: &Component) -> Record {
     let kept = kept(points.len());
     let mut record = Record {
         points: points.len(),
@@ -221,7 +200,7 @@ fn compress(layout: &Layout, points: &[Point], component: &Component) -> Record 
         record.series.push(over(name, &|point| point.work[index]));
     }
     let mut at = 0;
-    for &(name, first, elements) in &layout.rows {
+    for &(name, first, elements) in layout {
         let range = at..at + elements.max(1) as usize;
         at = range.end;
         if elements == 0 {
@@ -243,8 +222,8 @@ fn compress(layout: &Layout, points: &[Point], component: &Component) -> Record 
 }
 
 /// Derivatives of the scalar outputs by velocity and load at the last communication point.
-fn derivatives(layout: &Layout, component: &mut Component, record: &mut Record) -> Result<()> {
-    let scalars: Vec<_> = layout.rows.iter().filter(|row| row.2 == 0).collect();
+fn derivatives(layout: &[Calculated], component: &mut Component, record: &mut Record) -> Result<()> {
+    let scalars: Vec<_> = layout.iter().filter(|row| row.2 == 0).collect();
     let unknowns: Vec<ValueReference> = scalars.iter().map(|row| row.1).collect();
     for input in ["sliding_velocity", "normal_load"] {
         let known = find(input).with_context(|| format!("{input:?} is no variable"))?;

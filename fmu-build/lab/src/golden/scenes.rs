@@ -11,9 +11,7 @@ use std::path::PathBuf;
 #[derive(Clone, Deserialize, Debug)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct GoldenScene {
-    /// Name of the scene and of its record.
     pub name: String,
-    /// Purpose of the scene.
     pub what: String,
     /// Whether its bits are compared where the machine is the one that recorded.
     #[serde(default)]
@@ -26,7 +24,6 @@ pub(crate) struct GoldenScene {
     /// Inputs while initialising.
     #[serde(default)]
     pub start: BTreeMap<String, f64>,
-    /// Segments after initialisation.
     #[serde(default)]
     pub drive: Vec<Segment>,
     /// How often all of it is done.
@@ -45,7 +42,6 @@ pub(crate) struct GoldenScene {
 pub(crate) struct Segment {
     /// Communication step, s.
     pub step: f64,
-    /// Number of steps.
     #[serde(default = "once")]
     pub steps: usize,
     /// Inputs set before the first of them.
@@ -62,7 +58,6 @@ pub(crate) struct Segment {
     pub replay: Replay,
 }
 
-/// Way in which a segment is replayed.
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize, Default, Debug)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Replay {

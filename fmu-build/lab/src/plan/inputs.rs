@@ -15,24 +15,16 @@ use std::path::{Path, PathBuf};
 
 /// A comparison request.
 pub(crate) struct Request<'a> {
-    /// The scene.
     pub scene: SceneFile,
     /// File that it came from, for `--write`.
     pub file: Option<PathBuf>,
-    /// Inputs over time.
     pub inputs: &'a Path,
-    /// How their columns are read.
     pub reading: Reading,
     pub tolerance: Option<f64>,
     pub write: bool,
     pub json: bool,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Where the file of the inputs or the scene is wrong; where no run converges or none meets the tolerance; where the scene
-/// cannot be written.
 pub(crate) fn execute(request: &Request) -> Result<()> {
     let name = &request.scene.packaged.name;
     let tolerance = inputs::tolerance(&request.scene, request.tolerance)?;

@@ -3,7 +3,7 @@
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result};
 use elasticity::discretization::{cells_for, compliances};
-use indicatif::{ProgressBar, ProgressStyle};
+use fmu_build::progress::bar;
 use scene::Scene;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -15,7 +15,6 @@ use steady::thermal::law::{Differences, LawPoint, endless_cycles, law};
 const DECADES: [i32; 2] = [-3, 2];
 const PER_DECADE: i32 = 3;
 
-/// The law of a scene.
 pub(crate) struct Law {
     name: String,
     points: Vec<LawPoint>,
@@ -29,8 +28,7 @@ impl Law {
         let bodies = compliances(scene, &cells)?;
         let endless = endless_cycles(scene, &cells, &bodies).with_context(|| format!("the scene {name}"))?;
         let exponents: Vec<i32> = (DECADES[0] * PER_DECADE..=DECADES[1] * PER_DECADE).collect();
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} cycle lengths")?;
-        let bar = ProgressBar::new(exponents.len() as u64).with_style(style);
+        let bar = bar(exponents.len(), "{pos}/{len} cycle lengths");
         let mut points = Vec::new();
         for exponent in exponents {
             let ratio = 10f64.powf(f64::from(exponent) / f64::from(PER_DECADE));
@@ -42,7 +40,6 @@ impl Law {
         Ok(Law { name: name.to_owned(), points, endless })
     }
 
-    /// As JSON.
     pub(crate) fn record(&self) -> Value {
         let point = |point: &LawPoint| {
             json!({
@@ -63,7 +60,6 @@ impl Law {
         })
     }
 
-    /// As a table.
     pub(crate) fn table(&self) -> String {
         let mut text = format!(
             "{}: pressures with heat less those without, rms over the mean pressure\n{:>13}  {:>13}  {:>13}  {:>13}  {:>13}\n",

@@ -27,7 +27,10 @@ const LARGEST_READ: f64 = 1e6;
 /// States that an instance keeps.
 const SLOTS: usize = 3;
 
-/// An instance with its random numbers.
+fn references() -> [ValueReference; INPUTS] {
+    core::array::from_fn(|index| index as ValueReference)
+}
+
 pub(crate) struct Actor {
     importer: Importer,
     random: Random,
@@ -69,7 +72,6 @@ impl Actor {
         self.digest = value.to_bits().to_le_bytes().into_iter().fold(self.digest, Fnv::with);
     }
 
-    /// Does one thing.
     pub(crate) fn turn(&mut self, kinds: &mut Kinds) -> Verdict {
         let status = match self.random.below(40) {
             0..=17 => self.step()?,
@@ -187,7 +189,6 @@ impl Actor {
         self.importer.get_reals(&[temperature]).is_ok_and(|values| values[0].abs() > LARGEST_READ)
     }
 
-    /// A value for an input.
     fn input(&mut self, index: usize) -> f64 {
         if !self.is_tame && self.random.one_in(3) {
             return self.random.any();
@@ -236,7 +237,6 @@ impl Actor {
         self.set_slopes(&[index as ValueReference], &[1], &[slope])
     }
 
-    /// A length of a step.
     fn length(&mut self) -> f64 {
         if !self.is_tame && self.random.one_in(5) {
             return self.random.any();
@@ -278,13 +278,17 @@ impl Actor {
         Ok(status)
     }
 
+    /// Takes over the inputs as the library has them.
+    fn read_inputs(&mut self) {
+        if let Ok(values) = self.importer.get_reals(&references()) {
+            self.inputs.copy_from_slice(&values);
+        }
+    }
+
     fn check_step(&mut self, length: f64) -> Verdict {
         let outputs = self.outputs()?.at(self.importer.time());
         // The derivatives moved the inputs.
-        let references: [ValueReference; INPUTS] = core::array::from_fn(|index| index as ValueReference);
-        if let Ok(values) = self.importer.get_reals(&references) {
-            self.inputs.copy_from_slice(&values);
-        }
+        self.read_inputs();
         // A step of length 0 moves nothing and refuses no inputs: not even temperatures below 0 K.
         if length == 0.0 {
             self.last = None;
@@ -308,9 +312,8 @@ impl Actor {
             ));
         }
         let was_valid = self.importer.limits() & VALIDITY == 0;
-        let references: [ValueReference; INPUTS] = core::array::from_fn(|index| index as ValueReference);
         let rest = [0.0, 0.0, 0.0, 0.0, 0.0, 300.0, 300.0];
-        if self.importer.set_reals(&references, &rest[..INPUTS]) == Status::Ok {
+        if self.importer.set_reals(&references(), &rest[..INPUTS]) == Status::Ok {
             let status = self.importer.step(self.importer.time(), 1e-3);
             self.note(status);
             if status == Status::Ok {
@@ -359,10 +362,7 @@ impl Actor {
         let status = self.importer.restore(self.states[slot]);
         if status == Status::Ok {
             self.last = None;
-            let references: [ValueReference; INPUTS] = core::array::from_fn(|index| index as ValueReference);
-            if let Ok(values) = self.importer.get_reals(&references) {
-                self.inputs.copy_from_slice(&values);
-            }
+            self.read_inputs();
         }
         status
     }

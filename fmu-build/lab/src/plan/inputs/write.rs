@@ -9,9 +9,6 @@ use model::plan::ModelLevel;
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 /// Puts a level and its tolerance into a scene file.
-///
-/// # Errors
-/// Where the file cannot be read, is no scene before or after, or cannot be written.
 pub(crate) fn settings(path: &Path, level: ModelLevel, tolerance: f64) -> Result<()> {
     let named = || format!("{}", path.display());
     let text = fs::read_to_string(path).with_context(named)?;

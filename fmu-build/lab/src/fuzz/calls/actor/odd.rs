@@ -72,7 +72,6 @@ impl Actor {
         Arrays { references, reals, integers, count: told, missing }
     }
 
-    /// Any call.
     pub(super) fn odd(&mut self) -> Result<Status, String> {
         let mut arrays = self.arrays();
         let status = match self.random.below(24) {
@@ -124,7 +123,6 @@ impl Actor {
         Ok(status)
     }
 
-    /// Functions of variables.
     fn values(&mut self, arrays: &mut Arrays) -> Status {
         let (component, count) = (self.importer.component, arrays.count);
         let orders: Vec<i32> = arrays.integers.iter().map(|order| if count % 2 == 0 { 1 } else { *order }).collect();
