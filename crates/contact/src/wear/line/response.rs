@@ -51,19 +51,6 @@ impl WearingContact {
         disturbance: &Disturbance<'_>,
         rate: &mut ContactRate,
     ) -> Result<(), StageError> {
-        self.stage_response_into(0.0, conditions, state, disturbance, rate)
-    }
-
-    /// [`Self::response_into`] for a stage of `tau` s, in which a change of the pressure causes wear:
-    /// `C + s mu S + E + tau f'`. The wear operator of a moving strip is taken as the identity.
-    fn stage_response_into(
-        &mut self,
-        tau: f64,
-        conditions: &Conditions,
-        state: &ContactState,
-        disturbance: &Disturbance<'_>,
-        rate: &mut ContactRate,
-    ) -> Result<(), StageError> {
         let count = self.cells().count();
         assert_eq!(disturbance.gap.len(), count, "one gap rate per cell");
         assert_eq!(rate.pressure.len(), count, "one pressure rate per cell");
@@ -100,10 +87,7 @@ impl WearingContact {
             rate.tilt = if let Tilt::Fixed(_) = conditions.tilt { disturbance.tilt } else { 0.0 };
             return Ok(());
         }
-        for i in 0..count {
-            let worn = if tau > 0.0 && self.set[i] { tau * conditions.rate.slope(i, state.pressure[i]) } else { 0.0 };
-            self.diagonal[i] = worn;
-        }
+        self.diagonal.fill(0.0);
         let problem = ContactProblem {
             gap: &self.gap,
             signed_friction: conditions.signed_friction,
