@@ -22,23 +22,6 @@ use std::fmt;
 /// Error below which the step is doubled: it falls by about eight when the step is halved.
 const DOUBLING: f64 = 0.3;
 
-/// Input trajectory: conditions during a piece of a communication step.
-enum InputTrajectory<'a> {
-    /// Constant conditions.
-    Constant(Conditions),
-    /// Conditions as a function of the time since the start of the piece, s.
-    Varying(&'a dyn Fn(f64) -> Conditions),
-}
-
-impl InputTrajectory<'_> {
-    fn at(&self, time: f64) -> Conditions {
-        match self {
-            InputTrajectory::Constant(conditions) => *conditions,
-            InputTrajectory::Varying(conditions) => conditions(time),
-        }
-    }
-}
-
 /// Single-step attempt in the common form, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct SingleStepAttempt<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
@@ -68,7 +51,7 @@ impl Lumped {
     /// # Errors
     /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
     pub(crate) fn step(&mut self, inputs: &Inputs, slopes: Option<&Inputs>, step: f64) -> Result<(), StepFailure> {
-        self.frozen_is_current = false;
+        self.frozen = None;
         let mut is_too_long = false;
         if slopes.is_none() && self.state.refinement == 0 && self.operators.has_common_form {
             match self.attempt_single_step(inputs, step) {
@@ -185,31 +168,31 @@ impl Lumped {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let mut budget = Budget::new(1, 0);
-        let Some(slopes) = slopes else {
-            let constant = self.conditions(inputs);
-            return self.piece(&InputTrajectory::Constant(constant), step, is_too_long, backup, &mut budget);
-        };
-        let (edges, count) = edges(inputs, Some(slopes), step, self.operators.scene.mean_radius);
+        let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
         if count > 1 && backup.is_none() {
             *backup = Some(self.state.clone());
         }
+        let constant = slopes.is_none().then(|| {
+            self.update_conditions(inputs);
+            self.known.1
+        });
         let (operators, tunables, reference) = (self.operators.clone(), self.tunables, self.state.reference);
-        for piece in edges[..=count].windows(2) {
-            let at = |time: f64| {
-                Conditions::new(&operators, &tunables, reference, &inputs.after(Some(slopes), piece[0] + time))
-            };
-            if piece[1] > piece[0] {
-                self.piece(&InputTrajectory::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
-            }
+        for piece in edges[..=count].windows(2).filter(|piece| piece[1] > piece[0]) {
+            let varying =
+                |time: f64| Conditions::new(&operators, &tunables, reference, &inputs.after(slopes, piece[0] + time));
+            let at = |time: f64| constant.unwrap_or_else(|| varying(time));
+            self.piece(&at, constant.is_some(), piece[1] - piece[0], is_too_long, backup, &mut budget)?;
         }
         Ok(())
     }
 
-    /// Advances over a piece without events, divided into 2^n equal parts by error control; `is_too_long` if a single step over
-    /// the whole of it has been rejected.
+    /// Advances over a piece without events, of the length `length` (s), under the conditions `at` a time (s) since its start, all the
+    /// same where `constant`. It is divided into 2^n equal parts by error control; `is_too_long` if a single step over the whole of it
+    /// has been rejected.
     fn piece(
         &mut self,
-        course: &InputTrajectory,
+        at: &dyn Fn(f64) -> Conditions,
+        constant: bool,
         length: f64,
         is_too_long: bool,
         backup: &mut Option<LumpedState>,
@@ -223,7 +206,7 @@ impl Lumped {
             let (parts, done) = control.parts();
             let tolerance = self.operators.scene.tolerance;
             budget.spend(|| {
-                let [start, end] = [course.at(0.0), course.at(length)];
+                let [start, end] = [at(0.0), at(length)];
                 format!(
                     "{done} of 2^{} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
                      normal load {} to {} N", control.level(), Number(start.velocity), Number(end.velocity), Number(start.load), Number(end.load), length = Number(length))
@@ -232,29 +215,13 @@ impl Lumped {
             if parts > 1 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
-            let varying = match course {
-                InputTrajectory::Constant(_) => None,
-                InputTrajectory::Varying(conditions) => {
-                    Some([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)))
-                }
-            };
-            let now = match (course, &varying) {
-                (InputTrajectory::Constant(now), _) => *now,
-                (_, Some(at)) => at[0],
-                _ => course.at(start),
-            };
-            if let Some(at) = &varying
-                && whole.is_none()
-            {
-                whole = Some(if parts == 1 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
-            } else if varying.is_none() && self.has_bristle() {
-                // A transition between sticking and slipping is not polynomial at any step size.
-                whole = Some([now; 2]);
-            }
-            let speeds = match &varying {
-                Some(at) => at.each_ref().map(|conditions| conditions.velocity.abs()),
-                None => [now.velocity.abs(); 4],
-            };
+            let points =
+                if constant { [at(start); 4] } else { [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| at(start + c * step)) };
+            let ends =
+                &*whole.get_or_insert_with(|| if parts == 1 { [points[0], points[3]] } else { [at(0.0), at(length)] });
+            // A transition between sticking and slipping is not polynomial at any step size.
+            let ends = (!constant || self.has_bristle()).then_some(ends);
+            let (speeds, at_points) = (points.map(|now| now.velocity.abs()), points.each_ref());
             let mut repeated = 0;
             let attempt = loop {
                 let temperatures = self.predict(step, repeated);
@@ -269,7 +236,7 @@ impl Lumped {
                         flash: &mut self.flash,
                         cut: parts as f64,
                         left: (parts - done) as f64,
-                        ends: whole.as_ref(),
+                        ends,
                         operators: &self.operators,
                         friction: &self.friction,
                         tunables: &self.tunables,
@@ -277,13 +244,12 @@ impl Lumped {
                         properties: self.property_step.as_mut(),
                     };
                     let state = &mut self.state;
-                    attempt = match (common, &varying) {
-                        (true, Some(at)) => {
-                            self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at.each_ref() })
+                    attempt = match (common, constant) {
+                        (true, true) => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: at_points }),
+                        (true, false) => {
+                            self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at_points })
                         }
-                        (true, None) => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: [&now; 4] }),
-                        (false, Some(at)) => Some(stepper.attempt_any(state, at.each_ref(), false)),
-                        (false, None) => Some(stepper.attempt_any(state, [&now; 4], true)),
+                        (false, _) => Some(stepper.attempt_any(state, at_points, constant)),
                     };
                     if attempt.is_some() {
                         break;
@@ -303,7 +269,7 @@ impl Lumped {
             }
             self.state.rejected += 1;
             if !control.halve(1) {
-                let last = course.at(start + step);
+                let last = points[3];
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
                      contact temperature {} K, sliding velocity {} m/s, normal load {} N",

@@ -32,61 +32,38 @@ pub(crate) struct HeatPartition<S> {
 /// the same second law, and without conductance is that of the other surface.
 #[inline]
 pub(crate) fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
-    match (punch.gain, strip.gain) {
-        (Some(gain_punch), Some(gain_strip)) => {
-            let into_punch = if conductance > 0.0 {
-                let resistance = 1.0 / conductance;
-                (strip.level - punch.level + q * (gain_strip + 0.5 * resistance))
-                    * (1.0 / (gain_punch + gain_strip + resistance))
-            } else {
-                q * 0.5
-            };
-            let into_strip = q - into_punch;
-            HeatPartition {
-                punch: into_punch,
-                strip: into_strip,
-                punch_temperature: punch.level + into_punch * gain_punch,
-                strip_temperature: strip.level + into_strip * gain_strip,
-            }
+    let none = S::from(0.0);
+    let jump = || if conductance > 0.0 { q * (0.5 / conductance) } else { none };
+    let (into_punch, into_strip) = match (punch.gain, strip.gain) {
+        (Some(gain_punch), Some(gain_strip)) if conductance > 0.0 => {
+            let resistance = 1.0 / conductance;
+            let into_punch = (strip.level - punch.level + q * (gain_strip + 0.5 * resistance))
+                * (1.0 / (gain_punch + gain_strip + resistance));
+            (into_punch, q - into_punch)
         }
-        (Some(gain), None) => {
-            let temperature = punch.level + q * gain;
-            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
-            HeatPartition {
-                punch: q,
-                strip: S::from(0.0),
-                punch_temperature: temperature,
-                strip_temperature: temperature + jump,
-            }
-        }
-        (None, Some(gain)) => {
-            let temperature = strip.level + q * gain;
-            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
-            HeatPartition {
-                punch: S::from(0.0),
-                strip: q,
-                punch_temperature: temperature + jump,
-                strip_temperature: temperature,
-            }
-        }
-        (None, None) => HeatPartition {
-            punch: S::from(0.0),
-            strip: S::from(0.0),
-            punch_temperature: punch.level,
-            strip_temperature: strip.level,
-        },
-    }
+        (Some(_), Some(_)) => (q * 0.5, q - q * 0.5),
+        (Some(_), None) => (q, none),
+        (None, Some(_)) => (none, q),
+        (None, None) => (none, none),
+    };
+    let heated = |side: Side<S>, into: S| side.gain.map(|gain| side.level + into * gain);
+    let (punch_temperature, strip_temperature) = match (heated(punch, into_punch), heated(strip, into_strip)) {
+        (Some(punch), Some(strip)) => (punch, strip),
+        (Some(punch), None) => (punch, punch + jump()),
+        (None, Some(strip)) => (strip + jump(), strip),
+        (None, None) => (punch.level, strip.level),
+    };
+    HeatPartition { punch: into_punch, strip: into_strip, punch_temperature, strip_temperature }
 }
 
 /// Heat partition of separated surfaces: no heat passes. The surface temperature of an insulator is that of the other surface.
 #[inline]
 pub(crate) fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
-    let levels = match (punch.gain, strip.gain) {
-        (Some(_), None) => [punch.level; 2],
-        (None, Some(_)) => [strip.level; 2],
-        _ => [punch.level, strip.level],
+    let (punch_temperature, strip_temperature) = match (punch.gain, strip.gain) {
+        (Some(_), None) => (punch.level, punch.level),
+        (None, Some(_)) => (strip.level, strip.level),
+        _ => (punch.level, strip.level),
     };
-    let [punch_temperature, strip_temperature] = levels;
     HeatPartition { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
 }
 

@@ -28,7 +28,7 @@ use bristle::Line;
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
-use numerics::scalar::Dual;
+use numerics::scalar::{Dual, Scalar};
 use operators::LumpedOperators;
 use point::{Frozen, Point};
 use property_step::PropertyStep;
@@ -107,8 +107,8 @@ pub struct Lumped {
     friction: FrictionLaw,
     tunables: Tunables,
     state: LumpedState,
-    frozen: Frozen,
-    frozen_is_current: bool,
+    /// Free responses of the state; `None` where it has changed.
+    frozen: Option<Frozen>,
     propagators: PropagatorCache,
     /// Where properties follow temperatures.
     property_step: Option<PropertyStep>,
@@ -130,8 +130,7 @@ impl Lumped {
         state.far_start = [known.1.punch_far, known.1.strip_far];
         state.far = state.far_start;
         Lumped {
-            frozen: Frozen::default(),
-            frozen_is_current: false,
+            frozen: None,
             friction,
             tunables,
             state,
@@ -199,7 +198,7 @@ impl Lumped {
     /// Replaces the whole state.
     pub(crate) fn set_state(&mut self, state: &LumpedState) {
         self.state.clone_from(state);
-        self.frozen_is_current = false;
+        self.frozen = None;
         self.invalidate_conditions();
     }
 
@@ -211,7 +210,7 @@ impl Lumped {
             self.propagators.clear();
         }
         self.operators = operators;
-        self.frozen_is_current = false;
+        self.frozen = None;
     }
 
     /// Sets the parameters that may change between steps, without those of the operators.
@@ -231,36 +230,33 @@ impl Lumped {
         self.known.0 = Inputs::constant(f64::NAN);
     }
 
-    fn refresh(&mut self) {
-        if !self.frozen_is_current {
-            self.frozen = Frozen::new(&self.operators, &self.state);
-            self.frozen_is_current = true;
-        }
-    }
-
     /// Contact for these inputs at frozen states.
     pub(crate) fn point(&mut self, inputs: &Inputs) -> Point {
-        self.refresh();
-        let conditions = self.conditions(inputs);
-        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+        self.update_conditions(inputs);
+        let conditions = self.known.1;
+        self.point_at(&conditions)
+    }
+
+    /// Contact and its conditions for inputs of any numbers, at frozen states.
+    pub(crate) fn evaluate<S: Scalar>(&mut self, inputs: &Inputs<S>) -> (Point<S>, Conditions<S>) {
+        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
+        (self.point_at(&conditions), conditions)
+    }
+
+    fn point_at<S: Scalar>(&mut self, conditions: &Conditions<S>) -> Point<S> {
+        let frozen = self.frozen.get_or_insert_with(|| Frozen::new(&self.operators, &self.state));
+        point::evaluate(&self.operators, &self.friction, &self.state, frozen, &self.tunables, conditions)
     }
 
     /// Contact in dual numbers at frozen states.
     pub(crate) fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
-        self.refresh();
-        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
-        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+        self.evaluate(inputs).0
     }
 
     /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
     pub(crate) fn expansion_of_bodies(&self) -> f64 {
         let LumpedState { punch, strip, far, .. } = &self.state;
         self.operators.punch.expansion_at(&punch.heat, far[0]) + self.operators.strip.expansion_at(&strip.heat, far[1])
-    }
-
-    fn conditions(&mut self, inputs: &Inputs) -> Conditions {
-        self.update_conditions(inputs);
-        self.known.1
     }
 
     /// Computes the conditions of `inputs`, unless they are the last ones.

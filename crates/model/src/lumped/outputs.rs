@@ -10,7 +10,7 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::Inputs;
 use conduction::properties::Properties;
-use conduction::reduced::{MAX_STATES, ReducedBody};
+use conduction::reduced::ReducedBody;
 use contact::friction::OperatingPoint;
 use numerics::maximum::maximum;
 use numerics::scalar::{Dual, Scalar};
@@ -38,7 +38,6 @@ pub(crate) fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)
 impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub(crate) fn write_contact(&mut self, inputs: &Inputs, values: &mut [f64; COUNT]) {
-        self.refresh();
         let (point, conditions) = self.evaluate(inputs);
         self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: f64| {
             values[reference as usize] = value;
@@ -101,7 +100,6 @@ impl Lumped {
 
     /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
     pub(crate) fn write_derivatives(&mut self, inputs: &Inputs, seed: &Inputs, derivatives: &mut [f64; COUNT]) {
-        self.refresh();
         let inputs = inputs.zip(seed, |value, derivative| Dual { value, derivative });
         let (point, conditions) = self.evaluate(&inputs);
         derivatives.fill(0.0);
@@ -111,26 +109,11 @@ impl Lumped {
         value!(derivatives, "friction_slope") = self.slope(&inputs).derivative;
     }
 
-    fn evaluate<S: Scalar>(&self, inputs: &Inputs<S>) -> (Point<S>, Conditions<S>) {
-        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
-        let point =
-            point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions);
-        (point, conditions)
-    }
-
     /// d friction_force / d velocity at frozen states, N s/m.
     fn slope<S: Scalar>(&mut self, inputs: &Inputs<S>) -> S {
-        self.refresh();
         let lift = |value: S, derivative: f64| Dual { value, derivative: S::from(derivative) };
-        let inputs = Inputs {
-            sliding_velocity: lift(inputs.sliding_velocity, 1.0),
-            normal_load: lift(inputs.normal_load, 0.0),
-            angular_velocity: lift(inputs.angular_velocity, 0.0),
-            ambient_temperature_offset: lift(inputs.ambient_temperature_offset, 0.0),
-            cooling_velocity: lift(inputs.cooling_velocity, 0.0),
-            strip_external_temperature: lift(inputs.strip_external_temperature, 0.0),
-            punch_external_temperature: lift(inputs.punch_external_temperature, 0.0),
-        };
+        let sliding = Inputs { sliding_velocity: 1.0, ..Inputs::constant(0.0) };
+        let inputs = inputs.zip(&sliding, lift);
         self.evaluate(&inputs).0.force.derivative
     }
 
@@ -192,21 +175,19 @@ impl Lumped {
     fn on_states(&self, emit: &mut impl FnMut(ValueReference, f64)) {
         let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
         let faces = scene.faces;
-        let strip_depth = self.strip_depth();
-        let punch = self.flows(&operators.punch, &state.punch);
-        let strip = self.flows(&operators.strip, &state.strip);
-        let external = |body: &BodyOperators, state: &BodyState, far: f64| {
-            point::external_flow(body, far, state.external * body.area * faces)
-        };
-        let life = |depth: f64, body: &BodyOperators| {
-            if body.wear_limit > 0.0 {
-                (1.0 - (depth + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
-            } else {
-                1.0
+        let (bodies, states) = (operators.bodies(), [&state.punch, &state.strip]);
+        let (depths, accounts) = ([state.punch.depth, self.strip_depth()], [0, 1].map(|side| self.account(side)));
+        let external = [0, 1].map(|side| {
+            point::external_flow(bodies[side], accounts[side].far, states[side].external * bodies[side].area * faces)
+        });
+        let life = [0, 1].map(|side| match bodies[side] {
+            body if body.wear_limit > 0.0 => {
+                (1.0 - (depths[side] + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
             }
-        };
-        let volumes = [(&operators.punch, &state.punch), (&operators.strip, &state.strip)]
-            .map(|(body, state)| state.worn * body.worn_area * faces);
+            _ => 1.0,
+        });
+        let volumes = [0, 1].map(|side| states[side].worn * bodies[side].worn_area * faces);
+        let [punch, strip] = &accounts;
         let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
         emit!(
             emit,
@@ -216,7 +197,7 @@ impl Lumped {
             "wear_mass_strip" = masses[1],
             "wear_mass_airborne" = masses[2],
             "wear_taper_punch" = 0.0,
-            "remaining_life" = life(state.punch.depth, &operators.punch).min(life(strip_depth, &operators.strip)),
+            "remaining_life" = life[0].min(life[1]),
             "sliding_distance" = state.distance,
             "dissipated_energy" = state.dissipated * operators.area * faces,
             "bristle_deflection" = state.bristle,
@@ -224,8 +205,8 @@ impl Lumped {
             "heat_lost_ambient" = punch.ambient + strip.ambient,
             "heat_lost_punch_top" = punch.far,
             "heat_lost_strip_base" = strip.far,
-            "heat_lost_punch_external" = external(&operators.punch, &state.punch, punch.far),
-            "heat_lost_strip_external" = external(&operators.strip, &state.strip, strip.far),
+            "heat_lost_punch_external" = external[0],
+            "heat_lost_strip_external" = external[1],
             "heat_received_punch" = punch.received,
             "heat_received_strip" = strip.received,
             "stored_heat" = punch.stored + strip.stored,
@@ -262,22 +243,18 @@ impl Lumped {
             + point::strip_entry(operators, &self.state)
     }
 
-    /// Heat account of one body, J, all faces.
-    fn flows(&self, body: &BodyOperators, state: &BodyState) -> Account {
+    /// Heat account of the punch (0) or the strip (1), J, all faces.
+    fn account(&self, side: usize) -> Account {
+        let operators = &self.operators;
+        let (body, state) = (operators.bodies()[side], [&self.state.punch, &self.state.strip][side]);
         let Some(heat) = &body.heat else { return Account::default() };
-        let all = body.area * self.operators.scene.faces;
-        let initial = if self.operators.strip_remembers || std::ptr::eq(body, &self.operators.punch) {
-            let start = if body.initial_temperature > 0.0 { body.initial_temperature } else { self.state.reference };
-            start - self.state.reference
-        } else {
-            0.0
-        };
-        let mut account = Account {
-            received: state.received[0] * self.operators.area * self.operators.scene.faces,
-            ..Account::default()
-        };
+        let (faces, reference) = (operators.scene.faces, self.state.reference);
+        let all = body.area * faces;
+        let starts_warmer = body.initial_temperature > 0.0 && (side == 0 || operators.strip_remembers);
+        let initial = if starts_warmer { body.initial_temperature - reference } else { 0.0 };
+        let received = state.received[0] * operators.area * faces;
         if let Some(properties) = &body.properties {
-            return self.flows_by_enthalpy(body, state, (properties, heat), initial, account.received);
+            return self.account_by_enthalpy(side, (properties, heat), initial, received);
         }
         // Integral of a state: (input - gain of the state)/rate, exact for the exact propagation.
         let (mut ambient, mut far, mut stored) = (0.0, 0.0, 0.0);
@@ -296,48 +273,38 @@ impl Lumped {
             far += heat.base_flow.direct[port] * state.received[port];
         }
         // The heat of the quasi-static field of the far face, which is not in the states, entered through that face.
-        let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
         let beyond = heat.stored.direct[3] * (self.state.far[side] - self.state.far_start[side]);
         stored += beyond;
         far -= beyond;
         // The flux into the cooled surface is heat from the ambient.
-        account.ambient = (ambient - state.received[1]) * all;
-        account.far = far * all;
-        account.stored = stored * all;
-        account
+        Account { received, ambient: (ambient - state.received[1]) * all, far: far * all, stored: stored * all }
     }
 
-    /// [`Lumped::flows`] where the properties follow the temperature: the heat stored is the enthalpy of the mean temperature. With an
+    /// [`Lumped::account`] where the properties follow the temperature: the heat stored is the enthalpy of the mean temperature. With an
     /// insulated far face the rest went to the air; otherwise the heat to the air is counted step by step, and the rest passed the far
     /// face. `initial`: rise at initialisation, K; `received`: heat through the contact, J.
-    fn flows_by_enthalpy(
+    fn account_by_enthalpy(
         &self,
-        body: &BodyOperators,
-        state: &BodyState,
+        side: usize,
         (properties, heat): (&Properties, &ReducedBody),
         initial: f64,
         received: f64,
     ) -> Account {
-        let all = body.area * self.operators.scene.faces;
-        let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
+        let scene = &self.operators.scene;
+        let (body, state) = (self.operators.bodies()[side], [&self.state.punch, &self.state.strip][side]);
+        let all = body.area * scene.faces;
         let mass = body.heat_capacity / properties.specific_heat();
-        // A face of prescribed temperature has it from the start.
-        let rises =
-            [(self.initial_heat(heat, initial), self.state.far_start[side]), (state.heat, self.state.far[side])];
+        // States at a uniform rise. A face of prescribed temperature has it from the start.
+        let start = heat.stored.states.map(|stored| stored * initial);
+        let rises = [(start, self.state.far_start[side]), (state.heat, self.state.far[side])];
         let [from, to] = rises.map(|(heats, far)| body.mean_rise(heat, &heats, far));
         let stored = mass * properties.table.heat_of_rise(self.state.reference + from, to - from);
         let [_, cooling, _, base] = state.received;
-        let scene = &self.operators.scene;
         let (ambient, far) = match [&scene.punch, &scene.strip][side].far_thermal {
             ThermalBoundary::Insulated => (received / all + base - stored, -base),
             _ => (state.lost - cooling, received / all + cooling - state.lost - stored),
         };
         Account { received, ambient: ambient * all, far: far * all, stored: stored * all }
-    }
-
-    /// States at a uniform rise above the reference, K.
-    fn initial_heat(&self, heat: &ReducedBody, rise: f64) -> [f64; MAX_STATES] {
-        heat.stored.states.map(|stored| stored * rise)
     }
 
     /// Estimated relative error of the reduction of both bodies and of the time steps.

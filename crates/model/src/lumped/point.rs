@@ -15,10 +15,10 @@ use numerics::scalar::Scalar;
 use scene::ThermalBoundary;
 
 /// Free responses of the observations: sums over the states.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Frozen {
-    punch: FrozenBody,
-    strip: FrozenBody,
+    /// Of punch and strip.
+    bodies: [FrozenBody; 2],
     flash: f64,
     /// Approach by wear less thermal expansion, by which a caliper unloads, m.
     closed: f64,
@@ -36,39 +36,25 @@ struct FrozenBody {
     air: [Air; FACES],
 }
 
-impl Default for FrozenBody {
-    fn default() -> Self {
-        FrozenBody {
-            contact: 0.0,
-            cooled: [0.0; FACES],
-            ambient_flow: 0.0,
-            base_flow: 0.0,
-            scales: Scales::ONE,
-            air: [Air::default(); FACES],
-        }
-    }
-}
-
 impl FrozenBody {
     fn new(body: &BodyOperators, state: &BodyState, reference: f64, far: f64) -> FrozenBody {
-        let Some(heat) = &body.heat else { return FrozenBody::default() };
-        let scales = body
-            .properties
-            .as_ref()
-            .map_or(Scales::ONE, |properties| properties.at(reference + body.mean_rise(heat, &state.heat, far)));
-        let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
+        let properties = body.properties.as_ref().zip(body.heat.as_ref());
+        let scales = properties.map_or(Scales::ONE, |(properties, heat)| {
+            properties.at(reference + body.mean_rise(heat, &state.heat, far))
+        });
+        let of = |observation: fn(&ReducedBody) -> &Observation| {
+            body.heat.as_ref().map_or(0.0, |heat| observation(heat).of_states(&state.heat, heat.count))
+        };
         FrozenBody {
-            contact: of(&heat.contact_temperature),
-            cooled: cooled_faces(heat).map(of),
-            ambient_flow: of(&heat.ambient_flow),
-            base_flow: of(&heat.base_flow),
+            contact: of(|heat| &heat.contact_temperature),
+            cooled: [of(|heat| &heat.cooled_temperature), of(|heat| &heat.base_temperature)],
+            ambient_flow: of(|heat| &heat.ambient_flow),
+            base_flow: of(|heat| &heat.base_flow),
             scales,
             air: body.air.map(|air| air.at(scales)),
         }
     }
-}
 
-impl FrozenBody {
     /// Direct feedthrough of a flux to an observed temperature.
     #[inline]
     fn direct(&self, observation: &Observation, port: usize) -> f64 {
@@ -79,19 +65,16 @@ impl FrozenBody {
 impl Frozen {
     /// Free responses of `state`.
     pub(crate) fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
+        let (bodies, states) = (operators.bodies(), [&state.punch, &state.strip]);
         let closed = if operators.series_stiffness > 0.0 {
             state.punch.depth + state.strip.depth
-                - operators.punch.expansion_at(&state.punch.heat, state.far[0])
-                - operators.strip.expansion_at(&state.strip.heat, state.far[1])
+                - bodies[0].expansion_at(&state.punch.heat, state.far[0])
+                - bodies[1].expansion_at(&state.strip.heat, state.far[1])
         } else {
             0.0
         };
-        Frozen {
-            punch: FrozenBody::new(&operators.punch, &state.punch, state.reference, state.far[0]),
-            strip: FrozenBody::new(&operators.strip, &state.strip, state.reference, state.far[1]),
-            flash: state.flash.iter().sum(),
-            closed,
-        }
+        let frozen = |side: usize| FrozenBody::new(bodies[side], states[side], state.reference, state.far[side]);
+        Frozen { bodies: [frozen(0), frozen(1)], flash: state.flash.iter().sum(), closed }
     }
 }
 
@@ -214,31 +197,33 @@ pub(crate) fn evaluate<S: Scalar>(
     };
     let pressure = load * (1.0 / operators.area);
     let closed = pressure.value() > 0.0;
-    let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S, neighbour: S| match &operators.heat
-    {
-        Some(heat) => {
-            let none = S::from(0.0);
-            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], none);
-            let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
-                + raised(&heat.contact_temperature, &cooling) * frozen.scales.flux
-                + S::from(frozen.contact + extra);
-            let gain = frozen.direct(&heat.contact_temperature, Port::Contact as usize);
-            (Side { level, gain: Some(gain) }, cooling)
-        }
-        None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
-    };
-    let entry = strip_entry(operators, state);
+    let (bodies, frozen_bodies) = (operators.bodies(), &frozen.bodies);
     let (far, neighbours) = ([conditions.punch_far, conditions.strip_far], conditions.neighbours);
-    let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, far[0], neighbours[0]);
-    let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, far[1], neighbours[1]);
-    let sides = (punch, strip);
+    let cooled = |side: usize, into: S| match &bodies[side].heat {
+        Some(heat) => {
+            let around = [far[side], neighbours[side]];
+            held_cooling(bodies[side], heat, &frozen_bodies[side], state.reference, conditions, around, into)
+        }
+        None => [S::from(0.0); FACES],
+    };
+    let beyond = [0.0, frozen.flash + strip_entry(operators, state)];
+    let sides = [0, 1].map(|side| match &bodies[side].heat {
+        Some(heat) => {
+            let (own, observation) = (&frozen_bodies[side], &heat.contact_temperature);
+            let level = prescribed(observation, conditions.ambient, far[side])
+                + raised(observation, &cooled(side, S::from(0.0))) * own.scales.flux
+                + S::from(own.contact + beyond[side]);
+            Side { level, gain: Some(own.direct(observation, Port::Contact as usize)) }
+        }
+        None => Side { level: conditions.ambient, gain: None },
+    });
     let bristle = operators.bristle(state.stiffness);
     let faces = scene.faces;
     let stribeck = operators.stribeck(conditions, pressure);
     // Friction heat per unit of the kinetic friction coefficient at temperature.
     let driver = stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
-        if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { separated(sides.0, sides.1) }
+        if closed { partition(sides[0], sides[1], flux, scene.conductance) } else { separated(sides[0], sides[1]) }
     };
     let mean = |partition: &HeatPartition<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
     let reference = S::from(state.reference);
@@ -285,47 +270,33 @@ pub(crate) fn evaluate<S: Scalar>(
         flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
     }
     let partition = solve(flux);
-    // The contact's heat changes the temperature of the cooled surface; the feedback of its flux on the contact, by another
-    // static correction, is neglected.
-    let recool = |side: usize, operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], into: S| {
-        let (far, neighbour) = (far[side], neighbours[side]);
-        match &operators.heat {
-            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], into),
-            None => before,
-        }
-    };
-    let punch_cooling = recool(0, &operators.punch, &frozen.punch, punch_cooling, partition.punch);
-    let strip_cooling = recool(1, &operators.strip, &frozen.strip, strip_cooling, partition.strip);
     let contact_temperature = mean(&partition);
-    let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
-        Some(heat) => {
-            let observe = |observation: &Observation, states: f64| {
-                // The states are those of the conductivity K0.
-                (S::from(states) * (1.0 / frozen.scales.flux)
-                    + into * observation.direct[Port::Contact as usize]
-                    + raised(observation, &cooling)
-                    + prescribed(observation, conditions.ambient, far) * (1.0 / frozen.scales.flux))
-                    * (body.area * faces)
-            };
-            (
-                observe(&heat.ambient_flow, frozen.ambient_flow) - cooling[BESIDE] * (body.area * faces),
-                observe(&heat.base_flow, frozen.base_flow),
-                if body.air[FAR].path > 0.0 {
-                    let t = S::from(frozen.cooled[FAR])
-                        + into * frozen.direct(&heat.base_temperature, Port::Contact as usize)
-                        + raised(&heat.base_temperature, &cooling) * frozen.scales.flux
-                        + prescribed(&heat.base_temperature, conditions.ambient, far);
-                    let by_air = frozen.air[FAR].flux_by_air(state.reference, t, conditions.ambient, conditions.forced);
-                    (by_air - cooling[FAR]) * (body.area * faces)
-                } else {
-                    S::from(0.0)
-                },
-            )
+    // Heat flows to ambient, out of the far face, and of that to the neighbour. The contact's heat changes the temperature of the cooled
+    // surface; the feedback of its flux on the contact, by another static correction, is neglected.
+    let flows = [(0, partition.punch), (1, partition.strip)].map(|(side, into)| {
+        let (body, own, far) = (bodies[side], &frozen_bodies[side], far[side]);
+        let Some(heat) = &body.heat else { return [S::from(0.0); 3] };
+        let (cooling, all) = (cooled(side, into), body.area * faces);
+        let observe = |observation: &Observation, states: f64| {
+            // The states are those of the conductivity K0.
+            (S::from(states) * (1.0 / own.scales.flux)
+                + into * observation.direct[Port::Contact as usize]
+                + raised(observation, &cooling)
+                + prescribed(observation, conditions.ambient, far) * (1.0 / own.scales.flux))
+                * all
+        };
+        let out = observe(&heat.base_flow, own.base_flow);
+        let mut path = S::from(0.0);
+        if body.air[FAR].path > 0.0 {
+            let t = S::from(own.cooled[FAR])
+                + into * own.direct(&heat.base_temperature, Port::Contact as usize)
+                + raised(&heat.base_temperature, &cooling) * own.scales.flux
+                + prescribed(&heat.base_temperature, conditions.ambient, far);
+            let by_air = own.air[FAR].flux_by_air(state.reference, t, conditions.ambient, conditions.forced);
+            path = (by_air - cooling[FAR]) * all;
         }
-        None => (S::from(0.0), S::from(0.0), S::from(0.0)),
-    };
-    let punch_flows = flows(&operators.punch, &frozen.punch, partition.punch, punch_cooling, far[0]);
-    let strip_flows = flows(&operators.strip, &frozen.strip, partition.strip, strip_cooling, far[1]);
+        [observe(&heat.ambient_flow, own.ambient_flow) - cooling[BESIDE] * all, out, external_flow(body, out, path)]
+    });
     let wear = |body: &BodyOperators| {
         body.wear.rate(pressure, wearing_speed, kinetic_coefficient, contact_temperature + reference)
             * (body.wear_factor * tunables.wear_acceleration)
@@ -340,14 +311,11 @@ pub(crate) fn evaluate<S: Scalar>(
         flux,
         partition,
         contact_temperature,
-        ambient_flow: [punch_flows.0, strip_flows.0],
-        far_flow: [punch_flows.1, strip_flows.1],
-        external_flow: [
-            external_flow(&operators.punch, punch_flows.1, punch_flows.2),
-            external_flow(&operators.strip, strip_flows.1, strip_flows.2),
-        ],
+        ambient_flow: flows.map(|[ambient, ..]| ambient),
+        far_flow: flows.map(|[_, far, _]| far),
+        external_flow: flows.map(|[.., external]| external),
         wearing_speed,
-        wear_rate: [wear(&operators.punch), wear(&operators.strip)],
+        wear_rate: bodies.map(wear),
     }
 }
 
