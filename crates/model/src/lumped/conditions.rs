@@ -7,7 +7,7 @@ use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;
 use crate::events::load_on_contact;
 use numerics::scalar::Scalar;
-use scene::{Scene, ThermalBoundary};
+use scene::{Body, Scene, ThermalBoundary};
 
 /// Parameters that may change between steps. A model takes the first three from here. The others are in its operators, which are
 /// made anew from the same reduced bodies when one changes: states keep their meaning.
@@ -132,7 +132,7 @@ impl<S: Scalar> Conditions<S> {
         let velocity = operating_point.velocity;
         let sign = operators.friction.sign(velocity);
         let ambient = inputs.ambient_temperature_offset + S::from(tunables.ambient_temperature - reference);
-        let far = |body: &BodyOperators, external: S| match body.far {
+        let far = |body: &Body, external: S| match body.far_thermal {
             ThermalBoundary::Held if body.far_temperature > 0.0 => S::from(body.far_temperature - reference),
             ThermalBoundary::Held => ambient,
             ThermalBoundary::External => external - S::from(reference),
@@ -156,8 +156,8 @@ impl<S: Scalar> Conditions<S> {
             sign,
             stribeck: operators.friction.stribeck(operating_point),
             ambient,
-            punch_far: far(&operators.punch, inputs.punch_external_temperature),
-            strip_far: far(&operators.strip, inputs.strip_external_temperature),
+            punch_far: far(&operators.scene.punch, inputs.punch_external_temperature),
+            strip_far: far(&operators.scene.strip, inputs.strip_external_temperature),
             neighbours: [
                 behind(&operators.punch, inputs.punch_external_temperature),
                 behind(&operators.strip, inputs.strip_external_temperature),

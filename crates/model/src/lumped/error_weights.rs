@@ -26,9 +26,8 @@
 //!
 //! Theory: docs/theory.md, section 4.12.
 
-use super::operators::{path_of, punch_slab, strip_slab};
-use conduction::lateral::Lateral;
-use conduction::moving_source::{MovingSource, Part, Path};
+use super::operators::{StripConduction, punch_slab};
+use conduction::moving_source::Part;
 use nalgebra::Complex;
 use scene::Scene;
 
@@ -60,18 +59,13 @@ pub(crate) fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     if scene.punch.conductivity == 0.0 || scene.strip.conductivity == 0.0 {
         return [ErrorWeight::ALL; 2];
     }
-    let area = scene.contact_area() * scene.count;
-    let (path, length) = path_of(scene);
-    let endless = path == Path::Endless;
-    let punch = punch_slab(scene, area);
-    let (strip, coverage) = strip_slab(scene, area, length, endless);
-    let source = (scene.coverage() < 1.0 - 1e-9)
-        .then(|| MovingSource::new(strip, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene)));
+    let (punch, strip) = (punch_slab(scene), StripConduction::of(scene));
+    let source = strip.source(scene);
     let resistance = if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 };
     let impedances = |frequency: f64| {
         let s = Complex::from(frequency);
         // Fresh material arrives without a temperature rise.
-        let mean = if endless { 0.0 } else { coverage * strip.impedance(s, 0.0).re };
+        let mean = if strip.is_endless() { 0.0 } else { strip.coverage * strip.slab.impedance(s, 0.0).re };
         let local = source.as_ref().map_or(0.0, |source| {
             let track = if source.has_track() { source.response(Part::Track, s, 0.0).re } else { 0.0 };
             source.response(Part::Flash, s, scene.nominal_velocity).re + track

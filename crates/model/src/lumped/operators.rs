@@ -51,22 +51,12 @@ pub struct BodyOperators {
     pub cooled_is_contact: bool,
     /// Thermal boundary condition of the face opposite to the contact.
     pub far: ThermalBoundary,
-    /// Prescribed temperature of that face, K; 0: ambient.
-    pub far_temperature: f64,
-    /// Temperature at initialisation, K; 0: ambient.
-    pub initial_temperature: f64,
     /// Wear law.
     pub wear: WearLaw,
     /// Mean of (r/r_m)^(1 + a) over the contact: 1 for line geometry.
     pub wear_factor: f64,
     /// Wear rate below which errors are neglected, m/s: a millionth of the nominal one.
     pub least_wear: f64,
-    /// Worn volume per worn depth under the contact, per face, m2.
-    pub worn_area: f64,
-    /// Initial wear depth, m.
-    pub initial_wear: f64,
-    /// Wear depth at which life ends, m; 0: never.
-    pub wear_limit: f64,
     /// Mean outward displacement per kelvin of mean temperature, m/K.
     pub expansion: f64,
 }
@@ -187,8 +177,6 @@ pub struct LumpedOperators {
     pub effective_radius: f64,
     /// A wear rate depends on the contact temperature.
     pub wear_follows_temperature: bool,
-    /// The strip has a worn track.
-    pub tracked: bool,
     /// Friction heat flux below which errors are neglected, W/m2: a millionth of the nominal one.
     pub least_flux: f64,
     /// The common form of a step is possible: see [`super::stepper::Stepper::attempt`].
@@ -244,25 +232,25 @@ impl LumpedOperators {
             }
             _ => (1.0, scene.mean_radius),
         };
-        let (path, strip_length) = path_of(scene);
-        let endless = path == moving_source::Path::Endless;
-        let mut punch = punch_of(scene, area);
-        let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
-        let reduced = known.filter(|known| known.scene.tolerance == scene.tolerance);
-        let flash = match reduced {
+        let conduction = StripConduction::of(scene);
+        let mut punch = body_of(scene, true, area, scene.punch_cooled_area() / area, 1.0);
+        let mut strip = body_of(scene, false, conduction.area, conduction.cooled_part, conduction.coverage);
+        if conduction.is_endless() {
+            // Fresh material arrives at the temperature for which the constants are.
+            strip.properties = None;
+        }
+        let flash = match known.filter(|known| known.scene.tolerance == scene.tolerance) {
             Some(known) => {
                 (punch.heat, strip.heat) = (known.punch.heat.clone(), known.strip.heat.clone());
                 known.flash.clone().filter(|_| moves)
             }
             None => {
-                punch.heat = punch_heat(scene, area);
-                strip.heat = strip_heat(scene, area, strip_length, endless);
-                slab.filter(|_| moves).and_then(|slab| flash_of(scene, slab, path))
+                punch.heat = (scene.punch.conductivity > 0.0).then(|| reduce(scene, &punch_slab(scene)));
+                let flash = if moves { conduction.flash(scene) } else { None };
+                strip.heat = conduction.heat(scene, flash.as_ref());
+                flash
             }
         };
-        if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, reduced) {
-            append_track(heat, flash);
-        }
         for body in [&mut punch, &mut strip] {
             body.observe_heat();
             body.cooled_is_contact =
@@ -285,13 +273,12 @@ impl LumpedOperators {
             punch,
             strip,
             flash,
-            strip_remembers: !endless,
+            strip_remembers: !conduction.is_endless(),
             friction: FrictionLaw::new(scene),
             area,
             power_factor,
             per_pressure: area * scene.faces * power_factor,
             effective_radius,
-            tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
             growth,
             compliance,
@@ -363,24 +350,14 @@ impl LumpedOperators {
 /// Flash temperature model of the strip under the contact; `None` where the contact covers the whole path or the strip is an
 /// insulator.
 pub(crate) fn moving_source(scene: &Scene) -> Option<Flash> {
-    let (path, length) = path_of(scene);
-    let endless = path == moving_source::Path::Endless;
-    let (_, slab) = strip_of(scene, scene.contact_area() * scene.count, length, endless);
-    flash_of(scene, slab?, path)
-}
-
-fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flash> {
-    (scene.coverage() < 1.0 - 1e-9).then(|| {
-        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene));
-        Flash::new(&source, scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole())
-    })
+    StripConduction::of(scene).flash(scene)
 }
 
 /// Shortest stroke relative to the contact's length that leaves fresh material to slide on: below, the source is at rest.
 const LEAST_STROKE: f64 = 1e-6;
 
 /// Path of the heat source, and the length of the strip that it heats.
-pub(crate) fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
+fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
         Path::Closed => {
             let period = scene.length / scene.count;
@@ -415,7 +392,9 @@ fn stroke_cell(scene: &Scene) -> f64 {
     scene.nominal_stroke + scene.width + 8.0 * reach
 }
 
-fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, punch: bool) -> BodyOperators {
+/// Operators of a body without its reduced model; areas of the conduction problem as in [`StripConduction`].
+fn body_of(scene: &Scene, punch: bool, area: f64, cooled_part: f64, coverage: f64) -> BodyOperators {
+    let body = if punch { &scene.punch } else { &scene.strip };
     let wear = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let mut operators = BodyOperators {
         heat: None,
@@ -432,26 +411,21 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         cooled_part,
         cooled_is_contact: false,
         far: body.far_thermal,
-        far_temperature: body.far_temperature,
-        initial_temperature: body.initial_temperature,
         least_wear: 0.0,
         wear_factor: match scene.geometry {
             Geometry::Annular => wear.annular_mean(0.5 * scene.width / scene.mean_radius),
             _ => 1.0,
         },
         wear,
-        worn_area: 0.0,
-        initial_wear: body.initial_wear,
-        wear_limit: body.wear_limit,
         expansion: mean_expansion(scene, body, punch),
     };
     operators.tune(scene, body);
     operators
 }
 
-/// Slab model of the punch under the contact's `area`, m2.
-pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
-    let body = &scene.punch;
+/// Slab model of the punch.
+pub(crate) fn punch_slab(scene: &Scene) -> Slab {
+    let (body, area) = (&scene.punch, scene.contact_area() * scene.count);
     Slab {
         volume_transfer: body.convection * scene.punch_cooled_area() / (area * body.height),
         cooling: CoolingPort::Sides,
@@ -459,92 +433,87 @@ pub(crate) fn punch_slab(scene: &Scene, area: f64) -> Slab {
     }
 }
 
-fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
-    let body = &scene.punch;
-    let mut operators = body_of(scene, body, area, scene.punch_cooled_area() / area, 1.0, true);
-    operators.worn_area = area;
-    operators
+fn reduce(scene: &Scene, slab: &Slab) -> ReducedBody {
+    slab.reduce(scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole())
 }
 
-/// Reduced conduction model of the punch; `None` for an insulator.
-fn punch_heat(scene: &Scene, area: f64) -> Option<ReducedBody> {
-    let conducts = scene.punch.conductivity > 0.0;
-    conducts
-        .then(|| punch_slab(scene, area).reduce(scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole()))
+/// Conduction problem of the strip.
+pub(crate) struct StripConduction {
+    /// Path of the heat source.
+    path: moving_source::Path,
+    /// Reference area per face, m2.
+    area: f64,
+    /// Fraction of it that the contact covers, and that is cooled.
+    pub coverage: f64,
+    cooled_part: f64,
+    /// Slab model.
+    pub slab: Slab,
 }
 
-/// Reference area of the strip's conduction problem (m2), the fraction of it that the contact covers, and its cooled area (m2).
-fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f64, f64) {
-    let reference = match scene.geometry {
-        Geometry::Annular => length * scene.width,
-        _ => length * scene.depth,
-    };
-    // On an endless path the problem is that of the integral over the path: all of it is cooled.
-    let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, (reference - area).max(0.0)) };
-    let cooled = if scene.strip.cooled_area > 0.0 { scene.strip.cooled_area } else { free };
-    (reference, coverage, cooled)
-}
-
-/// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact
-/// covers.
-pub(crate) fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
-    let body = &scene.strip;
-    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
-    let slab = Slab { surface_transfer: body.convection * cooled / reference, ..Slab::of(body) };
-    (slab, coverage)
-}
-
-/// Operators of the strip, and its slab model for the moving source.
-fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
-    let body = &scene.strip;
-    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
-    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, false);
-    if endless {
-        // Fresh material arrives at the temperature for which the constants are.
-        operators.properties = None;
+impl StripConduction {
+    /// Conduction problem of the strip of a scene.
+    pub(crate) fn of(scene: &Scene) -> StripConduction {
+        let (body, contact, (path, length)) = (&scene.strip, scene.contact_area() * scene.count, path_of(scene));
+        let area = match scene.geometry {
+            Geometry::Annular => length * scene.width,
+            _ => length * scene.depth,
+        };
+        // On an endless path the problem is that of the integral over the path: all of it is cooled.
+        let (coverage, free) = match path {
+            moving_source::Path::Endless => (1.0, area),
+            _ => (contact / area, (area - contact).max(0.0)),
+        };
+        let cooled = if body.cooled_area > 0.0 { body.cooled_area } else { free };
+        let slab = Slab { surface_transfer: body.convection * cooled / area, ..Slab::of(body) };
+        StripConduction { path, area, coverage, cooled_part: cooled / area, slab }
     }
-    // A closed path wears over its whole length; a straight one under the contact, with a worn track.
-    operators.worn_area = area;
-    let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);
-    (operators, slab)
-}
 
-/// Reduced conduction model of the strip, without its track; `None` for an insulator.
-fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<ReducedBody> {
-    if scene.strip.conductivity == 0.0 {
-        return None;
+    /// Whether the contact meets fresh material all the time.
+    pub(crate) fn is_endless(&self) -> bool {
+        self.path == moving_source::Path::Endless
     }
-    let (slab, coverage) = strip_slab(scene, area, length, endless);
-    let mut heat = slab.reduce(scene.nominal_duration, ToleranceBudget::of(scene).reduction.whole());
-    let count = heat.count;
-    for weight in &mut heat.input[0][..count] {
-        *weight *= coverage;
-    }
-    for observation in [
-        &mut heat.contact_temperature,
-        &mut heat.cooled_temperature,
-        &mut heat.base_temperature,
-        &mut heat.mean_temperature,
-        &mut heat.ambient_flow,
-        &mut heat.base_flow,
-    ] {
-        observation.direct[0] *= coverage;
-    }
-    if endless {
-        // Fresh material arrives at its initial temperature: the mean heating stays behind the contact.
-        heat.contact_temperature = Observation::NONE;
-    }
-    Some(heat)
-}
 
-/// Appends the decaying temperature of the track of a stroke, which does not change the mean: states that enter the contact
-/// temperature only.
-fn append_track(heat: &mut ReducedBody, flash: &Flash) {
-    for (&rate, &residue) in flash.track.rate.iter().zip(&flash.track.residue) {
-        let state = heat.count;
-        heat.rate[state] = rate;
-        heat.input[0][state] = residue.sqrt();
-        heat.contact_temperature.states[state] = residue.sqrt();
-        heat.count += 1;
+    /// Source of local heating under the contact; `None` where that covers the whole path, and for an insulator.
+    pub(crate) fn source(&self, scene: &Scene) -> Option<MovingSource> {
+        (scene.strip.conductivity > 0.0 && scene.coverage() < 1.0 - 1e-9).then(|| {
+            MovingSource::new(self.slab, 0.5 * scene.sliding_extent(), self.path).spreading(Lateral::of(scene))
+        })
+    }
+
+    fn flash(&self, scene: &Scene) -> Option<Flash> {
+        let tolerance = ToleranceBudget::of(scene).reduction.whole();
+        self.source(scene).map(|source| Flash::new(&source, scene.nominal_duration, tolerance))
+    }
+
+    /// Reduced conduction model; `None` for an insulator. The decaying temperature of the track of a stroke, which does not change the
+    /// mean, adds states that enter the contact temperature only.
+    fn heat(&self, scene: &Scene, flash: Option<&Flash>) -> Option<ReducedBody> {
+        if scene.strip.conductivity == 0.0 {
+            return None;
+        }
+        let mut heat = reduce(scene, &self.slab);
+        heat.input[0].iter_mut().for_each(|weight| *weight *= self.coverage);
+        for observation in [
+            &mut heat.contact_temperature,
+            &mut heat.cooled_temperature,
+            &mut heat.base_temperature,
+            &mut heat.mean_temperature,
+            &mut heat.ambient_flow,
+            &mut heat.base_flow,
+        ] {
+            observation.direct[0] *= self.coverage;
+        }
+        if self.is_endless() {
+            // Fresh material arrives at its initial temperature: the mean heating stays behind the contact.
+            heat.contact_temperature = Observation::NONE;
+        }
+        for (&rate, &residue) in flash.iter().flat_map(|flash| flash.track.rate.iter().zip(&flash.track.residue)) {
+            let state = heat.count;
+            heat.rate[state] = rate;
+            heat.input[0][state] = residue.sqrt();
+            heat.contact_temperature.states[state] = residue.sqrt();
+            heat.count += 1;
+        }
+        Some(heat)
     }
 }

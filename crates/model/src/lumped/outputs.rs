@@ -180,13 +180,13 @@ impl Lumped {
         let external = [0, 1].map(|side| {
             point::external_flow(bodies[side], accounts[side].far, states[side].external * bodies[side].area * faces)
         });
-        let life = [0, 1].map(|side| match bodies[side] {
+        let life = [0, 1].map(|side| match [&scene.punch, &scene.strip][side] {
             body if body.wear_limit > 0.0 => {
                 (1.0 - (depths[side] + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
             }
             _ => 1.0,
         });
-        let volumes = [0, 1].map(|side| states[side].worn * bodies[side].worn_area * faces);
+        let volumes = [0, 1].map(|side| states[side].worn * operators.area * faces);
         let [punch, strip] = &accounts;
         let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
         emit!(
@@ -250,8 +250,8 @@ impl Lumped {
         let Some(heat) = &body.heat else { return Account::default() };
         let (faces, reference) = (operators.scene.faces, self.state.reference);
         let all = body.area * faces;
-        let starts_warmer = body.initial_temperature > 0.0 && (side == 0 || operators.strip_remembers);
-        let initial = if starts_warmer { body.initial_temperature - reference } else { 0.0 };
+        let own = [&operators.scene.punch, &operators.scene.strip][side].initial_temperature;
+        let initial = if own > 0.0 && (side == 0 || operators.strip_remembers) { own - reference } else { 0.0 };
         let received = state.received[0] * operators.area * faces;
         if let Some(properties) = &body.properties {
             return self.account_by_enthalpy(side, (properties, heat), initial, received);

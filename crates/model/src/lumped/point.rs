@@ -327,7 +327,7 @@ pub(crate) fn external_flow<T>(body: &BodyOperators, far: T, path: T) -> T {
 
 /// Temperature (K above the reference) at which fresh material arrives in unidirectional sliding on a straight path.
 pub(crate) fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
-    let initial = operators.strip.initial_temperature;
+    let initial = operators.scene.strip.initial_temperature;
     if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }
 }
 

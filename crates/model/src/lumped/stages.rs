@@ -139,7 +139,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             step * (STAGE[point][0] * self.rates[body][0] + STAGE[point][1] * self.rates[body][1])
                 + self.released_wear[body]
         };
-        let closed = state.punch.depth + worn(0) + state.strip.depth + operators.scene.coverage() * worn(1)
+        let closed = state.punch.depth + worn(0) + state.strip.depth + operators.strip_coverage * worn(1)
             - punch.expansion(&state.punch, point)
             - strip.expansion(&state.strip, point);
         let load = if given > 0.0 { (given - operators.series_stiffness * closed).max(0.0) } else { 0.0 };

@@ -4,8 +4,9 @@
 
 use super::operators::LumpedOperators;
 use conduction::flash::MAX_FLASH_STATES;
-use conduction::reduced::MAX_STATES;
+use conduction::reduced::{MAX_STATES, ReducedBody};
 use contact::wear::track::Track;
+use scene::{Body, Path};
 
 /// Thermal state and wear of one body.
 #[derive(Clone, PartialEq, Debug)]
@@ -23,14 +24,14 @@ pub struct BodyState {
     pub trend: f64,
     /// Worn depth under a contact that stays on its material, m: of the punch, or of the strip on a closed path.
     pub depth: f64,
-    /// Worn volume per face over `worn_area`, m.
+    /// Worn volume per face over the contact area, m.
     pub worn: f64,
 }
 
 impl BodyState {
     /// The zero state.
     pub(crate) const EMPTY: BodyState = BodyState {
-        heat: [0.0; conduction::reduced::MAX_STATES],
+        heat: [0.0; MAX_STATES],
         received: [0.0; 4],
         external: 0.0,
         lost: 0.0,
@@ -95,9 +96,10 @@ impl LumpedState {
     /// Initial state: bodies at their initial temperatures, unworn. `ambient` in K.
     pub(crate) fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
-        let start = |body: &super::operators::BodyOperators| {
+        let scene = &operators.scene;
+        let start = |heat: Option<&ReducedBody>, body: &Body| {
             let mut state = BodyState::EMPTY;
-            if let Some(heat) = &body.heat {
+            if let Some(heat) = heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {
                     state.heat[k] = heat.uniform[k] * (initial - reference);
@@ -105,19 +107,14 @@ impl LumpedState {
             }
             state
         };
-        let punch = start(&operators.punch);
-        let mut strip = start(&operators.strip);
-        if !operators.strip_remembers {
-            strip.heat = [0.0; MAX_STATES];
-        }
-        let track = operators
-            .tracked
-            .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
+        let punch = start(operators.punch.heat.as_ref(), &scene.punch);
+        let strip = start(operators.strip.heat.as_ref().filter(|_| operators.strip_remembers), &scene.strip);
+        let straight = scene.path == Path::Straight;
+        let track = straight.then(|| Track::new(0.5 * scene.sliding_extent(), scene.nominal_stroke));
         // Bodies that start at temperatures of their own have that rise already; an insulator has none.
-        let conduct = [&operators.punch, &operators.strip].into_iter().filter(|body| body.heat.is_some());
+        let conduct = [&scene.punch, &scene.strip].into_iter().filter(|body| body.conductivity > 0.0);
         let initial = conduct.map(|body| body.initial_temperature).filter(|initial| *initial > 0.0);
-        let risen = initial.map(|initial| (initial - reference).abs());
-        let peak_rise = risen.fold(0.0, f64::max);
+        let peak_rise = initial.map(|initial| (initial - reference).abs()).fold(0.0, f64::max);
         let stiffness = operators.stick_stiffness(operators.tangential_stiffness);
         LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::empty() }
     }
@@ -173,7 +170,7 @@ impl LumpedState {
         };
         within(&self.punch.heat, &operators.punch)
             && within(&self.strip.heat, &operators.strip)
-            && self.track.is_some() == operators.tracked
+            && self.track.is_some() == (operators.scene.path == Path::Straight)
             && (self.stiffness > 0.0) == operators.has_bristle()
             && self.refinement <= 60
     }
