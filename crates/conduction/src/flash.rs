@@ -193,8 +193,7 @@ impl SpeedTable {
             .map(|leading| {
                 let [left, right] = [leading, leading + 1].map(|leading| f64::from_bits(leading << FREE_BITS));
                 let [(value, slope), (next, next_slope)] = [left, right].map(|speed| table.by_spline(speed));
-                let (slope, next_slope, rise) = (slope * (right - left), next_slope * (right - left), next - value);
-                [value, slope, 3.0 * rise - 2.0 * slope - next_slope, slope + next_slope - 2.0 * rise]
+                cubic([value, next], [slope, next_slope].map(|slope| slope * (right - left)))
             })
             .collect();
         table
@@ -230,13 +229,18 @@ impl SpeedTable {
             let index = position as usize;
             let x = position - index as f64;
             let ((left, left_slope), (right, right_slope)) = (self.nodes[index], self.nodes[index + 1]);
-            let rise = right - left;
-            let (c2, c3) = (3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise);
-            (left + x * (left_slope + x * (c2 + x * c3)), left_slope + x * (2.0 * c2 + x * 3.0 * c3))
+            let [c0, c1, c2, c3] = cubic([left, right], [left_slope, right_slope]);
+            (c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + x * 3.0 * c3))
         };
         let rate = logarithm.exp();
         (rate, rate * slope * NODES_PER_UNIT / speed)
     }
+}
+
+/// Coefficients of the cubic on [0, 1] with these values and slopes at its ends.
+fn cubic([left, right]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 4] {
+    let rise = right - left;
+    [left, first, 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise]
 }
 
 /// Resistances at `count` nodes from the speed exp(`low`) on.
@@ -251,10 +255,8 @@ fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
     let slopes = spline_slopes(&values);
     let between = |node: usize| {
         let (index, x) = (node / APART, (node % APART) as f64 / APART as f64);
-        let (left, right) = (values[index], values[index + 1]);
-        let (first, second, rise) = (slopes[index], slopes[index + 1], right - left);
-        let (c2, c3) = (3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise);
-        (left + x * (first + x * (c2 + x * c3))).exp()
+        let [c0, c1, c2, c3] = cubic([values[index], values[index + 1]], [slopes[index], slopes[index + 1]]);
+        (c0 + x * (c1 + x * (c2 + x * c3))).exp()
     };
     (0..count).map(between).collect()
 }

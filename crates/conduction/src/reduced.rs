@@ -46,7 +46,7 @@ pub enum Port {
 pub const PORTS: usize = 4;
 
 /// Linear observation of states and inputs.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct Observation {
     /// Weight of every state.
     pub states: [f64; MAX_STATES],
@@ -55,9 +55,6 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Zero observation.
-    pub const NONE: Observation = Observation { states: [0.0; MAX_STATES], direct: [0.0; PORTS] };
-
     /// Contribution of the states to the observation.
     #[inline]
     pub fn of_states(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
@@ -74,7 +71,7 @@ impl Observation {
 }
 
 /// Reduced body; equations in the module documentation.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct ReducedBody {
     /// Number of states.
     pub count: usize,

@@ -4,7 +4,7 @@
 //! Theory: docs/theory.md, section 4.2.
 
 use super::{BASE_SHIFTS, BaseField, CoolingPort, Slab};
-use crate::reduced::{MAX_SLAB_STATES, MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use crate::reduced::{MAX_SLAB_STATES, PORTS, Port, ReducedBody};
 use crate::trial_functions::{Function, Points};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
@@ -224,20 +224,7 @@ impl<'a> Basis<'a> {
         let lossless = self.is_lossless();
         let lift = BaseField::new(slab, 0.0);
         let lifted: Vec<f64> = self.points.position.iter().map(|&z| lift.at(z)).collect();
-        let mut body = ReducedBody {
-            count: kept,
-            rate: [0.0; MAX_STATES],
-            input: [[0.0; MAX_STATES]; PORTS],
-            contact_temperature: Observation::NONE,
-            cooled_temperature: Observation::NONE,
-            base_temperature: Observation::NONE,
-            mean_temperature: Observation::NONE,
-            stored: Observation::NONE,
-            uniform: [0.0; MAX_STATES],
-            ambient_flow: Observation::NONE,
-            base_flow: Observation::NONE,
-            error: 0.0,
-        };
+        let mut body = ReducedBody { count: kept, ..ReducedBody::default() };
         let base = Port::Base as usize;
         let ambient = Port::Ambient as usize;
         // Direct feedthrough of the stationary base temperature, before the projection on the states is subtracted.

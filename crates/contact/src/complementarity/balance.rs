@@ -6,7 +6,7 @@ use super::{ContactProblem, ContactSolver};
 use crate::problem::{ContactError, ContactState, Normal, Tilt};
 
 /// Load and moment balance: free unknowns and the right-hand sides of their rows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Balance {
     pub approach_free: bool,
     pub tilt_free: bool,
@@ -41,16 +41,7 @@ impl ContactSolver {
                 return Err(ContactError::Invalid { quantity: "wear per pressure", value });
             }
         }
-        let mut balance = Balance {
-            approach_free: true,
-            tilt_free: false,
-            approach: 0.0,
-            tilt: 0.0,
-            load: 0.0,
-            stiffness: 0.0,
-            lever: 0.0,
-            moment: 0.0,
-        };
+        let mut balance = Balance { approach_free: true, ..Balance::default() };
         match problem.normal {
             Normal::Load(value) => {
                 if finite("load", value)? < 0.0 {

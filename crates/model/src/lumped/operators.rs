@@ -505,7 +505,7 @@ impl StripConduction {
         }
         if self.is_endless() {
             // Fresh material arrives at its initial temperature: the mean heating stays behind the contact.
-            heat.contact_temperature = Observation::NONE;
+            heat.contact_temperature = Observation::default();
         }
         for (&rate, &residue) in flash.iter().flat_map(|flash| flash.track.rate.iter().zip(&flash.track.residue)) {
             let state = heat.count;

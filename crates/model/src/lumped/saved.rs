@@ -30,7 +30,7 @@ impl LumpedState {
     /// The state of these numbers; `None` where they are not those of a state.
     pub fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<LumpedState> {
         let all = numbers.as_slice();
-        let mut state = LumpedState::empty();
+        let mut state = LumpedState::default();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
             let BodyState { received, external, lost, trend, depth, worn, .. } = body;

@@ -104,7 +104,7 @@ fn dots<const N: usize>(rows: [&[f64; MAX_STATES]; N], states: &[f64; MAX_STATES
 }
 
 /// Observed temperature over a step: free response of the initial states, and gains from the stage fluxes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Default, Debug)]
 pub(crate) struct Observed {
     /// Weight of the initial states at every point.
     pub homogeneous: [[f64; MAX_STATES]; 3],
@@ -113,10 +113,6 @@ pub(crate) struct Observed {
 }
 
 impl Observed {
-    fn none() -> Observed {
-        Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] }
-    }
-
     /// `weight`: factors of the fluxes, by port.
     fn new(
         body: &ReducedBody,
@@ -125,7 +121,7 @@ impl Observed {
         driven: &Driven,
         weight: &[f64; PORTS],
     ) -> Observed {
-        let mut observed = Observed::none();
+        let mut observed = Observed::default();
         for point in 0..3 {
             for k in 0..body.count {
                 observed.homogeneous[point][k] = observation.states[k] * decay[point][k];
@@ -334,7 +330,7 @@ impl Propagator {
         let observed = |observation: &Observation| Observed::new(body, observation, &decay, &driven, &weight);
         let [mut contact, mut mean] = [&body.contact_temperature, &body.mean_temperature].map(observed);
         let mut cooled = [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])]
-            .map(|(observation, asked)| if asked { observed(observation) } else { Observed::none() });
+            .map(|(observation, asked)| if asked { observed(observation) } else { Observed::default() });
         let by_face = [BESIDE, FAR].map(|face| {
             [&cooled[face], &contact, &mean].map(|one| one.gain[PORTS_OF_FACES[face]][2].iter().sum::<f64>())
         });

@@ -9,7 +9,7 @@ use contact::wear::track::Track;
 use scene::{Body, Path};
 
 /// Thermal state and wear of one body.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct BodyState {
     /// States of the reduced conduction problem.
     pub heat: [f64; MAX_STATES],
@@ -28,21 +28,8 @@ pub struct BodyState {
     pub worn: f64,
 }
 
-impl BodyState {
-    /// The zero state.
-    pub(crate) const EMPTY: BodyState = BodyState {
-        heat: [0.0; MAX_STATES],
-        received: [0.0; 4],
-        external: 0.0,
-        lost: 0.0,
-        trend: 0.0,
-        depth: 0.0,
-        worn: 0.0,
-    };
-}
-
 /// State of the lumped level.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct LumpedState {
     /// Of the punch.
     pub punch: BodyState,
@@ -98,7 +85,7 @@ impl LumpedState {
         let reference = ambient;
         let scene = &operators.scene;
         let start = |heat: Option<&ReducedBody>, body: &Body| {
-            let mut state = BodyState::EMPTY;
+            let mut state = BodyState::default();
             if let Some(heat) = heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {
@@ -116,36 +103,7 @@ impl LumpedState {
         let initial = conduct.map(|body| body.initial_temperature).filter(|initial| *initial > 0.0);
         let peak_rise = initial.map(|initial| (initial - reference).abs()).fold(0.0, f64::max);
         let stiffness = operators.stick_stiffness(operators.tangential_stiffness);
-        LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::empty() }
-    }
-
-    /// Zero state without a track.
-    pub(crate) fn empty() -> LumpedState {
-        LumpedState {
-            punch: BodyState::EMPTY,
-            strip: BodyState::EMPTY,
-            flash: [0.0; MAX_FLASH_STATES],
-            track: None,
-            position: 0.0,
-            distance: 0.0,
-            dissipated: 0.0,
-            bristle: 0.0,
-            stiffness: 0.0,
-            far_start: [0.0; 2],
-            far: [0.0; 2],
-            peak_rise: 0.0,
-            peak_flux: 0.0,
-            peak_wear: 0.0,
-            growth: 0.0,
-            limits: 0,
-            refinement: 0,
-            reference: 0.0,
-            end_temperature: 0.0,
-            end_force: 0.0,
-            error: 0.0,
-            steps: 0,
-            rejected: 0,
-        }
+        LumpedState { punch, strip, track, reference, peak_rise, stiffness, ..LumpedState::default() }
     }
 
     /// Adds the worn depths `worn` (m; punch, strip) under a contact that moves by `travel` (m).
