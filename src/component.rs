@@ -65,11 +65,30 @@ fn is_as_long(step: f64, other: f64) -> bool {
 
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 enum Phase {
+    #[default]
     Instantiated,
     Initializing,
     Running,
+}
+
+/// What the continuation of a run depends on beside values and model.
+#[derive(Clone, PartialEq, Default, Debug)]
+struct Run {
+    /// Time derivatives of the inputs for the next step.
+    slopes: [f64; INPUTS],
+    phase: Phase,
+    /// Tolerance given by the importer.
+    tolerance: Option<f64>,
+    /// Limits already logged.
+    reported: u8,
+    /// Inputs and tunable parameters are those of the end of the last step.
+    at_end: bool,
+    /// Length of the last step, s; 0: none yet.
+    last_step: f64,
+    /// Time by which the model is behind the importer, s: see [`SAME_LENGTH`].
+    behind: f64,
 }
 
 /// Component: values, model and phase.
@@ -79,31 +98,20 @@ pub struct Component {
     values: Box<Values>,
     /// An input may be out of range, and has to be checked before the next step.
     suspect: bool,
-    slopes: [f64; INPUTS],
-    /// An input derivative differs from 0: a cached property of `slopes`, needed in every step.
+    run: Run,
+    /// An input derivative differs from 0: a cached property of the slopes, needed in every step.
     sloped: bool,
-    phase: Phase,
     model: Option<Model>,
     /// Groups of outputs that are up to date.
     current: u8,
     /// The model must be rebuilt before outputs are read (while initialising).
     stale: bool,
-    /// Tolerance given by the importer.
-    tolerance: Option<f64>,
     /// Tolerance of the scene's default experiment: used where neither the importer nor `solver.tolerance` gives one.
     declared_tolerance: Option<f64>,
     /// Scene prepared last: reused for the same scene.
     prepared: Option<Arc<BuiltModel>>,
     /// Error of the run, once there is a model.
     run_error: Option<RunError>,
-    /// Inputs and tunable parameters are those of the end of the last step.
-    at_end: bool,
-    /// Length of the last step, s; 0: none yet.
-    last_step: f64,
-    /// Time by which the model is behind the importer, s: see [`SAME_LENGTH`].
-    behind: f64,
-    /// Limits already logged.
-    reported: u8,
     messages: Messages,
 }
 
@@ -115,20 +123,14 @@ impl Component {
             starts,
             values,
             suspect: false,
-            slopes: [0.0; INPUTS],
+            run: Run::default(),
             sloped: false,
-            phase: Phase::Instantiated,
             model: None,
             current: 0,
             stale: true,
-            tolerance: None,
             declared_tolerance: None,
             prepared: None,
             run_error: None,
-            at_end: false,
-            last_step: 0.0,
-            behind: 0.0,
-            reported: 0,
             messages: Messages::default(),
         }
     }
@@ -164,7 +166,7 @@ impl Component {
         self.run_error = Some(RunError::new(&prepared, tunables, &inputs));
         self.prepared = Some(prepared);
         self.current = 0;
-        self.at_end = false;
+        self.run.at_end = false;
         Ok(())
     }
 
@@ -174,9 +176,9 @@ impl Component {
         // The ambient temperature and its offset are checked together.
         self.suspect = true;
         self.current = 0;
-        self.at_end = false;
+        self.run.at_end = false;
         self.stale = true;
-        if self.phase == Phase::Running {
+        if self.run.phase == Phase::Running {
             let tunables = tunables_of(&self.values);
             if let Some(model) = &mut self.model {
                 model.set_tunables(tunables);
@@ -192,32 +194,32 @@ impl Component {
     pub fn set_input(&mut self, reference: ValueReference, value: f64) {
         let index = reference as usize;
         if self.sloped {
-            self.slopes[index] = 0.0;
-            self.sloped = is_sloped(&self.slopes);
+            self.run.slopes[index] = 0.0;
+            self.sloped = is_sloped(&self.run.slopes);
         }
         if self.values[index].to_bits() != value.to_bits() {
             self.values[index] = value;
             self.suspect |= inputs::needs_check(index, value);
             self.current &= group::ACCOUNT;
-            self.at_end = false;
+            self.run.at_end = false;
             self.stale = true;
         }
     }
 
     /// Stores the time derivative of an input for the next step.
     pub fn set_input_derivative(&mut self, reference: ValueReference, value: f64) {
-        self.slopes[reference as usize] = value;
-        self.sloped = is_sloped(&self.slopes);
+        self.run.slopes[reference as usize] = value;
+        self.sloped = is_sloped(&self.run.slopes);
     }
 
     /// Sets the tolerance given by the importer for the run, which also applies to outputs while initialising.
     pub(crate) fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
-        self.tolerance = tolerance;
+        self.run.tolerance = tolerance;
     }
 
     /// Enters initialisation: from here on outputs are those of the current inputs.
     pub fn enter_initialization(&mut self) {
-        self.phase = Phase::Initializing;
+        self.run.phase = Phase::Initializing;
         self.stale = true;
         self.current = 0;
     }
@@ -227,12 +229,12 @@ impl Component {
     /// # Errors
     /// A text that names the variables, their values and the limit; the component is unchanged.
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
-        self.tolerance = tolerance;
+        self.run.tolerance = tolerance;
         self.check_inputs(0.0)?;
-        let scene = self.scene_of(&self.values, self.tolerance)?;
+        let scene = self.scene_of(&self.values, self.run.tolerance)?;
         self.build(&scene)?;
         self.check_outputs()?;
-        self.phase = Phase::Running;
+        self.run.phase = Phase::Running;
         self.announce(&scene);
         self.messages.reserve();
         Ok(())
@@ -246,7 +248,7 @@ impl Component {
         interruption::checkpoint();
         if step == 0.0 {
             // Input derivatives are valid for one step, also for one of length 0.
-            self.slopes = [0.0; INPUTS];
+            self.run.slopes = [0.0; INPUTS];
             self.sloped = false;
             return Ok(());
         }
@@ -269,13 +271,13 @@ impl Component {
             self.suspect = false;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
-        let (began, slopes) = (inputs_of(&self.values), self.sloped.then(|| Inputs::from_array(self.slopes)));
-        let due = step + self.behind;
-        let (unit, length) = match is_as_long(step, self.last_step) {
-            true if is_as_long(due, self.last_step) => (self.last_step, self.last_step),
-            true => (self.last_step, due),
+        let (began, slopes) = (inputs_of(&self.values), self.sloped.then(|| Inputs::from_array(self.run.slopes)));
+        let due = step + self.run.behind;
+        let (unit, length) = match is_as_long(step, self.run.last_step) {
+            true if is_as_long(due, self.run.last_step) => (self.run.last_step, self.run.last_step),
+            true => (self.run.last_step, due),
             false if due > 0.0 => (step, due),
-            false => (self.last_step, 0.0),
+            false => (self.run.last_step, 0.0),
         };
         if length > 0.0 {
             model.step(&began, slopes.as_ref(), length).map_err(|failure| failure.to_string())?;
@@ -285,17 +287,17 @@ impl Component {
                 self.messages.add(Subject::Warning, format_args!("{notice}"));
             }
         }
-        (self.last_step, self.behind) = (unit, due - length);
-        self.at_end = !self.sloped && !model.has_bristle();
+        (self.run.last_step, self.run.behind) = (unit, due - length);
+        self.run.at_end = !self.sloped && !model.has_bristle();
         if self.sloped {
-            for (value, slope) in self.values.iter_mut().zip(&mut self.slopes) {
+            for (value, slope) in self.values.iter_mut().zip(&mut self.run.slopes) {
                 *value += *slope * step;
                 *slope = 0.0;
             }
             self.sloped = false;
         }
         self.current = 0;
-        if self.at_end {
+        if self.run.at_end {
             model.write_end(&mut self.values);
             self.current = group::MAIN;
         }
@@ -306,7 +308,7 @@ impl Component {
         if began.angular_velocity != 0.0 && value!(self.values, "contact.mean_radius") == 0.0 {
             limits |= WITHOUT_RADIUS;
         }
-        if limits & !self.reported != 0 {
+        if limits & !self.run.reported != 0 {
             self.report(limits, &began);
         }
         Ok(())
@@ -358,7 +360,7 @@ impl Component {
 
     /// Ends the run: logs advice where its error is above the tolerance.
     pub fn conclude(&mut self) {
-        if self.last_step == 0.0 {
+        if self.run.last_step == 0.0 {
             return;
         }
         let steps = self.get(reference("estimated_step_error"));

@@ -39,7 +39,7 @@ impl Component {
     /// # Errors
     /// A text with variable, value and limit.
     pub fn check_tuning(&self, changes: impl Iterator<Item = (ValueReference, f64)>) -> Result<(), String> {
-        let Some(model) = self.model.as_ref().filter(|_| self.phase == Phase::Running) else { return Ok(()) };
+        let Some(model) = self.model.as_ref().filter(|_| self.run.phase == Phase::Running) else { return Ok(()) };
         let mut values = *self.values;
         changes.for_each(|(reference, value)| values[reference as usize] = value);
         model.operators().check_tunables(&super::tunables_of(&values))
@@ -52,7 +52,7 @@ impl Component {
     pub(crate) fn check_inputs(&self, step: f64) -> Result<(), String> {
         for index in 0..INPUTS {
             let (name, unit) = name_of(index);
-            let (value, slope) = (self.values[index], self.slopes[index]);
+            let (value, slope) = (self.values[index], self.run.slopes[index]);
             for (what, number) in [("", value), ("the derivative of ", slope)] {
                 if !number.is_finite() {
                     return Err(format!("{what}{name} = {number} is not a finite number"));
@@ -71,7 +71,7 @@ impl Component {
 
     /// Checks that ambient and external temperatures are above 0 K.
     fn check_temperatures(&self, step: f64) -> Result<(), String> {
-        let at_both = |index: usize| [self.values[index], self.values[index] + self.slopes[index] * step];
+        let at_both = |index: usize| [self.values[index], self.values[index] + self.run.slopes[index] * step];
         let ambient = value!(self.values, "ambient_temperature");
         for offset in at_both(FIRST_TEMPERATURE) {
             if ambient + offset <= 0.0 {

@@ -103,22 +103,22 @@ impl Component {
     }
 
     fn compute(&mut self, wanted: u8) {
-        if self.phase == Phase::Initializing && self.stale {
+        if self.run.phase == Phase::Initializing && self.stale {
             self.stale = false;
             // Rules between several parameters are checked at the end of initialisation.
-            if let Ok(scene) = self.scene_of(&self.values, self.tolerance) {
+            if let Ok(scene) = self.scene_of(&self.values, self.run.tolerance) {
                 let _ = self.build(&scene);
             }
         }
         if let Some(model) = &mut self.model {
             let inputs = inputs_of(&self.values);
             match wanted {
-                group::MAIN if self.at_end => model.write_end(&mut self.values),
+                group::MAIN if self.run.at_end => model.write_end(&mut self.values),
                 group::MAIN | group::CONTACT => {
                     // Values already read must not change: only groups that are not up to date are written.
                     let main = MAIN.map(|index| self.values[index]);
                     model.write_contact(&inputs, &mut self.values);
-                    if self.at_end {
+                    if self.run.at_end {
                         model.write_end(&mut self.values);
                     } else if self.current & group::MAIN != 0 {
                         for (index, value) in MAIN.into_iter().zip(main) {

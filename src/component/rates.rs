@@ -28,7 +28,7 @@ impl Component {
         let Some(model) = &mut self.model else {
             return Err("no output derivatives before the parameters join to a scene".into());
         };
-        let ahead = match self.last_step {
+        let ahead = match self.run.last_step {
             // Length of the look-ahead step relative to the nominal duration, before the first step.
             0.0 => 1e-7 * model.scene().nominal_duration,
             // Length of the look-ahead step relative to the last step; the error is of second order in it.

@@ -17,13 +17,13 @@ impl Component {
     /// Logs the plan and the warnings of the scene.
     pub(super) fn announce(&mut self, scene: &Scene) {
         let own = value!(self.values, "solver.tolerance") > 0.0;
-        let source = match (own, self.tolerance, self.declared_tolerance) {
+        let source = match (own, self.run.tolerance, self.declared_tolerance) {
             (true, ..) => "solver.tolerance",
             (false, Some(_), _) => "the importer",
             (false, None, Some(_)) => "the scene's DefaultExperiment",
             (false, None, None) => "the default",
         };
-        if let (false, Some(given)) = (own, self.tolerance)
+        if let (false, Some(given)) = (own, self.run.tolerance)
             && given != scene.tolerance
         {
             let (least, largest) = (TOLERANCES.start(), TOLERANCES.end());
@@ -51,7 +51,7 @@ impl Component {
 
     /// Logs limits not logged before, after a step that began at the inputs `began`.
     pub(super) fn report(&mut self, limits: u8, began: &Inputs) {
-        let fresh = limits & !self.reported;
+        let fresh = limits & !self.run.reported;
         let texts = [
             (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
             (
@@ -107,6 +107,6 @@ impl Component {
                 self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));
             }
         }
-        self.reported |= limits;
+        self.run.reported |= limits;
     }
 }

@@ -1,6 +1,6 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
-use super::{Component, FIRST_PARAMETER, Phase, TUNABLES, Values, inputs_of, is_as_long, tunables_of};
+use super::{Component, FIRST_PARAMETER, Phase, Run, TUNABLES, Values, inputs_of, is_as_long, tunables_of};
 use model::levels::{Model, ModelState};
 use model::lumped::conditions::Tunables;
 use model::lumped::state::LumpedState;
@@ -15,13 +15,7 @@ use scene::variables::{COUNT, Kind, ValueReference, check_parameter, lookup};
 pub struct Snapshot {
     changed: Vec<(u16, f64)>,
     inputs: [f64; INPUTS],
-    slopes: [f64; INPUTS],
-    phase: u8,
-    tolerance: Option<f64>,
-    reported: u8,
-    at_end: bool,
-    last_step: f64,
-    behind: f64,
+    run: Run,
     /// Tunable parameters at initialisation: of those values are the states, and to that friction coefficient the wear law refers.
     built: [f64; TUNABLES.len()],
     state: Option<ModelState>,
@@ -38,21 +32,12 @@ impl Component {
             }
         }
         into.inputs = inputs_of(&self.values).to_array();
-        into.slopes = self.slopes;
-        into.phase = match self.phase {
-            Phase::Instantiated => 0,
-            Phase::Initializing => 1,
-            Phase::Running => 2,
-        };
-        into.tolerance = self.tolerance;
-        into.reported = self.reported;
-        into.at_end = self.at_end;
-        (into.last_step, into.behind) = (self.last_step, self.behind);
+        into.run = self.run.clone();
         into.state = None;
         into.run_error = SavedRunError::default();
         if let Some(model) = &self.model
             && let Some(prepared) = &self.prepared
-            && self.phase == Phase::Running
+            && self.run.phase == Phase::Running
         {
             into.built = Tunables::of(&prepared.requested).to_array();
             into.state = Some(model.save());
@@ -75,7 +60,7 @@ impl Component {
             }
             check_parameter(index.into(), value).map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
         }
-        if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+        if let Some(tolerance) = from.run.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
@@ -88,8 +73,8 @@ impl Component {
                 at_start[index] = value;
             }
             let tunables = tunables_of(&values);
-            let same = self.phase == Phase::Running
-                && self.tolerance == from.tolerance
+            let same = self.run.phase == Phase::Running
+                && self.run.tolerance == from.run.tolerance
                 && self.prepared.as_ref().is_some_and(|own| Tunables::of(&own.requested).to_array() == from.built)
                 && self.values[FIRST_PARAMETER..]
                     .iter()
@@ -98,7 +83,7 @@ impl Component {
             let prepared = match &self.prepared {
                 Some(prepared) if same => prepared.clone(),
                 known => {
-                    let scene = self.scene_of(&at_start, from.tolerance)?;
+                    let scene = self.scene_of(&at_start, from.run.tolerance)?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
                         None => super::prepare(&scene)?,
@@ -132,17 +117,8 @@ impl Component {
         // Outputs are evaluated when they are read; without a model they have their start values.
         *self.values = values;
         self.suspect = true;
-        self.slopes = from.slopes;
-        self.sloped = super::is_sloped(&from.slopes);
-        self.phase = match from.phase {
-            0 => Phase::Instantiated,
-            1 => Phase::Initializing,
-            _ => Phase::Running,
-        };
-        self.tolerance = from.tolerance;
-        self.reported = from.reported;
-        self.at_end = from.at_end;
-        (self.last_step, self.behind) = (from.last_step, from.behind);
+        self.run = from.run.clone();
+        self.sloped = super::is_sloped(&self.run.slopes);
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -166,36 +142,34 @@ impl Snapshot {
     }
 
     fn put_numbers(&self, mut put: impl FnMut(f64)) {
-        put(f64::from(self.phase));
-        put(f64::from(self.reported));
-        put(f64::from(u8::from(self.at_end)));
-        put(self.last_step);
-        put(self.behind);
-        put(self.tolerance.unwrap_or(f64::NAN));
+        let Run { slopes, phase, tolerance, reported, at_end, last_step, behind } = &self.run;
+        put(f64::from(*phase as u8));
+        put(f64::from(*reported));
+        put(f64::from(u8::from(*at_end)));
+        put(*last_step);
+        put(*behind);
+        put(tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
             put(f64::from(index));
             put(value);
         }
-        self.inputs.iter().chain(&self.slopes).chain(&self.built).for_each(|&number| put(number));
+        self.inputs.iter().chain(slopes).chain(&self.built).for_each(|&number| put(number));
         let SavedRunError { is_beyond, distance, companion } = &self.run_error;
         put(f64::from(u8::from(*is_beyond)));
         put(f64::from(u8::from(distance.is_some())));
         let distance = distance.unwrap_or_default();
         distance.apart.into_iter().chain(distance.largest).for_each(&mut put);
         for state in [&self.state, companion] {
-            match state {
-                None => put(0.0),
-                Some(ModelState::Lumped(mean)) => {
-                    put(1.0);
-                    mean.numbers().into_iter().for_each(&mut put);
-                }
-                Some(ModelState::Line(mean, line)) => {
-                    put(2.0);
-                    mean.numbers().into_iter().for_each(&mut put);
-                    put(line.len() as f64);
-                    line.iter().copied().for_each(&mut put);
-                }
+            let Some(ModelState { mean, line }) = state else {
+                put(0.0);
+                continue;
+            };
+            put(if line.is_some() { 2.0 } else { 1.0 });
+            mean.numbers().into_iter().for_each(&mut put);
+            if let Some(line) = line {
+                put(line.len() as f64);
+                line.iter().copied().for_each(&mut put);
             }
         }
     }
@@ -232,15 +206,16 @@ impl Snapshot {
         {
             return None;
         }
-        let mut snapshot = Snapshot {
-            phase: phase as u8,
+        let run = Run {
+            slopes: [0.0; INPUTS],
+            phase: [Phase::Instantiated, Phase::Initializing, Phase::Running][phase as usize],
+            tolerance: (!tolerance.is_nan()).then_some(tolerance),
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
             behind,
-            tolerance: (!tolerance.is_nan()).then_some(tolerance),
-            ..Snapshot::default()
         };
+        let mut snapshot = Snapshot { run, ..Snapshot::default() };
         for _ in 0..count as usize {
             let (index, value) = (next()?, next()?);
             if !(0.0..COUNT as f64).contains(&index) {
@@ -248,7 +223,7 @@ impl Snapshot {
             }
             snapshot.changed.push((index as u16, value));
         }
-        for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.slopes).chain(&mut snapshot.built) {
+        for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.run.slopes).chain(&mut snapshot.built) {
             *slot = next()?;
         }
         snapshot.run_error.is_beyond = next()? != 0.0;
@@ -266,17 +241,21 @@ impl Snapshot {
 
 /// Reads the state of a model, which may be none; the outer `None`: the numbers are not one.
 fn model_state(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Option<ModelState>> {
-    match *numbers.next()? {
-        0.0 => Some(None),
-        1.0 => Some(Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?))),
-        2.0 => {
-            let mean = LumpedState::from_numbers(numbers)?;
-            let count = *numbers.next()?;
-            if !(0.0..=numbers.len() as f64).contains(&count) {
-                return None;
-            }
-            Some(Some(ModelState::Line(mean, numbers.by_ref().take(count as usize).copied().collect())))
-        }
-        _ => None,
+    let kind = *numbers.next()?;
+    if kind == 0.0 {
+        return Some(None);
     }
+    if ![1.0, 2.0].contains(&kind) {
+        return None;
+    }
+    let mean = LumpedState::from_numbers(numbers)?;
+    let mut line = None;
+    if kind == 2.0 {
+        let count = *numbers.next()?;
+        if !(0.0..=numbers.len() as f64).contains(&count) {
+            return None;
+        }
+        line = Some(numbers.by_ref().take(count as usize).copied().collect());
+    }
+    Some(Some(ModelState { mean, line }))
 }

@@ -24,21 +24,28 @@ pub enum ModelOperators {
 
 /// State of a level.
 #[derive(Clone, PartialEq, Debug)]
-pub enum ModelState {
-    /// State of the lumped level.
-    Lumped(lumped::state::LumpedState),
-    /// State of the line level: its lumped level, and the contact line as numbers, whose count depends on the scene.
-    Line(lumped::state::LumpedState, Vec<f64>),
+pub struct ModelState {
+    /// State of the lumped level, which is part of every level.
+    pub mean: lumped::state::LumpedState,
+    /// The contact line as numbers, whose count depends on the scene; `None` at the lumped level.
+    pub line: Option<Vec<f64>>,
 }
 
 impl ModelState {
     /// Name and value of a number larger than `most` in magnitude, if any.
     pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
-        match self {
-            ModelState::Lumped(mean) => mean.larger_than(most),
-            ModelState::Line(mean, numbers) => {
-                mean.larger_than(most).or_else(|| line::saved::larger_than(numbers, most))
+        let of_line = || self.line.as_ref().and_then(|numbers| line::saved::larger_than(numbers, most));
+        self.mean.larger_than(most).or_else(of_line)
+    }
+
+    /// Whether the state is compatible with `operators`.
+    pub fn fits(&self, operators: &ModelOperators) -> bool {
+        match (&self.line, operators) {
+            (None, ModelOperators::Lumped(operators)) => self.mean.fits(operators),
+            (Some(numbers), ModelOperators::Line(operators)) => {
+                self.mean.fits(&operators.mean) && line::state::LineState::load(operators, numbers).is_some()
             }
+            _ => false,
         }
     }
 }
@@ -154,10 +161,7 @@ impl ModelOperators {
 
     /// Level, cells and states, for the log.
     pub fn description(&self) -> String {
-        let mean = match self {
-            ModelOperators::Lumped(operators) => operators,
-            ModelOperators::Line(operators) => &operators.mean,
-        };
+        let mean = self.mean();
         let states = |body: &lumped::operators::BodyOperators| body.heat.as_ref().map_or(0, |heat| heat.count);
         let heat = format!(
             "thermal states: punch {}, strip {}, moving source {}",
@@ -205,19 +209,6 @@ impl ModelOperators {
     }
 }
 
-impl ModelState {
-    /// Whether the state is compatible with `operators`.
-    pub fn fits(&self, operators: &ModelOperators) -> bool {
-        match (self, operators) {
-            (ModelState::Lumped(state), ModelOperators::Lumped(operators)) => state.fits(operators),
-            (ModelState::Line(mean, numbers), ModelOperators::Line(operators)) => {
-                mean.fits(&operators.mean) && line::state::LineState::load(operators, numbers).is_some()
-            }
-            _ => false,
-        }
-    }
-}
-
 macro_rules! each {
     ($self:expr, $model:ident => $value:expr) => {
         match $self {
@@ -253,25 +244,25 @@ impl Model {
     /// Copy of the whole state.
     pub fn save(&self) -> ModelState {
         match self {
-            Model::Lumped(model) => ModelState::Lumped(model.state().clone()),
+            Model::Lumped(model) => ModelState { mean: model.state().clone(), line: None },
             Model::Line(model) => {
                 let mut numbers = Vec::with_capacity(8 * model.operators().count() + 64);
                 model.save(&mut numbers);
-                ModelState::Line(model.mean_state().clone(), numbers)
+                ModelState { mean: model.mean_state().clone(), line: Some(numbers) }
             }
         }
     }
 
     /// Replaces the whole state by a compatible one.
     pub fn set_state(&mut self, state: &ModelState) {
-        match (self, state) {
-            (Model::Lumped(model), ModelState::Lumped(state)) => model.set_state(state),
-            (Model::Line(model), ModelState::Line(mean, numbers)) => {
+        match (self, &state.line) {
+            (Model::Lumped(model), None) => model.set_state(&state.mean),
+            (Model::Line(model), Some(numbers)) => {
                 if let Some(line) = line::state::LineState::load(model.operators(), numbers) {
-                    model.set_state(mean, &line);
+                    model.set_state(&state.mean, &line);
                 }
             }
-            _ => unreachable!("State::fits was asked before"),
+            _ => unreachable!("`ModelState::fits` was asked before"),
         }
     }
 
