@@ -219,13 +219,10 @@ impl Instance {
 
     /// `fmi2ExitInitializationMode`
     pub(crate) fn exit_initialization_mode(&mut self) -> Outcome {
-        match self.component.initialise(self.clock.tolerance) {
-            Ok(()) => {
-                self.phase = Phase::StepComplete;
-                Ok(())
-            }
-            Err(text) => Err(Problem { fault: Fault::Initialisation, text: text.to_string() }),
-        }
+        let failed = |text| Problem { fault: Fault::Initialisation, text };
+        self.component.initialise(self.clock.tolerance).map_err(failed)?;
+        self.phase = Phase::StepComplete;
+        Ok(())
     }
 
     /// `fmi2Terminate`

@@ -33,14 +33,14 @@ impl Instance {
     /// `fmi2SetFMUstate`: restores the saved state, also after an error.
     pub(crate) fn set_fmu_state(&mut self, state: *mut c_void) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
-        let failed = |text: &dyn ToString| Problem { fault: Fault::State, text: text.to_string() };
+        let failed = |text| Problem { fault: Fault::State, text };
         if self.broken {
             let mut fresh = self.scene.component();
-            fresh.restore(&saved.component).map_err(|text| failed(&text))?;
+            fresh.restore(&saved.component).map_err(failed)?;
             self.component = fresh;
             self.broken = false;
         } else {
-            self.component.restore(&saved.component).map_err(|text| failed(&text))?;
+            self.component.restore(&saved.component).map_err(failed)?;
         }
         self.phase = saved.phase;
         self.clock = saved.clock;

@@ -8,7 +8,7 @@ use crate::fmi2::floating_point::Environment;
 use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER};
 use crate::fmi2::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::types::{Integer, Real};
-use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, Row, ValueReference};
+use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, ValueReference};
 
 /// Workspace of `fmi2GetDirectionalDerivative`, reused so that repeated calls allocate nothing.
 #[derive(Default)]
@@ -123,13 +123,7 @@ impl Instance {
     ) -> Outcome {
         for index in 0..references.count() {
             let (reference, order) = (references.at(index), orders.at(index));
-            let access = policy::access(reference);
-            if !access.is(policy::Type::Real) {
-                return Err(reference_problem(reference, Some(policy::Type::Real), None));
-            }
-            if !access.is_input() {
-                return Err(problem::not_an(Causality::Input, reference));
-            }
+            check_real(reference, Causality::Input)?;
             if order != INPUT_DERIVATIVE_ORDER {
                 return argument(format!("input derivatives are of order {INPUT_DERIVATIVE_ORDER}, not {order}"));
             }
@@ -149,12 +143,7 @@ impl Instance {
     ) -> Outcome {
         for index in 0..references.count() {
             let (reference, order) = (references.at(index), orders.at(index));
-            if !policy::access(reference).is(policy::Type::Real) {
-                return Err(reference_problem(reference, Some(policy::Type::Real), None));
-            }
-            if variables::lookup(reference).is_none_or(|(row, _)| !row.is_result()) {
-                return Err(problem::not_an(Causality::Output, reference));
-            }
+            check_real(reference, Causality::Output)?;
             if order != OUTPUT_DERIVATIVE_ORDER {
                 return argument(format!("output derivatives are of order {OUTPUT_DERIVATIVE_ORDER}, not {order}"));
             }
@@ -179,18 +168,7 @@ impl Instance {
         result: Sink<'_, Real>,
     ) -> Outcome {
         for (references, causality) in [(unknowns, Causality::Output), (knowns, Causality::Input)] {
-            for index in 0..references.count() {
-                let reference = references.at(index);
-                if !policy::access(reference).is(policy::Type::Real) {
-                    return Err(reference_problem(reference, Some(policy::Type::Real), None));
-                }
-                let fits = |row: &Row| {
-                    if causality == Causality::Input { row.causality == causality } else { row.is_result() }
-                };
-                if variables::lookup(reference).is_none_or(|(row, _)| !fits(row)) {
-                    return Err(problem::not_an(causality, reference));
-                }
-            }
+            (0..references.count()).try_for_each(|index| check_real(references.at(index), causality))?;
         }
         let scratch = &mut self.scratch;
         unknowns.copy_into(&mut scratch.unknowns);
@@ -203,8 +181,19 @@ impl Instance {
         scratch.result.resize(scratch.unknowns.len(), 0.0);
         self.component
             .directional_derivative(&scratch.unknowns, &scratch.knowns, &scratch.seed, &mut scratch.result)
-            .map_err(|text| Problem { fault: Fault::Undefined, text: text.to_string() })?;
+            .map_err(|text| Problem { fault: Fault::Undefined, text })?;
         result.put_all(&self.scratch.result);
         Ok(())
     }
+}
+
+/// Checks that a variable is a Real and an input, or a result of the FMU.
+fn check_real(reference: ValueReference, causality: Causality) -> Outcome {
+    let access = policy::access(reference);
+    if !access.is(policy::Type::Real) {
+        return Err(reference_problem(reference, Some(policy::Type::Real), None));
+    }
+    let is_result = || variables::lookup(reference).is_some_and(|(row, _)| row.is_result());
+    let fits = if causality == Causality::Input { access.is_input() } else { is_result() };
+    if fits { Ok(()) } else { Err(problem::not_an(causality, reference)) }
 }
