@@ -39,13 +39,6 @@ pub enum SteadyError {
         /// Required range.
         requirement: &'static str,
     },
-    /// Unidirectional sliding: the resultant `mu H` lies outside the contact.
-    Tipping {
-        /// Lever mu H of the resultant, in m.
-        lever: f64,
-        /// Largest lever at which the contact can be in equilibrium, in m.
-        limit: f64,
-    },
     /// Reciprocating sliding with a punch free to rotate: wear rounds the contact and increases the tilt without bound.
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
@@ -65,13 +58,6 @@ pub enum SteadyError {
         /// Newton iterations tried.
         iterations: usize,
     },
-    /// A run-in state of a wear law that is not a power of the pressure.
-    NotAPower {
-        /// Body, as in the names of variables.
-        body: &'static str,
-        /// Parameter of the body by which the law is none.
-        parameter: &'static str,
-    },
     /// No wear reshapes the contact, so it does not run in.
     NothingWears,
     /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
@@ -88,20 +74,8 @@ pub enum SteadyError {
         /// Path by which heat could leave, which is closed.
         closed: &'static str,
     },
-    /// With heat: the iteration for conductivity and specific heat over temperature did not converge.
-    PropertiesNotSettled {
-        /// Iterations done.
-        iterations: usize,
-        /// Last change of a property over itself.
-        change: f64,
-    },
-    /// With heat: the iteration for temperatures and pressure of unidirectional sliding did not converge.
-    NotSettled {
-        /// Iterations done.
-        iterations: usize,
-        /// Last change of the temperature, in K.
-        change: f64,
-    },
+    /// Another reason, in words.
+    Other(String),
     /// With heat: error of the bodies, or of a cycle of the contact line.
     Heat(String),
     /// The contact problem of a stage has no solution.
@@ -134,9 +108,6 @@ impl fmt::Display for SteadyError {
             Self::Invalid { quantity, value, requirement } => {
                 write!(f, "{quantity} = {value} is out of range: must be {requirement}")
             }
-            Self::Tipping { lever, limit } => {
-                write!(f, "no steady state: the punch tips over, mu H = {lever} m is not below {limit} m")
-            }
             Self::RocksItselfRound { lever, limit, exponent } => write!(
                 f,
                 "no steady cycle in reciprocating sliding: wear rounds the contact and increases the tilt without bound, \
@@ -146,10 +117,6 @@ impl fmt::Display for SteadyError {
                 f,
                 "no steady state found in {iterations} iterations: with mu H = {lever} m on a half-width of \
                  {half_width} m the tilt may grow without bound"
-            ),
-            Self::NotAPower { body, parameter } => write!(
-                f,
-                "no run-in state with {body}.{parameter}: it is known for wear by a power of the pressure alone"
             ),
             Self::NothingWears => write!(f, "no run-in state: no wear reshapes the contact"),
             Self::OnlyStripWears => write!(
@@ -180,22 +147,7 @@ impl fmt::Display for SteadyError {
             Self::NoHeatLeaves { closed } => {
                 write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
             }
-            Self::PropertiesNotSettled { iterations, change } => write!(
-                f,
-                "no steady state with heat found in {iterations} iterations for the properties: the last one changed conductivity or \
-                 specific heat by {change:.1e} of itself; simulate the scene to its steady state"
-            ),
-            Self::NotSettled { iterations, change } if !change.is_finite() => {
-                write!(
-                    f,
-                    "no steady state with heat found: temperatures grew beyond all numbers in {iterations} iterations"
-                )
-            }
-            Self::NotSettled { iterations, change } => write!(
-                f,
-                "no steady state with heat found in {iterations} iterations: the last one changed the temperature by \
-                 {change:.1e} K"
-            ),
+            Self::Other(text) => f.write_str(text),
             Self::Heat(text) => write!(f, "with heat: {text}"),
             Self::Stage(error) => error.fmt(f),
             Self::Programme(error) => error.fmt(f),

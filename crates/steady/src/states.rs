@@ -255,7 +255,13 @@ impl<'a> Contact<'a> {
     /// Exponent of the pressure in the wear law of a body (0: punch, 1: strip); 1 without wear.
     fn exponent(&self, body: usize) -> Result<f64, SteadyError> {
         let power = self.strokes[0].rates[body].terms.first().map_or(Ok(1.0), |term| term.law.as_power());
-        power.map_err(|parameter| SteadyError::NotAPower { body: ["punch", "strip"][body], parameter })
+        let body = ["punch", "strip"][body];
+        power.map_err(|parameter| {
+            let text = format!(
+                "no run-in state with {body}.{parameter}: it is known for wear by a power of the pressure alone"
+            );
+            SteadyError::Other(text)
+        })
     }
 
     /// Pivot height where friction exerts a moment on the punch.

@@ -120,7 +120,7 @@ pub fn instability(what: &str, speed: f64, ratio: f64) -> Option<String> {
 /// External temperatures of faces are the ambient temperature. Conductivity and specific heat are those of the mean temperatures of the bodies.
 ///
 /// # Errors
-/// Those of [`steady_state`]; [`SteadyError::NoHeatLeaves`]; [`SteadyError::PropertiesNotSettled`].
+/// Those of [`steady_state`]; [`SteadyError::NoHeatLeaves`]; an iteration that does not converge.
 pub fn hot_state(
     scene: &Scene,
     cells: &Cells,
@@ -172,7 +172,10 @@ pub fn at_steady_properties(
             return Ok((own, hot));
         }
     }
-    Err(SteadyError::PropertiesNotSettled { iterations: MOST_ITERATIONS, change })
+    Err(SteadyError::Other(format!(
+        "no steady state with heat found in {MOST_ITERATIONS} iterations for the properties: the last one changed conductivity or \
+         specific heat by {change:.1e} of itself; simulate the scene to its steady state"
+    )))
 }
 
 /// Whether a scene has a steady state with heat: steady sliding heats its contact, and the state can be computed.

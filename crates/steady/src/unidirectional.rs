@@ -15,8 +15,6 @@ pub struct Unidirectional {
     pub pressure: Vec<f64>,
     /// Rate at which the punch sinks at x = 0, in m/s (per unit of time of the rate).
     pub sinking_rate: f64,
-    /// Rate at which it tilts, in rad/s.
-    pub tilting_rate: f64,
     /// `sum w p f(p)`, per depth: the wear dissipation power, which the pressure minimises for one exponent.
     pub dissipation: f64,
 }
@@ -60,7 +58,9 @@ pub fn punch_run_in(
     };
     let centre = lever + extra.unwrap_or(0.0) / load;
     if extra.is_some() && (centre.is_nan() || centre.abs() >= x[count - 1]) {
-        return Err(SteadyError::Tipping { lever: centre, limit: x[count - 1] });
+        let limit = x[count - 1];
+        let text = format!("no steady state: the punch tips over, mu H = {centre} m is not below {limit} m");
+        return Err(SteadyError::Other(text));
     }
     // Tilting about the resultant makes the two searches nearly independent.
     let pressures = |sinking: f64, tilting: f64| -> Vec<f64> {
@@ -83,7 +83,7 @@ pub fn punch_run_in(
     let sinking = sinking_for(tilting);
     let pressure = pressures(sinking, tilting);
     let dissipation = sum(&pressure, &|i| rate.rate(i, pressure[i]));
-    Ok(Unidirectional { pressure, sinking_rate: sinking - tilting * centre, tilting_rate: tilting, dissipation })
+    Ok(Unidirectional { pressure, sinking_rate: sinking - tilting * centre, dissipation })
 }
 
 /// Steady groove of a wearing strip on a fresh straight path: the strip enters unworn at the leading edge and leaves worn at the

@@ -30,15 +30,13 @@
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
-use super::partition::ActivePartition;
+use super::partition::{ActivePartition, steady_bodies};
 use crate::states::{Sliding, SteadyState, depth_rate, steady_state};
 use crate::{CycleProblem, SteadyError};
-use conduction::line::{Stage, Step};
-use elasticity::discretization::punch_block;
+use conduction::line::Stage;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::cycle::{MapResolution, SolveOptions};
-use model::line::heat::bodies::Bodies;
 use numerics::maximum::{largest, maximum};
 use scene::{Body, Scene};
 
@@ -155,11 +153,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let speed = scene.nominal_velocity.abs();
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
-    let block = punch_block(&scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
-    let made = Bodies::new(&scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
-    let mut bodies = made.prototypes.clone();
-    let step = 1e8 * scene.nominal_duration;
-    bodies.iter_mut().flatten().for_each(|body| body.prepare(&Step::new(step, [0.0; 2])));
+    let (bodies, _) = steady_bodies(&scene, cells, 0.0)?;
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
     let mut partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     partition.set_active_set(influence, &vec![true; cells.count()]);

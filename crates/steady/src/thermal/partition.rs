@@ -9,11 +9,30 @@
 //!
 //! Theory: docs/theory.md, sections 6.2, 9.4.
 
-use conduction::line::SurfaceInfluence;
+use crate::SteadyError;
 use conduction::line::contact_parts::ContactParts;
+use conduction::line::{Step, SurfaceInfluence, ThermalBody};
 use conduction::properties::Scales;
+use elasticity::Cells;
+use elasticity::discretization::punch_block;
+use model::line::heat::bodies::Bodies;
 use model::line::heat::partition::HeatPartition;
 use nalgebra::DMatrix;
+use scene::Scene;
+
+/// Punch and strip; `None`: an insulator.
+pub(super) type Heat = [Option<Box<dyn ThermalBody>>; 2];
+
+/// Bodies of a scene in a step so much longer than the longest of their time constants that they respond to a flux with their steady
+/// temperatures and distortion, to 1e-8; and their cooled lengths beside the contact, m.
+pub(super) fn steady_bodies(scene: &Scene, cells: &Cells, velocity: f64) -> Result<(Heat, [f64; 2]), SteadyError> {
+    let block = punch_block(scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
+    let made = Bodies::new(scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
+    let mut bodies = made.prototypes.clone();
+    let step = Step::new(1e8 * scene.nominal_duration, [velocity; 2]);
+    bodies.iter_mut().flatten().for_each(|body| body.prepare(&step));
+    Ok((bodies, made.cooled_length))
+}
 
 /// Corrections of a flux by its residual.
 const CORRECTIONS: usize = 3;

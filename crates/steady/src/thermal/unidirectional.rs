@@ -8,22 +8,20 @@
 //!
 //! Theory: docs/theory.md, section 9.4.
 
-use super::partition::ActivePartition;
+use super::partition::{ActivePartition, Heat, steady_bodies};
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
-use conduction::line::{
-    BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Step, Surroundings, ThermalBody,
-};
+use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Surroundings};
 use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
 use contact::{ContactSolver, Normal};
-use elasticity::discretization::{punch_block, relative_radii};
+use elasticity::discretization::relative_radii;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::heat::air::cooling;
-use model::line::heat::bodies::{Bodies, cooled_part};
+use model::line::heat::bodies::cooled_part;
 use model::line::hottest::Hottest;
 use nalgebra::{DMatrix, DVector};
 use numerics::acceleration::Anderson;
@@ -35,8 +33,6 @@ const MOST_ITERATIONS: usize = 200;
 
 /// Differences stored for the Anderson acceleration.
 const ACCELERATION_DEPTH: usize = 12;
-
-type Heat = [Option<Box<dyn ThermalBody>>; 2];
 
 /// Result of one evaluation of the equations. Pairs: punch, strip; temperatures in K above the ambient.
 struct Found {
@@ -71,13 +67,7 @@ pub(super) fn solve(
     cold: &SteadyState,
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
-    let block = punch_block(scene, cells, true).map_err(|error| SteadyError::Heat(error.to_string()))?;
-    let made = Bodies::new(scene, cells, block.as_deref(), &mut Default::default()).map_err(SteadyError::Heat)?;
-    let mut bodies = made.prototypes.clone();
-    let velocity = cold.strokes[0].velocity;
-    // Length of the step over the longest time constant of the bodies: the steady response to 1e-8.
-    let step = 1e8 * scene.nominal_duration;
-    bodies.iter_mut().flatten().for_each(|body| body.prepare(&Step::new(step, [velocity; 2])));
+    let (bodies, cooled_length) = steady_bodies(scene, cells, cold.strokes[0].velocity)?;
     let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
     let partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
@@ -85,7 +75,7 @@ pub(super) fn solve(
         contact: Contact::new(scene, cells, compliances, sliding),
         kind: cold.kind,
         bodies,
-        cooled_length: made.cooled_length,
+        cooled_length,
         partition,
         half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
         friction: FrictionLaw::new(scene),
@@ -114,7 +104,9 @@ pub(super) fn solve(
         let largest = step.iter().zip(&weights).map(|(change, weight)| (change * weight).abs());
         change = largest.fold(0.0, maximum);
         if !change.is_finite() {
-            return Err(SteadyError::NotSettled { iterations, change });
+            return Err(SteadyError::Other(format!(
+                "no steady state with heat found: temperatures grew beyond all numbers in {iterations} iterations"
+            )));
         }
         // Change of the temperature, K, at which the iteration has converged.
         if touching == closed && change <= 1e-8 * (1.0 + peak(&found)) {
@@ -130,7 +122,9 @@ pub(super) fn solve(
         }
         iterate = answer;
     }
-    Err(SteadyError::NotSettled { iterations: MOST_ITERATIONS, change })
+    Err(SteadyError::Other(format!(
+        "no steady state with heat found in {MOST_ITERATIONS} iterations: the last one changed the temperature by {change:.1e} K"
+    )))
 }
 
 fn peak(found: &Found) -> f64 {
