@@ -101,14 +101,9 @@ impl Pattern {
         self.symbolic_matrix.ncols()
     }
 
-    /// Number of entries of the Cholesky factor.
-    pub(crate) fn factor_entries(&self) -> usize {
-        self.symbolic_factor.len_val()
-    }
-
     /// Allocates a factor.
     pub(crate) fn empty_factor(&self) -> Factor {
-        Factor { values: vec![0.0; self.factor_entries()] }
+        Factor { values: vec![0.0; self.symbolic_factor.len_val()] }
     }
 
     /// Workspace for factorising, and for solving with up to `columns` loads together.
@@ -122,25 +117,9 @@ impl Pattern {
         Ok(Workspace { values: vec![0.0; self.symbolic_matrix.col_ptr()[self.degrees()]], stack })
     }
 
-    /// Sums the element matrices and factorises. `kind[element]` is the index of its matrix in `elements`; `boundary` holds
-    /// further (element, skeleton matrix) contributions.
-    ///
-    /// # Errors
-    /// The sum is not positive definite, or there is no memory for it.
-    pub(crate) fn factorize(
-        &self,
-        mesh: &Mesh,
-        elements: &[CondensedElement],
-        kind: &[usize],
-        boundary: &[(usize, DMatrix<f64>)],
-    ) -> Result<Factor, FactorizationError> {
-        let mut factor = self.empty_factor();
-        self.factorize_into(&mut factor, mesh, elements, kind, boundary, &mut self.workspace(0)?)?;
-        Ok(factor)
-    }
-
-    /// [`Self::factorize`] into a factor of this pattern; no allocation (except buffers of the matrix product per thread
-    /// when it first runs there).
+    /// Sums the element matrices and factorises, into a factor of this pattern. `kind[element]` is the index of its matrix in
+    /// `elements`; `boundary` holds further (element, skeleton matrix) contributions. No allocation (except buffers of the matrix
+    /// product per thread when it first runs there).
     ///
     /// # Errors
     /// The sum is not positive definite; then the content of the factor is undefined.
@@ -235,18 +214,8 @@ impl Pattern {
         }
     }
 
-    /// Overwrites the columns of `loads` (free degrees of freedom) with the solutions.
-    ///
-    /// # Errors
-    /// [`FactorizationError::OutOfMemory`]
-    pub(crate) fn solve_in_place(&self, factor: &Factor, loads: MatMut<'_, f64>) -> Result<(), FactorizationError> {
-        let mut workspace = self.workspace(loads.ncols())?;
-        self.solve_in_workspace(factor, loads, &mut workspace);
-        Ok(())
-    }
-
-    /// [`Self::solve_in_place`] with at most as many columns as the workspace has; allocates as little as
-    /// [`Self::factorize_into`].
+    /// Overwrites the columns of `loads` (free degrees of freedom) with the solutions: at most as many as the workspace has. Allocates
+    /// as little as [`Self::factorize_into`].
     pub(crate) fn solve_in_workspace(&self, factor: &Factor, loads: MatMut<'_, f64>, workspace: &mut Workspace) {
         LltRef::new(&self.symbolic_factor, &factor.values).solve_in_place_with_conj(
             Conj::No,

@@ -129,12 +129,7 @@ impl Block {
         let parities: Option<Vec<f64>> = (0..functions.count).map(functions.parity).collect();
         let parities = parities.filter(|_| are_symmetric(boundaries));
         let pressed_cells = if parities.is_some() { cells.len().div_ceil(2) } else { cells.len() };
-        let mut pressed = Mat::zeros(self.degrees(), pressed_cells);
-        for (cell, integrals) in contact_integrals(&self.mesh, &cells[..pressed_cells]).into_iter().enumerate() {
-            for (degree, integral) in integrals {
-                pressed[(2 * degree + 1, cell)] += integral;
-            }
-        }
+        let mut pressed = self.cell_loads(&contact_integrals(&self.mesh, &cells[..pressed_cells]), 1);
         self.solve_in_place(&mut pressed)?;
         let along = self.moments_along(functions);
         let up = self.moments_of_profiles(fields);

@@ -98,7 +98,8 @@ impl Block {
         let failed = |reason| BlockError::Factorization { quantity: "stiffness", degrees: 2 * mesh.free, reason };
         let elements = elements.ok_or(failed(FactorizationError::NotPositiveDefinite))?;
         let pattern = Pattern::new(&mesh, 2).map_err(failed)?;
-        let factor = pattern.factorize(&mesh, &elements, &kind, &[]).map_err(failed)?;
+        let (mut factor, mut workspace) = (pattern.empty_factor(), pattern.workspace(0).map_err(failed)?);
+        pattern.factorize_into(&mut factor, &mesh, &elements, &kind, &[], &mut workspace).map_err(failed)?;
         Ok(Self { properties, discretization: None, order, mesh, pattern, elements, kind, factor })
     }
 
@@ -165,11 +166,21 @@ impl Block {
     }
 
     pub(super) fn solve_in_place(&self, loads: &mut Mat<f64>) -> Result<(), BlockError> {
-        self.pattern.solve_in_place(&self.factor, loads.as_mut()).map_err(|reason| BlockError::Factorization {
-            quantity: "stiffness",
-            degrees: self.degrees(),
-            reason,
-        })
+        let failed = |reason| BlockError::Factorization { quantity: "stiffness", degrees: self.degrees(), reason };
+        let mut workspace = self.pattern.workspace(loads.ncols()).map_err(failed)?;
+        self.pattern.solve_in_workspace(&self.factor, loads.as_mut(), &mut workspace);
+        Ok(())
+    }
+
+    /// Unit tractions on the cells of these integrals of shape functions, along x (0) or into the block (1), one column each.
+    pub(super) fn cell_loads(&self, cells: &[Vec<(usize, f64)>], component: usize) -> Mat<f64> {
+        let mut loads = Mat::zeros(self.degrees(), cells.len());
+        for (cell, integrals) in cells.iter().enumerate() {
+            for &(degree, integral) in integrals {
+                loads[(2 * degree + component, cell)] += integral;
+            }
+        }
+        loads
     }
 
     /// Coefficients of the remainder v (times the shear modulus) for unit pressure on each cell, one column per cell.

@@ -4,7 +4,6 @@
 
 use super::boundary::{contact_cells, contact_integrals};
 use super::{Block, BlockError};
-use faer::Mat;
 use nalgebra::DMatrix;
 
 impl Block {
@@ -20,12 +19,7 @@ impl Block {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let integrals = contact_integrals(&self.mesh, &cells);
         let n = cells.len();
-        let mut displacement = Mat::zeros(self.degrees(), n);
-        for (j, integral) in integrals.iter().enumerate() {
-            for &(degree, weight) in integral {
-                displacement[(2 * degree, j)] += weight;
-            }
-        }
+        let mut displacement = self.cell_loads(&integrals, 0);
         self.solve_in_place(&mut displacement)?;
         let modulus = self.properties.shear_modulus();
         Ok(DMatrix::from_fn(n, n, |i, j| {
