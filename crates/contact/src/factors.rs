@@ -101,12 +101,9 @@ pub(super) struct Entry {
     matrix: Vec<f64>,
     exchanged: Vec<usize>,
     regular: bool,
-    /// Pressure per approach, for the cells in contact.
-    pub uniform: Vec<f64>,
-    /// Pressure per displacement `(x - centre)/length`; computed once, on first use.
-    pub linear: Vec<f64>,
-    has_uniform: bool,
-    has_linear: bool,
+    /// Pressure of the cells in contact per approach, and per displacement `(x - centre)/length`; computed once, on first use.
+    pub columns: [Vec<f64>; 2],
+    has_columns: [bool; 2],
     /// Resultant and moment, about the centre and per length, of the two columns, per depth.
     pub sums: [[f64; 2]; 2],
     /// Weights w of the cells in contact, and `w (x - centre)/length`.
@@ -170,10 +167,8 @@ impl Factors {
             matrix: vec![0.0; count * count],
             exchanged: vec![0; count],
             regular: false,
-            uniform: vec![0.0; count],
-            linear: vec![0.0; count],
-            has_uniform: false,
-            has_linear: false,
+            columns: [vec![0.0; count], vec![0.0; count]],
+            has_columns: [false; 2],
             sums: [[0.0; 2]; 2],
             weights: vec![0.0; count],
             arms: vec![0.0; count],
@@ -341,8 +336,7 @@ impl Factors {
         entry.diagonal.copy_from_slice(key.diagonal);
         entry.active.copy_from_slice(key.active);
         entry.acting.copy_from_slice(&self.low_rank_update.acting);
-        entry.has_uniform = false;
-        entry.has_linear = false;
+        entry.has_columns = [false; 2];
         entry.has_open_rows = false;
         entry.index.clear();
         entry.index.extend((0..self.count).filter(|&i| key.active[i]));
@@ -409,27 +403,21 @@ impl Factors {
         &self.entries[position]
     }
 
-    /// The entry with its pressures per approach and per linear displacement, as requested.
-    pub(crate) fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
+    /// The entry with its pressures per approach and per linear displacement, as `wanted`.
+    pub(crate) fn with_columns(&mut self, position: usize, wanted: [bool; 2]) -> &Entry {
         let entry = &mut self.entries[position];
         let m = entry.index.len();
-        if uniform && !entry.has_uniform {
-            entry.has_uniform = true;
-            let mut column = std::mem::take(&mut entry.uniform);
-            column[..m].fill(1.0);
-            entry.substitute(&mut column[..m]);
-            entry.sums[0] = entry.resultant(&column[..m]);
-            entry.uniform = column;
-        }
-        if linear && !entry.has_linear {
-            entry.has_linear = true;
-            let mut column = std::mem::take(&mut entry.linear);
+        for k in (0..2).filter(|&k| wanted[k]) {
+            if std::mem::replace(&mut entry.has_columns[k], true) {
+                continue;
+            }
+            let mut column = std::mem::take(&mut entry.columns[k]);
             for (value, &i) in column.iter_mut().zip(&entry.index) {
-                *value = (self.positions[i] - entry.centre) / self.length;
+                *value = if k == 0 { 1.0 } else { (self.positions[i] - entry.centre) / self.length };
             }
             entry.substitute(&mut column[..m]);
-            entry.sums[1] = entry.resultant(&column[..m]);
-            entry.linear = column;
+            entry.sums[k] = entry.resultant(&column[..m]);
+            entry.columns[k] = column;
         }
         entry
     }

@@ -57,7 +57,7 @@ impl FadeTable {
 
     /// Index of the first temperature that is not above its predecessor, if there is one.
     pub(crate) fn disorder(&self) -> Option<usize> {
-        (1..8).find(|&i| self.temperature[i] <= self.temperature[i - 1])
+        crate::disorder(&self.temperature)
     }
 
     /// Factor at `temperature` (K), and its derivative (1/K).

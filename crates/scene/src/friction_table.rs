@@ -13,15 +13,3 @@ pub struct FrictionTable {
     /// Coefficients at these speeds.
     pub coefficient: [f64; FRICTION_POINTS],
 }
-
-impl FrictionTable {
-    /// Highest coefficient of the table.
-    pub(crate) fn highest(&self) -> f64 {
-        self.coefficient[..self.points].iter().copied().fold(0.0, f64::max)
-    }
-
-    /// Index of the first speed that is not above its predecessor, if there is one.
-    pub(crate) fn disorder(&self) -> Option<usize> {
-        (1..self.points).find(|&i| self.speed[i] <= self.speed[i - 1])
-    }
-}

@@ -28,14 +28,14 @@ macro_rules! value {
     };
 }
 
-/// The eight elements of the row called `$name`.
-macro_rules! eight {
-    ($values:expr, $name:expr) => {{
-        let mut eight = [0.0; 8];
-        let first = const { reference($name) } as usize;
-        eight.copy_from_slice(&$values[first..first + 8]);
-        eight
-    }};
+/// The first elements of the row that begins at this reference.
+fn row<const N: usize>(values: &[f64; COUNT], first: ValueReference) -> [f64; N] {
+    std::array::from_fn(|element| values[first as usize + element])
+}
+
+/// Index of the first argument of a table that is not above its predecessor, if there is one.
+fn disorder(arguments: &[f64]) -> Option<usize> {
+    (1..arguments.len()).find(|&i| arguments[i].partial_cmp(&arguments[i - 1]) != Some(std::cmp::Ordering::Greater))
 }
 
 /// Elastic model of a body.
@@ -361,19 +361,17 @@ pub struct Scene {
 
 /// The friction table of the values of the variable table, if it has points.
 fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
-    let row = |first: usize| std::array::from_fn(|point| v[first + point]);
     let points = value!(v, "contact.friction_table.points") as usize;
     (points > 0).then(|| FrictionTable {
         points,
-        speed: row(const { reference("contact.friction_table.speed") } as usize),
-        coefficient: row(const { reference("contact.friction_table.coefficient") } as usize),
+        speed: row(v, const { reference("contact.friction_table.speed") }),
+        coefficient: row(v, const { reference("contact.friction_table.coefficient") }),
     })
 }
 
 /// The property table whose rows begin at these references, if it has points.
 fn property_table(v: &[f64; COUNT], points: f64, first: [ValueReference; 3]) -> Option<PropertyTable> {
-    let [temperature, conductivity, specific_heat] =
-        first.map(|first| std::array::from_fn(|point| v[first as usize + point]));
+    let [temperature, conductivity, specific_heat] = first.map(|first| row(v, first));
     (points > 0.0).then_some(PropertyTable { points: points as usize, temperature, conductivity, specific_heat })
 }
 
@@ -422,8 +420,8 @@ macro_rules! body {
             wear_threshold: value!($v, concat!($body, ".wear_threshold")),
             wear_velocity_exponent: value!($v, concat!($body, ".wear_velocity_exponent")),
             wear_fade: FadeTable::new(
-                eight!($v, concat!($body, ".wear_fade.temperature")),
-                eight!($v, concat!($body, ".wear_fade.factor")),
+                row($v, const { reference(concat!($body, ".wear_fade.temperature")) }),
+                row($v, const { reference(concat!($body, ".wear_fade.factor")) }),
             ),
             initial_wear: value!($v, concat!($body, ".initial_wear")),
             wear_limit: value!($v, concat!($body, ".wear_limit")),
@@ -479,8 +477,8 @@ impl Scene {
             faces: value!(v, "contact.faces"),
             friction_coefficient: value!(v, "contact.friction_coefficient"),
             friction_fade: FadeTable::new(
-                eight!(v, "contact.friction_fade.temperature"),
-                eight!(v, "contact.friction_fade.factor"),
+                row(v, const { reference("contact.friction_fade.temperature") }),
+                row(v, const { reference("contact.friction_fade.factor") }),
             ),
             static_friction_ratio: value!(v, "contact.static_friction_ratio"),
             stribeck_velocity: value!(v, "contact.stribeck_velocity"),
@@ -494,10 +492,7 @@ impl Scene {
                 1 => InitialShape::Flat,
                 2 => InitialShape::Parabolic(value!(v, "contact.initial_radius")),
                 3 => InitialShape::RunIn,
-                _ => {
-                    let first = const { reference("contact.initial_gap") } as usize;
-                    InitialShape::Tabulated(Box::new(std::array::from_fn(|station| v[first + station])))
-                }
+                _ => InitialShape::Tabulated(Box::new(row(v, const { reference("contact.initial_gap") }))),
             },
             shear_coupling: value!(v, "contact.shear_coupling") != 0.0,
             temperature_limit: chosen(

@@ -22,12 +22,6 @@ pub struct PropertyTable {
 }
 
 impl PropertyTable {
-    /// Index of the first temperature that is not above its predecessor, if there is one.
-    pub(crate) fn disorder(&self) -> Option<usize> {
-        (1..self.points)
-            .find(|&i| self.temperature[i].partial_cmp(&self.temperature[i - 1]) != Some(std::cmp::Ordering::Greater))
-    }
-
     /// Number of points at or below `temperature` (K).
     fn below(&self, temperature: f64) -> usize {
         self.temperature[..self.points].iter().take_while(|point| **point <= temperature).count()

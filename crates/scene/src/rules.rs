@@ -143,7 +143,9 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
 
 fn holder(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.constraint == Constraint::TranslateAndRotate && scene.geometry == Geometry::Line {
-        let highest = scene.friction_table.map_or(0.0, |table| table.highest()).max(scene.friction_coefficient);
+        let coefficients =
+            scene.friction_table.iter().flat_map(|table| table.coefficient.into_iter().take(table.points));
+        let highest = coefficients.fold(scene.friction_coefficient, f64::max);
         let (lever, half_width) = (highest * scene.pivot_height, 0.5 * scene.width);
         if lever >= half_width {
             return broken(format!(
@@ -270,7 +272,7 @@ fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     if table.speed[0] != 0.0 {
         return broken(format!("{NAME}.speed[1] = {} m/s must be 0 m/s", Number(table.speed[0])));
     }
-    if let Some(index) = table.disorder() {
+    if let Some(index) = super::disorder(&table.speed[..table.points]) {
         let [speed, before] = message::apart([table.speed[index], table.speed[index - 1]], "m/s");
         return broken(format!("{NAME}.speed[{}] = {speed} must be above {NAME}.speed[{index}] = {before}", index + 1));
     }
@@ -301,7 +303,7 @@ fn property_tables(scene: &Scene) -> Result<(), BrokenRule> {
                 table.points
             ));
         }
-        if let Some(index) = table.disorder() {
+        if let Some(index) = super::disorder(&table.temperature[..table.points]) {
             let [next, before] = message::apart([table.temperature[index], table.temperature[index - 1]], "K");
             return broken(format!(
                 "{name}.property_table.temperature[{}] = {next} must be above {name}.property_table.temperature[{index}] = {before}",

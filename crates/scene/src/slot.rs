@@ -22,7 +22,7 @@
 
 use crate::fnv::Fnv;
 
-use crate::variables::{COUNT, Causality, Initial, Kind, STARTS, Start, TABLE, Variability};
+use crate::variables::{COUNT, Kind, STARTS, Start, TABLE};
 
 /// Name of the scene in a library whose slot was not filled.
 pub const STOCK_NAME: &str = "stock";
@@ -315,23 +315,9 @@ pub(crate) fn guid(name: &str, starts: &[f64; COUNT]) -> String {
         hash.text(row.name);
         hash.text(row.description);
         hash.bytes(&[
-            match row.causality {
-                Causality::Parameter => 0,
-                Causality::Input => 1,
-                Causality::Output => 2,
-                Causality::Local => 3,
-            },
-            match row.variability {
-                Variability::Fixed => 0,
-                Variability::Tunable => 1,
-                Variability::Discrete => 2,
-                Variability::Continuous => 3,
-            },
-            match row.initial {
-                None => 0,
-                Some(Initial::Exact) => 1,
-                Some(Initial::Calculated) => 2,
-            },
+            row.causality as u8,
+            row.variability as u8,
+            row.initial.map_or(0, |initial| 1 + initial as u8),
             row.depends as u8,
             u8::from(matches!(row.start, Start::None)),
         ]);

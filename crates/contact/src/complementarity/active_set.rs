@@ -24,7 +24,7 @@ impl ContactSolver {
             Key { signed_friction: problem.signed_friction, shifted, diagonal: problem.diagonal, active: &memory.set };
         let position = self.factors.find(key)?;
         let shift = if shifted { self.factors.shift() } else { 0.0 };
-        let entry = self.factors.with_columns(position, balance.count() > 0, balance.tilt_free);
+        let entry = self.factors.with_columns(position, [balance.count() > 0, balance.tilt_free]);
         let m = entry.index.len();
         if m < balance.count() {
             return None;
@@ -37,7 +37,7 @@ impl ContactSolver {
         }
         entry.substitute(compact);
         let centre = entry.centre;
-        let (uniform, linear) = (&entry.uniform[..m], &entry.linear[..m]);
+        let [uniform, linear] = entry.columns.each_ref().map(|column| &column[..m]);
         // Resultants and moments about the centre of q, X0 and X1.
         let ([force, moment], [[force0, moment0], [force1, moment1]]) = (entry.resultant(compact), entry.sums);
         let relative = centre / self.length;
