@@ -6,6 +6,7 @@ use model::lumped::limit;
 use scene::message::Number;
 use scene::variables::TOLERANCES;
 use scene::{Scene, value};
+use std::fmt::Arguments;
 
 /// Bit for both velocities given in a step, beside those of [`limit`].
 pub(super) const BOTH_VELOCITIES: u8 = 64;
@@ -51,57 +52,50 @@ impl Component {
 
     /// Logs limits not logged before, after a step that began at the inputs `began`.
     pub(super) fn report(&mut self, limits: u8, began: &Inputs) {
-        let fresh = limits & !self.run.reported;
-        let texts = [
-            (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
-            (
-                limit::VALIDITY,
-                "the run is outside the model's validity (limit_reached bit 4): load or speed far above nominal, \
-                 contact above 2500 K, half of a body worn off, or a return to a part of the worn track that is no longer stored",
-            ),
-        ];
-        for (bit, text) in texts {
+        let (fresh, inputs) = (limits & !self.run.reported, inputs_of(&self.values));
+        let [limit, radius] =
+            [value!(self.values, "contact.temperature_limit"), value!(self.values, "contact.mean_radius")].map(Number);
+        let Inputs { sliding_velocity, angular_velocity, .. } = *began;
+        let [sliding, turning] = [sliding_velocity, angular_velocity].map(Number);
+        let mut warn = |bit: u8, text: Arguments<'_>| {
             if fresh & bit != 0 {
-                self.messages.add(Subject::Warning, format_args!("{text}"));
+                self.messages.add(Subject::Warning, text);
             }
-        }
-        let inputs = inputs_of(&self.values);
-        if fresh & limit::TEMPERATURE != 0 {
-            let limit = value!(self.values, "contact.temperature_limit");
-            let text = format_args!(
-                "contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)",
-                limit = Number(limit)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        if fresh & limit::NEGATIVE_LOAD != 0 {
-            let load = began.normal_load.min(inputs.normal_load);
-            let text = format_args!(
-                "normal_load = {load} N is below 0 N and counts as 0: the contact is open",
-                load = Number(load)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        if fresh & BOTH_VELOCITIES != 0 {
-            let radius = value!(self.values, "contact.mean_radius");
-            let text = format_args!(
-                "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
+        };
+        warn(limit::WEAR, format_args!("a wear limit is reached (limit_reached bit 1)"));
+        warn(
+            limit::VALIDITY,
+            format_args!(
+                "the run is outside the model's validity (limit_reached bit 4): load or speed far above nominal, \
+                 contact above 2500 K, half of a body worn off, or a return to a part of the worn track that is no longer stored"
+            ),
+        );
+        warn(
+            limit::TEMPERATURE,
+            format_args!("contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)"),
+        );
+        warn(
+            limit::NEGATIVE_LOAD,
+            format_args!(
+                "normal_load = {} N is below 0 N and counts as 0: the contact is open",
+                Number(began.normal_load.min(inputs.normal_load))
+            ),
+        );
+        warn(
+            BOTH_VELOCITIES,
+            format_args!(
+                "sliding_velocity = {sliding} m/s and angular_velocity = {turning} rad/s are both given and add up: with \
                  contact.mean_radius = {radius} m the contact slides at {} m/s",
-                Number(began.sliding_velocity),
-                Number(began.angular_velocity),
-                Number(began.sliding_velocity + radius * began.angular_velocity),
-                radius = Number(radius)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
-        if fresh & WITHOUT_RADIUS != 0 {
-            let text = format_args!(
-                "angular_velocity = {} rad/s has no effect: contact.mean_radius = 0 m; the contact slides at sliding_velocity = {} m/s",
-                Number(began.angular_velocity),
-                Number(began.sliding_velocity)
-            );
-            self.messages.add(Subject::Warning, text);
-        }
+                Number(sliding_velocity + radius.0 * angular_velocity)
+            ),
+        );
+        warn(
+            WITHOUT_RADIUS,
+            format_args!(
+                "angular_velocity = {turning} rad/s has no effect: contact.mean_radius = 0 m; the contact slides at sliding_velocity = \
+                 {sliding} m/s"
+            ),
+        );
         for bit in [limit::ACCELERATED, limit::UNSTABLE] {
             if let Some(model) = self.model.as_ref().filter(|_| fresh & bit != 0) {
                 self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));

@@ -33,8 +33,7 @@
 //! Theory: docs/theory.md, section 7.5.
 
 use super::instability::FarFaces;
-use super::instability::layer::{FarFace, Layer, half_resistance};
-use elasticity::Base;
+use super::instability::layer::{FarFace, Layers, half_resistance};
 use elasticity::kinds::plane_strain_compliance;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
@@ -95,16 +94,14 @@ impl Pair {
         if own.expansion == 0.0 || !self.modulus.is_finite() {
             return 1.0;
         }
-        let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
-        let strip = Layer::new(&scene.strip, far, wave);
+        let layers = Layers::new(scene, far, wave);
         // Stiffness of the layers relative to half-planes.
-        let stiffness = 2.0 / (self.modulus * wave) / (punch.compliance() + strip.compliance());
-        let layer = if body == 0 { punch } else { strip };
+        let stiffness = 2.0 / (self.modulus * wave) / layers.compliance();
         let mut largest: f64 = 1.0;
         let mut decay = wave;
         for _ in 0..DECAYS {
             let rate = own.conductivity / own.capacity * (decay * decay - wave * wave);
-            let [uptake, lift] = layer.respond(Complex::from(rate));
+            let [uptake, lift] = layers.bodies[body].respond(Complex::from(rate));
             let lift = lift.re * (decay + wave) / (2.0 * own.expansion);
             let uptake = (uptake.re / (own.conductivity * decay)).min(1.0);
             largest = largest.max(lift * stiffness / uptake);

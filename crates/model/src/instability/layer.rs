@@ -67,11 +67,6 @@ impl Layer {
         let uptake = impedance.inv();
         [uptake, -distortion * uptake]
     }
-
-    /// Elastic compliance C, m/Pa.
-    pub(crate) fn compliance(&self) -> f64 {
-        self.compliance
-    }
 }
 
 /// Both bodies at one wave number.

@@ -68,12 +68,13 @@ impl<'a> Stepper<'a> {
         let prescribed = |values: Pair| if COMMON { [0.0; 2] } else { values };
         let ambient = prescribed([first.ambient, last.ambient]);
         let far = [prescribed([first.punch_far, last.punch_far]), prescribed([first.strip_far, last.strip_far])];
-        let around = |side: usize| Around {
-            ambient,
-            forced: [first.forced, last.forced],
-            neighbour: prescribed([first.neighbours[side], last.neighbours[side]]),
+        let around_side = |from: &Conditions, to: &Conditions, side: usize| Around {
+            ambient: prescribed([from.ambient, to.ambient]),
+            forced: [from.forced, to.forced],
+            neighbour: prescribed([from.neighbours[side], to.neighbours[side]]),
         };
-        let around = [around(0), around(1)];
+        let around_both = |from: &Conditions, to: &Conditions| [around_side(from, to, 0), around_side(from, to, 1)];
+        let around = around_both(first, last);
         let acts = |body: &BodyOperators, face: usize| body.air[face].is_nonlinear();
         let cools = if COMMON {
             [[false; 2], [acts(&operators.strip, BESIDE), false]]
@@ -150,14 +151,9 @@ impl<'a> Stepper<'a> {
         }
         if cools || punch.has_linear_faces() || strip.has_linear_faces() {
             let [first, last] = stages.temperature;
-            let around = |now: &Conditions, side: usize| Around {
-                ambient: prescribed([now.ambient; 2]),
-                forced: [now.forced; 2],
-                neighbour: prescribed([now.neighbours[side]; 2]),
-            };
-            let at_start = (!constant).then(|| [around(start, 0), around(start, 1)]);
+            let at_start = (!constant).then(|| around_both(start, start));
             let at_start = |side: usize| at_start.as_ref().map(|around| &around[side]);
-            let around = [around(middle, 0), around(middle, 1)];
+            let around = around_both(middle, middle);
             let rise = state.peak_rise.max(LEAST_RISE).max(first.abs()).max(last.abs());
             let mut of_cooling = 0.0;
             for relaxes in [constant, false] {
