@@ -333,11 +333,7 @@ impl Component {
             };
             *slot += part;
         }
-        if let Some(unknown) =
-            unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
-        {
-            return Err(format!("value reference {unknown} is not an output"));
-        }
+        check_unknowns(unknowns)?;
         if unknowns.is_empty() {
             return Ok(());
         }
@@ -385,6 +381,12 @@ impl Component {
 fn prepare(scene: &Scene) -> Result<Arc<BuiltModel>, String> {
     let flag = interruption::current();
     on_own_thread(move || interruption::within(flag, || BuiltModel::new(scene, steady::run_in).map(Arc::new)))
+}
+
+/// Checks that all of these are outputs.
+fn check_unknowns(unknowns: &[ValueReference]) -> Result<(), String> {
+    let unknown = unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)));
+    unknown.map_or(Ok(()), |unknown| Err(format!("value reference {unknown} is not an output")))
 }
 
 /// Whether a derivative differs from 0; by the bits, as [`inputs::needs_check`].

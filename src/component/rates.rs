@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 1.3.
 
 use super::outputs::{GROUPS, group};
-use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, inputs_of};
+use super::{Component, check_unknowns, inputs_of};
 use model::levels::Model;
 use scene::variables::{COUNT, ValueReference};
 
@@ -15,11 +15,7 @@ impl Component {
     /// # Errors
     /// If an unknown is not an output, there is no model yet, or the look-ahead step fails.
     pub fn output_derivatives(&mut self, unknowns: &[ValueReference], result: &mut [f64]) -> Result<(), String> {
-        if let Some(unknown) =
-            unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
-        {
-            return Err(format!("value reference {unknown} is not an output"));
-        }
+        check_unknowns(unknowns)?;
         if unknowns.is_empty() {
             return Ok(());
         }

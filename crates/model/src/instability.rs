@@ -112,10 +112,9 @@ impl CriticalSpeed {
             intervals.insert(worst + 1, interval(&middle, &right));
         }
         let refined = || points.iter().take(1).chain(intervals.iter().flat_map(|own| [&own.middle, &own.right]));
-        let table = |value: fn(&SpeedPoint) -> f64| Table::new(refined().map(|point| [point.speed, value(point)]));
-        let all = table(SpeedPoint::all);
+        let [all, modelled] = [0, 1].map(|waves| Table::new(refined().map(|own| [own.speed, own.values()[waves]])));
         let least_product = 0.5 * all.0.iter().map(|[speed, value]| speed + value).fold(f64::INFINITY, f64::min).exp();
-        CriticalSpeed { all, modelled: table(SpeedPoint::modelled), alone: families.alone(), least_product }
+        CriticalSpeed { all, modelled, alone: families.alone(), least_product }
     }
 
     /// Critical speed at this friction coefficient, m/s; 0: nothing grows below 1e12 m/s. Relative error of the table: 5e-3 within a
@@ -143,9 +142,6 @@ impl CriticalSpeed {
 
     /// Writes the message that perturbations have grown by `exp(exponent)`, at this speed, m/s. `resolved`: the level has the
     /// temperature along the contact.
-    ///
-    /// # Errors
-    /// Those of `text`.
     pub(crate) fn write_message(
         &self,
         text: &mut dyn fmt::Write,
@@ -192,14 +188,9 @@ impl SpeedPoint {
         SpeedPoint { speed, least: families.least(speed.exp(), near) }
     }
 
-    /// Logarithm of Z/V over all waves.
-    fn all(&self) -> f64 {
-        self.least.all.ln() - self.speed
-    }
-
-    /// The same over the waves that a contact line resolves.
-    fn modelled(&self) -> f64 {
-        self.least.modelled.ln() - self.speed
+    /// Logarithms of Z/V over all waves, and over those that a contact line resolves.
+    fn values(&self) -> [f64; 2] {
+        [self.least.all, self.least.modelled].map(|least| least.ln() - self.speed)
     }
 }
 
@@ -218,18 +209,19 @@ impl SpeedInterval {
     /// Interval between two points, refined for values of ln(Z/V) in `range`.
     fn new(families: &Families, range: [f64; 2], left: SpeedPoint, right: SpeedPoint) -> SpeedInterval {
         let length = right.speed - left.speed;
-        let matters = |value: fn(&SpeedPoint) -> f64| value(&left) > range[0] && value(&right) < range[1];
-        if !matters(SpeedPoint::all) && !matters(SpeedPoint::modelled) {
+        let (from, to) = (left.values(), right.values());
+        if (0..2).all(|waves| from[waves] <= range[0] || to[waves] >= range[1]) {
             return SpeedInterval { middle: right.clone(), left, right, error: 0.0 };
         }
         let middle = SpeedPoint::new(families, left.speed + 0.5 * length, Some(&left.least));
-        let error = |value: fn(&SpeedPoint) -> f64| {
-            let [from, between, to] = [&left, &middle, &right].map(value);
+        let between = middle.values();
+        let error = |waves: usize| {
+            let (from, between, to) = (from[waves], between[waves], to[waves]);
             // Where growth begins within the interval only its length counts.
             let error = (0.5 * (from + to) - between).abs() / ((from - to) / length).abs();
             if error < length { error } else { length }
         };
-        let error = if length > LONG { length } else { error(SpeedPoint::all).max(error(SpeedPoint::modelled)) };
+        let error = if length > LONG { length } else { error(0).max(error(1)) };
         SpeedInterval { left, middle, right, error }
     }
 }

@@ -237,26 +237,13 @@ impl CycleProblem<'_> {
         let [t_forward, t_backward] = self.durations;
         let [low, high] = self.ends(cell, depth);
         match place {
-            Touching::ForwardOnly => {
-                let slope = 1.0 / (t_forward * self.rate.slope(cell, high));
-                let (by, sum) = (slope, slope);
-                CellState {
-                    forward: high,
-                    backward: 0.0,
-                    sum_by_difference: 1.0,
-                    difference_by_depth: by,
-                    sum_by_depth: sum,
-                }
-            }
-            Touching::BackwardOnly => {
-                let slope = 1.0 / (t_backward * self.rate.slope(cell, -low));
-                CellState {
-                    forward: 0.0,
-                    backward: -low,
-                    sum_by_difference: -1.0,
-                    difference_by_depth: -slope,
-                    sum_by_depth: slope,
-                }
+            Touching::ForwardOnly | Touching::BackwardOnly => {
+                let (side, time, pressure) =
+                    if place == Touching::ForwardOnly { (1.0, t_forward, high) } else { (-1.0, t_backward, -low) };
+                let slope = 1.0 / (time * self.rate.slope(cell, pressure));
+                let [forward, backward] = if side > 0.0 { [pressure, 0.0] } else { [0.0, pressure] };
+                let difference_by_depth = side * slope;
+                CellState { forward, backward, sum_by_difference: side, difference_by_depth, sum_by_depth: slope }
             }
             Touching::Both => {
                 let r = difference.clamp(low, high);

@@ -19,6 +19,7 @@ use super::SteadyError;
 use super::states::{Sliding, SteadyState, steady_state};
 use bodies::{heat_leaves, with_steady_bodies};
 use elasticity::{Cells, Compliance};
+use model::line::cycle::MapResolution;
 use numerics::maximum::maximum;
 use scene::message::Number;
 use scene::{Path, Scene};
@@ -157,7 +158,9 @@ pub fn at_steady_properties(
         let lasting = with_steady_bodies(&own, speed);
         let hot = match *sliding {
             Sliding::Unidirectional { .. } => unidirectional::solve(&lasting, cells, compliances, &cold, sliding),
-            Sliding::Reciprocating { strokes, speeds } => cycle::solve(&lasting, cells, &cold, strokes, speeds),
+            Sliding::Reciprocating { strokes, speeds } => {
+                cycle::solve(&lasting, cells, &cold, strokes, speeds, MapResolution::WITH_HEAT)
+            }
         }?;
         change = 0.0;
         for (side, body) in [&mut own.punch, &mut own.strip].into_iter().enumerate() {

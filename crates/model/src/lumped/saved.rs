@@ -16,7 +16,7 @@ impl LumpedState {
             out.extend([body.external, body.lost, body.trend, body.depth, body.worn]);
         }
         write_row(&mut out, &self.flash);
-        out.extend(self.clone().scalars().map(|scalar| *scalar));
+        out.extend(self.clone().scalars().map(|(_, scalar)| *scalar));
         out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
         if let Some(track) = &self.track {
             out.push(1.0);
@@ -40,7 +40,7 @@ impl LumpedState {
         }
         read_row(numbers, &mut state.flash)?;
         let mut next = || numbers.next().copied();
-        for scalar in state.scalars() {
+        for (_, scalar) in state.scalars() {
             *scalar = next()?;
         }
         state.limits = next()? as u8;
@@ -56,27 +56,30 @@ impl LumpedState {
         all_finite(read).then_some(state)
     }
 
-    /// The scalars, in the order in which they are saved.
-    fn scalars(&mut self) -> [&mut f64; 17] {
+    /// What the scalars are, in the order in which they are saved.
+    fn scalars(&mut self) -> [(&'static str, &mut f64); 17] {
         let ([punch_start, strip_start], [punch_far, strip_far]) = (&mut self.far_start, &mut self.far);
+        let peak = "the largest rise, flux or wear rate so far (K, W/m2, m/s)";
+        let contact = "the contact temperature (K above the reference)";
+        let far = "a far face's temperature (K)";
         [
-            &mut self.position,
-            &mut self.distance,
-            &mut self.dissipated,
-            &mut self.bristle,
-            &mut self.stiffness,
-            &mut self.peak_rise,
-            &mut self.peak_flux,
-            &mut self.peak_wear,
-            &mut self.reference,
-            &mut self.error,
-            &mut self.end_temperature,
-            &mut self.end_force,
-            &mut self.growth,
-            punch_start,
-            strip_start,
-            punch_far,
-            strip_far,
+            ("the position on the track (m)", &mut self.position),
+            ("the sliding distance (m)", &mut self.distance),
+            ("the dissipated energy (J/m2)", &mut self.dissipated),
+            ("the bristle's deflection (m)", &mut self.bristle),
+            ("the bristle's stiffness (N/m)", &mut self.stiffness),
+            (peak, &mut self.peak_rise),
+            (peak, &mut self.peak_flux),
+            (peak, &mut self.peak_wear),
+            (contact, &mut self.reference),
+            ("the step error so far", &mut self.error),
+            (contact, &mut self.end_temperature),
+            ("the friction force (N)", &mut self.end_force),
+            ("the growth of perturbations", &mut self.growth),
+            (far, punch_start),
+            (far, strip_start),
+            (far, punch_far),
+            (far, strip_far),
         ]
     }
 
@@ -85,7 +88,7 @@ impl LumpedState {
         let LumpedState { punch, strip, .. } = self;
         let mut track = Vec::new();
         self.track.iter().for_each(|own| own.save(&mut track));
-        let rows: [(&str, &[f64]); 20] = [
+        let rows: [(&str, &[f64]); 11] = [
             ("punch: a temperature (K above the reference)", &punch.heat),
             ("strip: a temperature (K above the reference)", &strip.heat),
             ("punch: heat received by a surface (J/m2)", &punch.received),
@@ -96,21 +99,11 @@ impl LumpedState {
             ("punch: wear depth (m)", &[punch.depth, punch.worn]),
             ("strip: wear depth (m)", &[strip.depth, strip.worn]),
             ("the local temperature rise under the punch (K)", &self.flash),
-            ("the position on the track (m)", &[self.position]),
-            ("the sliding distance (m)", &[self.distance]),
-            ("the dissipated energy (J/m2)", &[self.dissipated]),
-            ("the bristle's deflection (m)", &[self.bristle]),
-            (
-                "the largest rise, flux or wear rate so far (K, W/m2, m/s)",
-                &[self.peak_rise, self.peak_flux, self.peak_wear],
-            ),
-            ("the step error so far", &[self.error]),
-            ("the contact temperature (K above the reference)", &[self.reference, self.end_temperature]),
-            ("the friction force (N)", &[self.end_force]),
             ("a depth or place of the worn track (m)", &track),
-            ("a far face's temperature (K)", &[self.far_start[0], self.far_start[1], self.far[0], self.far[1]]),
         ];
-        rows.into_iter().find_map(|(name, row)| row.iter().find(|value| value.abs() > most).map(|value| (name, *value)))
+        let rows = rows.into_iter().flat_map(|(name, row)| row.iter().map(move |value| (name, *value)));
+        let scalars = self.clone().scalars().map(|(name, scalar)| (name, *scalar));
+        rows.chain(scalars).find(|(_, value)| value.abs() > most)
     }
 }
 

@@ -24,33 +24,19 @@ pub fn nominal_half_strokes(scene: &Scene) -> [(f64, f64); 2] {
 }
 
 /// Cycle map of a scene in reciprocating sliding, with resolved heat.
-///
-/// # Errors
-/// Errors of the bodies or of the cycle.
 pub fn cycle_map(scene: &Scene, sliding: [(f64, f64); 2], resolution: MapResolution) -> Result<CycleMap, SteadyError> {
     let operators = LineOperators::with_heat(&sliding_scene(scene), true, super::run_in).map_err(SteadyError::Heat)?;
     Ok(CycleMap::new(operators, sliding, resolution)?)
 }
 
+/// Steady state with given time steps.
 pub(super) fn solve(
     scene: &Scene,
     cells: &Cells,
     cold: &SteadyState,
     strokes: [f64; 2],
     speeds: [f64; 2],
-) -> Result<HotState, SteadyError> {
-    solve_with(scene, cells, cold, strokes, speeds, MapResolution::WITH_HEAT, &SolveOptions::default())
-}
-
-/// Steady state with given time steps and tolerance.
-pub(super) fn solve_with(
-    scene: &Scene,
-    cells: &Cells,
-    cold: &SteadyState,
-    strokes: [f64; 2],
-    speeds: [f64; 2],
     resolution: MapResolution,
-    options: &SolveOptions,
 ) -> Result<HotState, SteadyError> {
     let mut scene = scene.clone();
     scene.cells = cells.count();
@@ -66,7 +52,7 @@ pub(super) fn solve_with(
     if runs_in {
         start[punch].copy_from_slice(&cold.shape);
     }
-    let solution = map.steady(&start, options)?;
+    let solution = map.steady(&start, &SolveOptions::default())?;
     let accuracy = Accuracy {
         iterations: solution.cycles,
         shape: solution.residual[0],

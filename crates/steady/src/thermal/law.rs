@@ -36,7 +36,7 @@ use crate::{CycleProblem, SteadyError};
 use conduction::line::Stage;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
-use model::line::cycle::{MapResolution, SolveOptions};
+use model::line::cycle::MapResolution;
 use numerics::maximum::{largest, maximum};
 use scene::{Body, Scene};
 
@@ -105,7 +105,7 @@ pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f
     heat_leaves(&scene, speed)?;
     let scene = with_steady_bodies(&scene, speed);
     let sliding = [scene.nominal_stroke; 2];
-    let hot = cycle::solve_with(&scene, cells, &cold, sliding, [speed; 2], RESOLUTION, &SolveOptions::default())?;
+    let hot = cycle::solve(&scene, cells, &cold, sliding, [speed; 2], RESOLUTION)?;
     let mean = scene.nominal_pressure();
     let mut worst = [0.0_f64; 3];
     for ((stroke, heat), without) in hot.state.strokes.iter().zip(&hot.heat.strokes).zip(&cold.strokes) {
