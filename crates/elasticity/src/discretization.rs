@@ -52,17 +52,11 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
 }
 
 /// Finite elements of the punch, where its compliance or, if it is heated, its distortion is that of a block.
-///
-/// # Errors
-/// As [`compliances`].
 pub fn punch_block(scene: &Scene, cells: &Cells, heated: bool) -> Result<Option<Arc<Block>>, BodyError> {
     punch_block_among(&mut Vec::new(), scene, cells, heated)
 }
 
 /// [`punch_block`], which joins those `known`: one of the same punch on the same mesh is not made again.
-///
-/// # Errors
-/// As [`compliances`].
 pub fn punch_block_among(
     known: &mut Vec<Arc<Block>>,
     scene: &Scene,

@@ -72,9 +72,6 @@ impl ModelOperators {
 
     /// Builds the operators of the level of `scene`, which has the same bodies, contact and nominal conditions as theirs, and shares what
     /// [`lumped::operators::LumpedOperators::beside`] does.
-    ///
-    /// # Errors
-    /// As [`ModelOperators::new`].
     pub fn beside(&self, scene: &Scene, run_in: RunIn) -> Result<ModelOperators, String> {
         Self::sharing(scene, Some(self), &mut Shared::default(), run_in).map(ModelOperators::ready)
     }
@@ -306,9 +303,6 @@ impl Model {
     }
 
     /// Writes the message of a limit bit that contains numbers.
-    ///
-    /// # Errors
-    /// Those of `text`.
     pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         match self {
             Model::Lumped(model) => model.write_warning(bit, inputs, text),

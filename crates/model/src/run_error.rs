@@ -165,9 +165,6 @@ impl RunError {
     }
 
     /// Writes advice where the error of the run is known and above the tolerance; without advice from [`UNKNOWN`] on.
-    ///
-    /// # Errors
-    /// Those of `text`.
     pub fn write_advice(&self, prepared: &BuiltModel, step_error: f64, text: &mut String) -> fmt::Result {
         use fmt::Write as _;
         let tolerance = prepared.requested.tolerance;

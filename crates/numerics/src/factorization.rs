@@ -92,9 +92,6 @@ pub fn solve_mut(matrix: DMatrix<f64>, right: &mut DVector<f64>) -> Result<(), U
 }
 
 /// Solution of a small system whose size is a constant.
-///
-/// # Errors
-/// As [`solve_mut`].
 pub fn solve<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
     right: &SVector<f64, N>,
@@ -107,17 +104,11 @@ where
 }
 
 /// Inverse.
-///
-/// # Errors
-/// A matrix that is not finite or singular.
 pub fn inverse(matrix: DMatrix<f64>) -> Result<DMatrix<f64>, Unfactorable> {
     checked(matrix)?.try_inverse().ok_or(Unfactorable::Singular)
 }
 
 /// Lower Cholesky factor.
-///
-/// # Errors
-/// A matrix that is not finite or not positive definite.
 pub fn cholesky<D: Dim>(matrix: OMatrix<f64, D, D>) -> Result<Cholesky<f64, D>, Unfactorable>
 where
     DefaultAllocator: Allocator<D, D>,

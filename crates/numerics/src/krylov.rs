@@ -21,9 +21,6 @@ pub struct Solved {
 
 /// Solves `A x = right` to a residual of `tolerance` relative to `right`, with at most `most` products; norms are those of the
 /// vectors times `weights`.
-///
-/// # Errors
-/// Those of a product.
 pub fn gmres<E>(
     mut product: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     right: &[f64],

@@ -540,9 +540,6 @@ impl Scene {
     }
 
     /// Checks the rules of heat, which conductance and heat paths may break that are changed during a run.
-    ///
-    /// # Errors
-    /// A rule that is broken.
     pub fn check_heat(&self) -> Result<(), BrokenRule> {
         rules::heat(self)
     }

@@ -51,9 +51,6 @@ pub struct ElasticVelocity {
 /// pressure, V per shear traction, see [`TangentialCompliance`]): the strip's own part gives the strain; the difference of
 /// U between forward and backward the reversal; within a stroke the pressure changes by
 /// `(C + s mu S) dp/dt = d(delta + theta x)/dt - dw/dt` on the cells in contact at constant load and moment.
-///
-/// # Errors
-/// Error of a body.
 pub fn assess(
     scene: &Scene,
     cells: &Cells,

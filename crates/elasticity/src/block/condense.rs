@@ -107,9 +107,6 @@ impl Pattern {
     }
 
     /// Workspace for factorising, and for solving with up to `columns` loads together.
-    ///
-    /// # Errors
-    /// [`FactorizationError::OutOfMemory`]
     pub(crate) fn workspace(&self, columns: usize) -> Result<Workspace, FactorizationError> {
         let factorizing = self.symbolic_factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solving = self.symbolic_factor.solve_in_place_scratch::<f64>(columns, Par::Seq);

@@ -67,9 +67,6 @@ impl ThermalBlock {
     }
 
     /// Workspace for factorising, and for solving with up to `columns` loads together.
-    ///
-    /// # Errors
-    /// Out of memory.
     pub(crate) fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
         let functions = self.capacity.first().map_or(0, DMatrix::nrows);
         Ok(ThermalWorkspace {
@@ -130,9 +127,6 @@ impl ThermalBlock {
     }
 
     /// Overwrites the columns of `loads` with the solutions of (K + shift M) T = load.
-    ///
-    /// # Errors
-    /// Out of memory.
     pub fn solve_in_place(&self, factor: &ThermalFactor, loads: &mut Mat<f64>) -> Result<(), BlockError> {
         let mut workspace = self.workspace(loads.ncols())?;
         self.solve_in_workspace(factor, loads.as_mut(), &mut workspace);

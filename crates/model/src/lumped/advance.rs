@@ -356,9 +356,6 @@ impl Lumped {
     }
 
     /// Writes the message of a bit of [`limit`] that contains numbers.
-    ///
-    /// # Errors
-    /// Those of `text`.
     pub(crate) fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
         if bit != limit::UNSTABLE {
             return Ok(());
