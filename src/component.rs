@@ -252,19 +252,12 @@ impl Component {
             self.sloped = false;
             return Ok(());
         }
+        let [shortest, longest] = [SHORTEST_STEP, LONGEST_STEP].map(Number);
         if step < SHORTEST_STEP {
-            return Err(format!(
-                "the step of {step} s is shorter than {shortest_step} s and not 0",
-                step = Number(step),
-                shortest_step = Number(SHORTEST_STEP)
-            ));
+            return Err(format!("the step of {} s is shorter than {shortest} s and not 0", Number(step)));
         }
         if step > LONGEST_STEP {
-            return Err(format!(
-                "the step of {step} s is longer than {longest_step} s",
-                step = Number(step),
-                longest_step = Number(LONGEST_STEP)
-            ));
+            return Err(format!("the step of {} s is longer than {longest} s", Number(step)));
         }
         if self.suspect || self.sloped {
             self.check_inputs(step)?;

@@ -186,7 +186,7 @@ impl Instance {
 
     /// `fmi2SetDebugLogging`. `categories`: `None` for all; unknown ones are already left out.
     pub(crate) fn set_debug_logging(&mut self, on: bool, categories: Option<&[Category]>) -> Outcome {
-        self.log.enable(on, categories.unwrap_or(Log::categories()));
+        self.log.enable(on, categories.unwrap_or(&Category::ALL));
         Ok(())
     }
 

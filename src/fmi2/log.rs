@@ -34,7 +34,7 @@ pub(crate) enum Category {
 }
 
 impl Category {
-    const ALL: [Category; 3] = [Category::Events, Category::Warnings, Category::Errors];
+    pub(crate) const ALL: [Category; 3] = [Category::Events, Category::Warnings, Category::Errors];
 
     /// Name as declared in the model description.
     pub(crate) const fn name(self) -> &'static CStr {
@@ -81,11 +81,6 @@ impl Log {
         } else {
             self.enabled = categories.iter().fold(self.enabled, |enabled, &category| enabled | category as u8);
         }
-    }
-
-    /// Every declared category.
-    pub(crate) fn categories() -> &'static [Category] {
-        &Category::ALL
     }
 
     /// Whether a message of this category would be sent; to save composing one that is not.

@@ -266,10 +266,7 @@ impl Model {
     /// Work (J) of the friction force on all faces since initialisation.
     #[inline]
     pub(crate) fn friction_work(&self) -> f64 {
-        match self {
-            Model::Lumped(model) => model.friction_work(),
-            Model::Line(model) => model.friction_work(),
-        }
+        each!(self, model => model.friction_work())
     }
 
     /// Sets the parameters that may change between steps.
@@ -304,10 +301,7 @@ impl Model {
 
     /// Writes the message of a limit bit that contains numbers.
     pub fn write_warning(&self, bit: u8, inputs: &Inputs, text: &mut String) -> fmt::Result {
-        match self {
-            Model::Lumped(model) => model.write_warning(bit, inputs, text),
-            Model::Line(model) => model.write_warning(bit, inputs, text),
-        }
+        each!(self, model => model.write_warning(bit, inputs, text))
     }
 
     /// Work counters of the contact solver; zero at the lumped level.

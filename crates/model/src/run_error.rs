@@ -20,6 +20,7 @@
 
 use crate::levels::{Model, ModelOperators, ModelState};
 use crate::lumped::conditions::Tunables;
+use crate::plan::comparison::Comparison;
 use crate::plan::distance::{Distance, largest, main_outputs};
 use crate::plan::{BuiltModel, ModelLevel, UNKNOWN};
 use crate::{Inputs, StepFailure};
@@ -125,8 +126,7 @@ impl RunError {
             distance.follow(own, main_outputs(&companion.values, companion.ambient));
             return None;
         }
-        let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
-        let comparison = choice.comparison.as_ref()?;
+        let comparison = self.comparison(prepared)?;
         let scene = &prepared.requested;
         // Inputs are linear within a step: the largest are at one of its ends.
         let most = |of: &dyn Fn(&Inputs) -> f64| of(inputs).max(of(&inputs.after(slopes, step)));
@@ -155,8 +155,13 @@ impl RunError {
             // Part of the error of reduction and time steps, which that of the cells may cancel in the difference.
             return companion.distance.map(|distance| largest(distance.relative()).hypot((1.0 / 3.0) * step_error));
         }
+        self.comparison(prepared).map(|comparison| comparison.error.hypot(step_error))
+    }
+
+    /// The comparison by which the run is lumped, as long as it holds.
+    fn comparison<'a>(&self, prepared: &'a BuiltModel) -> Option<&'a Comparison> {
         let choice = prepared.choice.as_ref().filter(|choice| choice.level == ModelLevel::Lumped && !self.is_beyond)?;
-        choice.comparison.as_ref().map(|comparison| comparison.error.hypot(step_error))
+        choice.comparison.as_ref()
     }
 
     /// The same, at most [`UNKNOWN`], which also stands for an error that is not known.

@@ -121,13 +121,7 @@ impl Instance {
         orders: Source<'_, Integer>,
         values: Source<'_, Real>,
     ) -> Outcome {
-        for index in 0..references.count() {
-            let (reference, order) = (references.at(index), orders.at(index));
-            check_real(reference, Causality::Input)?;
-            if order != INPUT_DERIVATIVE_ORDER {
-                return argument(format!("input derivatives are of order {INPUT_DERIVATIVE_ORDER}, not {order}"));
-            }
-        }
+        check_derivatives(references, orders, Causality::Input, INPUT_DERIVATIVE_ORDER)?;
         for index in 0..references.count() {
             self.component.set_input_derivative(references.at(index), values.at(index));
         }
@@ -141,13 +135,7 @@ impl Instance {
         orders: Source<'_, Integer>,
         result: Sink<'_, Real>,
     ) -> Outcome {
-        for index in 0..references.count() {
-            let (reference, order) = (references.at(index), orders.at(index));
-            check_real(reference, Causality::Output)?;
-            if order != OUTPUT_DERIVATIVE_ORDER {
-                return argument(format!("output derivatives are of order {OUTPUT_DERIVATIVE_ORDER}, not {order}"));
-            }
-        }
+        check_derivatives(references, orders, Causality::Output, OUTPUT_DERIVATIVE_ORDER)?;
         let scratch = &mut self.scratch;
         references.copy_into(&mut scratch.unknowns);
         scratch.result.clear();
@@ -185,6 +173,24 @@ impl Instance {
         result.put_all(&self.scratch.result);
         Ok(())
     }
+}
+
+/// Checks that derivatives of inputs or outputs are of the order that is offered.
+fn check_derivatives(
+    references: Source<'_, ValueReference>,
+    orders: Source<'_, Integer>,
+    causality: Causality,
+    offered: i32,
+) -> Outcome {
+    for index in 0..references.count() {
+        check_real(references.at(index), causality)?;
+        let order = orders.at(index);
+        if order != offered {
+            let kind = if causality == Causality::Input { "input" } else { "output" };
+            return argument(format!("{kind} derivatives are of order {offered}, not {order}"));
+        }
+    }
+    Ok(())
 }
 
 /// Checks that a variable is a Real and an input, or a result of the FMU.

@@ -4,7 +4,6 @@
 //! Theory: docs/theory.md, sections 5.1, 7.3.
 
 use super::conditions::Conditions;
-use super::operators::BodyOperators;
 use super::property_step::{ATTEMPTS, PropertyStep};
 use super::state::LumpedState;
 use super::stepper::{Attempt, Stepper};
@@ -290,17 +289,18 @@ impl Lumped {
         let scene = &operators.scene;
         let largest = inputs.zip(&inputs.after(slopes, step), |first: f64, last: f64| first.abs().max(last.abs()));
         let speed = largest.velocity(scene.mean_radius);
-        // Behind a caliper the load may rise above that of the actuator.
-        let caliper = operators.series_stiffness > 0.0;
         let pressure = largest.normal_load / operators.area;
-        let worn = |depth: f64, initial: f64, height: f64, body: &BodyOperators| {
-            let rate = body.wear.highest_rate(pressure, speed, self.tunables.friction_coefficient)
-                * (body.wear_factor * self.tunables.wear_acceleration);
-            depth + initial + step * rate > NEAR_END * height
-        };
-        caliper
-            || worn(self.state.punch.depth, scene.punch.initial_wear, scene.punch.height, &operators.punch)
-            || worn(self.state.strip.depth, scene.strip.initial_wear, scene.strip.height, &operators.strip)
+        let bodies = [
+            (&operators.punch, &scene.punch, self.state.punch.depth),
+            (&operators.strip, &scene.strip, self.state.strip.depth),
+        ];
+        // Behind a caliper the load may rise above that of the actuator.
+        operators.series_stiffness > 0.0
+            || bodies.into_iter().any(|(body, given, depth)| {
+                let rate = body.wear.highest_rate(pressure, speed, self.tunables.friction_coefficient)
+                    * (body.wear_factor * self.tunables.wear_acceleration);
+                depth + given.initial_wear + step * rate > NEAR_END * given.height
+            })
     }
 
     fn judge_temperature(&mut self, hottest: f64) {
@@ -351,8 +351,7 @@ impl Lumped {
 
     /// Friction coefficient at the temperature of the end of the last step, at this operating point.
     pub(crate) fn end_friction(&self, operating_point: OperatingPoint) -> f64 {
-        let temperature = self.state.end_temperature + self.state.reference;
-        self.friction.kinetic_coefficient(temperature) * self.friction.stribeck(operating_point)
+        self.kinetic_coefficient() * self.friction.stribeck(operating_point)
     }
 
     /// Writes the message of a bit of [`limit`] that contains numbers.

@@ -62,7 +62,48 @@ impl Lumped {
 
     /// Writes the outputs that depend on the states only: the heat account, volumes, distance.
     pub(crate) fn write_account(&self, values: &mut [f64; COUNT]) {
-        self.on_states(&mut |reference: ValueReference, value: f64| values[reference as usize] = value);
+        let mut emit = |reference: ValueReference, value: f64| values[reference as usize] = value;
+        let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
+        let faces = scene.faces;
+        let (bodies, states) = (operators.bodies(), [&state.punch, &state.strip]);
+        let (depths, accounts) = ([state.punch.depth, self.strip_depth()], [0, 1].map(|side| self.account(side)));
+        let external = [0, 1].map(|side| {
+            point::external_flow(bodies[side], accounts[side].far, states[side].external * bodies[side].area * faces)
+        });
+        let life = [0, 1].map(|side| match [&scene.punch, &scene.strip][side] {
+            body if body.wear_limit > 0.0 => {
+                (1.0 - (depths[side] + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
+            }
+            _ => 1.0,
+        });
+        let volumes = [0, 1].map(|side| states[side].worn * operators.area * faces);
+        let [punch, strip] = &accounts;
+        let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
+        emit!(
+            emit,
+            "wear_volume_punch" = volumes[0],
+            "wear_volume_strip" = volumes[1],
+            "wear_mass_punch" = masses[0],
+            "wear_mass_strip" = masses[1],
+            "wear_mass_airborne" = masses[2],
+            "wear_taper_punch" = 0.0,
+            "remaining_life" = life[0].min(life[1]),
+            "sliding_distance" = state.distance,
+            "dissipated_energy" = state.dissipated * operators.area * faces,
+            "bristle_deflection" = state.bristle,
+            "bristle_energy" = 0.5 * state.stiffness * state.bristle * state.bristle,
+            "heat_lost_ambient" = punch.ambient + strip.ambient,
+            "heat_lost_punch_top" = punch.far,
+            "heat_lost_strip_base" = strip.far,
+            "heat_lost_punch_external" = external[0],
+            "heat_lost_strip_external" = external[1],
+            "heat_received_punch" = punch.received,
+            "heat_received_strip" = strip.received,
+            "stored_heat" = punch.stored + strip.stored,
+            "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, self.state.far[0], 1.0),
+            "strip.mean_temperature" = self.strip_mean_temperature(),
+            "estimated_step_error" = self.estimated_step_error(),
+        );
     }
 
     /// Writes `friction_slope` and the profiles.
@@ -169,51 +210,6 @@ impl Lumped {
         );
         emit(const { reference("sticking") }, S::from(f64::from(u8::from(point.sticking))));
         write_limits(state.limits, |reference, value| emit(reference, S::from(value)));
-    }
-
-    /// Outputs that depend on the states only.
-    fn on_states(&self, emit: &mut impl FnMut(ValueReference, f64)) {
-        let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
-        let faces = scene.faces;
-        let (bodies, states) = (operators.bodies(), [&state.punch, &state.strip]);
-        let (depths, accounts) = ([state.punch.depth, self.strip_depth()], [0, 1].map(|side| self.account(side)));
-        let external = [0, 1].map(|side| {
-            point::external_flow(bodies[side], accounts[side].far, states[side].external * bodies[side].area * faces)
-        });
-        let life = [0, 1].map(|side| match [&scene.punch, &scene.strip][side] {
-            body if body.wear_limit > 0.0 => {
-                (1.0 - (depths[side] + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
-            }
-            _ => 1.0,
-        });
-        let volumes = [0, 1].map(|side| states[side].worn * operators.area * faces);
-        let [punch, strip] = &accounts;
-        let masses = scene::worn_masses([&scene.punch, &scene.strip], volumes);
-        emit!(
-            emit,
-            "wear_volume_punch" = volumes[0],
-            "wear_volume_strip" = volumes[1],
-            "wear_mass_punch" = masses[0],
-            "wear_mass_strip" = masses[1],
-            "wear_mass_airborne" = masses[2],
-            "wear_taper_punch" = 0.0,
-            "remaining_life" = life[0].min(life[1]),
-            "sliding_distance" = state.distance,
-            "dissipated_energy" = state.dissipated * operators.area * faces,
-            "bristle_deflection" = state.bristle,
-            "bristle_energy" = 0.5 * state.stiffness * state.bristle * state.bristle,
-            "heat_lost_ambient" = punch.ambient + strip.ambient,
-            "heat_lost_punch_top" = punch.far,
-            "heat_lost_strip_base" = strip.far,
-            "heat_lost_punch_external" = external[0],
-            "heat_lost_strip_external" = external[1],
-            "heat_received_punch" = punch.received,
-            "heat_received_strip" = strip.received,
-            "stored_heat" = punch.stored + strip.stored,
-            "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, self.state.far[0], 1.0),
-            "strip.mean_temperature" = self.strip_mean_temperature(),
-            "estimated_step_error" = self.estimated_step_error(),
-        );
     }
 
     /// Worn depth of the strip under the contact, m.

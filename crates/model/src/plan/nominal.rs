@@ -94,12 +94,11 @@ impl NominalCourse {
             }
         } else {
             let mut add = |ends: &[f64], speed: f64, load: f64| {
-                let segment = |ends: &[f64]| duration * (ends[1] - ends[0]);
-                segments.extend(ends.windows(2).map(|ends| Segment {
-                    velocity: [speed; 2],
-                    load,
-                    duration: segment(ends),
-                }));
+                let segment = |ends: &[f64]| {
+                    let duration = duration * (ends[1] - ends[0]);
+                    Segment { velocity: [speed; 2], load, duration }
+                };
+                segments.extend(ends.windows(2).map(segment));
             };
             add(&SLIDING, speed, load);
             add(&AFTERWARDS, 0.0, load);
