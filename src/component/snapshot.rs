@@ -1,7 +1,7 @@
 //! Saved state of the component: everything that cannot be rebuilt.
 
 use super::{Component, FIRST_PARAMETER, Phase, Run, TUNABLES, Values, inputs_of, is_as_long, tunables_of};
-use model::levels::{Model, ModelState};
+use model::levels::{Model, ModelState, SavedLine};
 use model::lumped::conditions::Tunables;
 use model::lumped::state::LumpedState;
 use model::plan::distance::Distance;
@@ -64,25 +64,23 @@ impl Component {
             return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
+        let same = from.state.is_some()
+            && self.run.phase == Phase::Running
+            && self.run.tolerance == from.run.tolerance
+            && self.prepared.as_ref().is_some_and(|own| Tunables::of(&own.requested).to_array() == from.built)
+            && different_bits(&self.values[FIRST_PARAMETER..], &values[FIRST_PARAMETER..]) == 0;
         if let Some(state) = &from.state {
-            // The scene at the end of initialisation: tunable parameters may have changed since.
-            let mut at_start = values;
-            for (&index, value) in TUNABLES.iter().zip(from.built) {
-                check_parameter(index as ValueReference, value)
-                    .map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
-                at_start[index] = value;
-            }
             let tunables = tunables_of(&values);
-            let same = self.run.phase == Phase::Running
-                && self.run.tolerance == from.run.tolerance
-                && self.prepared.as_ref().is_some_and(|own| Tunables::of(&own.requested).to_array() == from.built)
-                && self.values[FIRST_PARAMETER..]
-                    .iter()
-                    .zip(&values[FIRST_PARAMETER..])
-                    .all(|(mine, saved)| mine.to_bits() == saved.to_bits());
             let prepared = match &self.prepared {
                 Some(prepared) if same => prepared.clone(),
                 known => {
+                    // The scene at the end of initialisation: tunable parameters may have changed since.
+                    let mut at_start = values;
+                    for (&index, value) in TUNABLES.iter().zip(from.built) {
+                        check_parameter(index as ValueReference, value)
+                            .map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
+                        at_start[index] = value;
+                    }
                     let scene = self.scene_of(&at_start, from.run.tolerance)?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
@@ -90,9 +88,11 @@ impl Component {
                     }
                 }
             };
-            if !(RunError::fits(&from.run_error, &prepared) && state.fits(&prepared.operators)) {
+            let (mut read, mut beside) = (None, None);
+            let companion = RunError::companion(&from.run_error, &prepared, &mut beside);
+            let (Some(state), Some(companion)) = (state.of(&prepared.operators, &mut read), companion) else {
                 return Err("the saved states do not fit the scene".into());
-            }
+            };
             prepared
                 .operators
                 .check_tunables(&tunables)
@@ -109,13 +109,17 @@ impl Component {
             model.set_state(state);
             if let Some(run_error) = &mut self.run_error {
                 run_error.set_tunables(tunables);
-                run_error.set(&from.run_error);
+                run_error.set(&from.run_error, companion);
             }
         } else {
             (self.model, self.run_error) = (None, None);
         }
         // Outputs are evaluated when they are read; without a model they have their start values.
-        *self.values = values;
+        if same {
+            self.values[..INPUTS].copy_from_slice(&from.inputs);
+        } else {
+            *self.values = values;
+        }
         self.suspect = true;
         self.run = from.run.clone();
         self.sloped = super::is_sloped(&self.run.slopes);
@@ -123,6 +127,11 @@ impl Component {
         self.stale = true;
         Ok(())
     }
+}
+
+/// Bits in which any number differs from its partner.
+fn different_bits(mine: &[f64], saved: &[f64]) -> u64 {
+    mine.iter().zip(saved).fold(0, |bits, (mine, saved)| bits | (mine.to_bits() ^ saved.to_bits()))
 }
 
 /// Largest magnitude of a number of a model's state, in its SI unit: what a step makes of it is still finite.
@@ -167,7 +176,7 @@ impl Snapshot {
             };
             put(if line.is_some() { 2.0 } else { 1.0 });
             mean.numbers().into_iter().for_each(&mut put);
-            if let Some(line) = line {
+            if let Some(line) = line.as_ref().map(SavedLine::numbers) {
                 put(line.len() as f64);
                 line.iter().copied().for_each(&mut put);
             }
@@ -255,7 +264,7 @@ fn model_state(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Option<ModelSt
         if !(0.0..=numbers.len() as f64).contains(&count) {
             return None;
         }
-        line = Some(numbers.by_ref().take(count as usize).copied().collect());
+        line = Some(SavedLine::Numbers(numbers.by_ref().take(count as usize).copied().collect()));
     }
     Some(Some(ModelState { mean, line }))
 }

@@ -10,6 +10,7 @@ use super::{Inputs, StepFailure};
 use contact::WorkCounter;
 use scene::variables::COUNT;
 use scene::{Fidelity, Scene};
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
@@ -27,26 +28,48 @@ pub enum ModelOperators {
 pub struct ModelState {
     /// State of the lumped level, which is part of every level.
     pub mean: lumped::state::LumpedState,
-    /// The contact line as numbers, whose count depends on the scene; `None` at the lumped level.
-    pub line: Option<Vec<f64>>,
+    /// The contact line; `None` at the lumped level.
+    pub line: Option<SavedLine>,
+}
+
+/// State of a contact line.
+#[derive(Clone, PartialEq, Debug)]
+pub enum SavedLine {
+    /// As it is.
+    State(Box<line::state::LineState>),
+    /// Its numbers, before the operators are known to which it belongs.
+    Numbers(Vec<f64>),
+}
+
+impl SavedLine {
+    /// All numbers; their count depends on the scene.
+    pub fn numbers(&self) -> Cow<'_, [f64]> {
+        match self {
+            SavedLine::State(line) => line.numbers().into(),
+            SavedLine::Numbers(numbers) => numbers.into(),
+        }
+    }
 }
 
 impl ModelState {
     /// Name and value of a number larger than `most` in magnitude, if any.
     pub fn larger_than(&self, most: f64) -> Option<(&'static str, f64)> {
-        let of_line = || self.line.as_ref().and_then(|numbers| line::saved::larger_than(numbers, most));
+        let of_line = || self.line.as_ref().and_then(|line| line::saved::larger_than(&line.numbers(), most));
         self.mean.larger_than(most).or_else(of_line)
     }
 
-    /// Whether the state is compatible with `operators`.
-    pub fn fits(&self, operators: &ModelOperators) -> bool {
-        match (&self.line, operators) {
-            (None, ModelOperators::Lumped(operators)) => self.mean.fits(operators),
-            (Some(numbers), ModelOperators::Line(operators)) => {
-                self.mean.fits(&operators.mean) && line::state::LineState::load(operators, numbers).is_some()
+    /// The state as one of `operators`, made in `place` from numbers; `None` where it is not one.
+    pub fn of<'a>(&'a self, operators: &ModelOperators, place: &'a mut Option<ModelState>) -> Option<&'a ModelState> {
+        let state = match (&self.line, operators) {
+            (None, ModelOperators::Lumped(_)) => self,
+            (Some(SavedLine::State(line)), ModelOperators::Line(operators)) if line.fits(operators) => self,
+            (Some(SavedLine::Numbers(numbers)), ModelOperators::Line(operators)) => {
+                let line = SavedLine::State(Box::new(line::state::LineState::load(operators, numbers)?));
+                place.insert(ModelState { mean: self.mean.clone(), line: Some(line) })
             }
-            _ => false,
-        }
+            _ => return None,
+        };
+        self.mean.fits(operators.mean()).then_some(state)
     }
 }
 
@@ -243,23 +266,18 @@ impl Model {
         match self {
             Model::Lumped(model) => ModelState { mean: model.state().clone(), line: None },
             Model::Line(model) => {
-                let mut numbers = Vec::with_capacity(8 * model.operators().count() + 64);
-                model.save(&mut numbers);
-                ModelState { mean: model.mean_state().clone(), line: Some(numbers) }
+                let line = SavedLine::State(Box::new(model.save()));
+                ModelState { mean: model.mean_state().clone(), line: Some(line) }
             }
         }
     }
 
-    /// Replaces the whole state by a compatible one.
+    /// Replaces the whole state by one of its operators ([`ModelState::of`]).
     pub fn set_state(&mut self, state: &ModelState) {
         match (self, &state.line) {
             (Model::Lumped(model), None) => model.set_state(&state.mean),
-            (Model::Line(model), Some(numbers)) => {
-                if let Some(line) = line::state::LineState::load(model.operators(), numbers) {
-                    model.set_state(&state.mean, &line);
-                }
-            }
-            _ => unreachable!("`ModelState::fits` was asked before"),
+            (Model::Line(model), Some(SavedLine::State(line))) => model.set_state(&state.mean, line),
+            _ => unreachable!("the state is one of the operators"),
         }
     }
 

@@ -205,19 +205,23 @@ impl RunError {
         }
     }
 
-    /// Whether a saved state belongs to a run of `prepared`.
-    pub fn fits(saved: &SavedRunError, prepared: &BuiltModel) -> bool {
+    /// State of the companion in a saved state, if it has one ([`ModelState::of`]); the outer `None`: it belongs to no run of `prepared`.
+    pub fn companion<'a>(
+        saved: &'a SavedRunError,
+        prepared: &BuiltModel,
+        place: &'a mut Option<ModelState>,
+    ) -> Option<Option<&'a ModelState>> {
         match (&saved.companion, &prepared.companion) {
-            (None, None) => saved.distance.is_none(),
-            (Some(state), Some(operators)) => state.fits(operators),
-            _ => false,
+            (None, None) => saved.distance.is_none().then_some(None),
+            (Some(state), Some(operators)) => state.of(operators, place).map(Some),
+            _ => None,
         }
     }
 
-    /// Replaces the state by one that [`RunError::fits`].
-    pub fn set(&mut self, saved: &SavedRunError) {
+    /// Replaces the state by a saved one with its [`RunError::companion`].
+    pub fn set(&mut self, saved: &SavedRunError, companion_state: Option<&ModelState>) {
         self.is_beyond = saved.is_beyond;
-        if let (Some(companion), Some(state)) = (&mut self.companion, &saved.companion) {
+        if let (Some(companion), Some(state)) = (&mut self.companion, companion_state) {
             companion.model.set_state(state);
             companion.distance = saved.distance;
         }

@@ -130,7 +130,7 @@ fn advice_has_the_number_of_the_output_and_names_cells_below_it_only() {
     let start = run.save();
     for (apart, advised) in [(0.5, true), (1.5, false), (f64::INFINITY, false)] {
         let distance = Some(Distance { apart: [0.0, apart, 0.0], largest: [1.0; 3] });
-        run.set(&SavedRunError { distance, ..start.clone() });
+        run.set(&SavedRunError { distance, ..start.clone() }, start.companion.as_ref());
         let (mut text, output) = (String::new(), run.of(&prepared, 0.0));
         run.write_advice(&prepared, 0.0, &mut text).unwrap();
         assert_eq!(output, apart.min(1.0));

@@ -34,7 +34,6 @@ use contact::wear::line::WearingContact;
 use contact::{ContactState, WorkCounter};
 use coupling::ThermalCoupling;
 use coupling::accept::LEAST_RISE;
-use heat::state::HeatState;
 use numerics::maximum::maximum;
 use operators::LineOperators;
 use scene::message::Number;
@@ -84,7 +83,7 @@ impl Line {
         let mut friction = FrictionLaw::new(&operators.scene);
         friction.coefficient = tunables.friction_coefficient;
         let mut state = LineState::new(&operators);
-        if let Some(bodies) = &operators.heat {
+        if let (Some(bodies), Some(heat)) = (&operators.heat, &mut state.heat) {
             let scene = &operators.scene;
             let reference = mean.state().reference;
             let rise = [&scene.punch, &scene.strip]
@@ -97,7 +96,8 @@ impl Line {
             };
             let kinetic_coefficient = friction.kinetic_coefficient(reference + 0.5 * (rise[0] + rise[1]));
             mean.set_friction_coefficient(kinetic_coefficient);
-            state.heat = Some(HeatState::new(bodies, operators.count(), rise, kinetic_coefficient));
+            heat.kinetic_coefficient = kinetic_coefficient;
+            heat.warm(bodies, rise);
         }
         Line {
             backup: (mean.state().clone(), state.clone()),
@@ -140,11 +140,11 @@ impl Line {
         self.mean.friction_work()
     }
 
-    /// Appends the state of the contact line as numbers.
-    pub(crate) fn save(&self, out: &mut Vec<f64>) {
+    /// A copy of the state of the contact line.
+    pub(crate) fn save(&self) -> LineState {
         let mut state = self.state.clone();
         state.status.copy_from(self.stages.contact.status());
-        state.save(out);
+        state
     }
 
     /// Replaces the whole state.

@@ -3,12 +3,12 @@
 //! Theory: docs/theory.md, section 1.3.
 
 use super::heat::state::HeatState;
-use super::operators::LineOperators;
+use super::operators::{LineOperators, StripWear};
 use super::state::LineState;
 use crate::{INPUTS, Inputs};
 use numerics::maximum::all_finite;
 
-/// Name and value of a number of a state written by [`LineState::save`] that is larger than `most` in magnitude, if any.
+/// Name and value of a number of a state of [`LineState::numbers`] that is larger than `most` in magnitude, if any.
 pub(crate) fn larger_than(numbers: &[f64], most: f64) -> Option<(&'static str, f64)> {
     let (index, &value) = numbers.iter().enumerate().find(|(_, number)| number.abs() > most)?;
     let count = numbers[0] as usize;
@@ -53,9 +53,17 @@ impl LineState {
         (self.error, self.steps, self.rejected) = (other.error, other.steps, other.rejected);
     }
 
-    /// Appends all numbers of the state, in an order that [`LineState::load`] reads.
-    pub(crate) fn save(&self, out: &mut Vec<f64>) {
-        out.push(self.punch.len() as f64);
+    /// Whether the state is one of `operators`, as any state of their scene is.
+    pub(crate) fn fits(&self, operators: &LineOperators) -> bool {
+        let states = |state: &HeatState| state.bodies.each_ref().map(Vec::len);
+        self.punch.len() == operators.count()
+            && self.heat.as_ref().map(states) == operators.heat.as_ref().map(|bodies| bodies.states)
+            && self.track.is_some() == (operators.strip_wear == StripWear::Track)
+    }
+
+    /// All numbers of the state, in the order that [`LineState::load`] reads.
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let mut out = vec![self.punch.len() as f64];
         out.extend(&self.punch);
         out.extend(&self.strip);
         out.extend(&self.pressure);
@@ -66,17 +74,18 @@ impl LineState {
         out.extend([self.fastest, self.direction]);
         out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
         out.extend([self.steps as f64, self.rejected as f64]);
-        self.status.save(out);
+        self.status.save(&mut out);
         if let Some(heat) = &self.heat {
-            heat.save(out);
+            heat.save(&mut out);
         }
         out.push(f64::from(u8::from(self.track.is_some())));
         if let Some(track) = &self.track {
-            track.save(out);
+            track.save(&mut out);
         }
+        out
     }
 
-    /// Reads the state written by [`LineState::save`] for `operators`; `None` if the numbers are not one.
+    /// Reads [`LineState::numbers`] for `operators`; `None` if the numbers are not one.
     pub(crate) fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
         let numbers = &mut numbers.iter();
         let mut state = LineState::new(operators);

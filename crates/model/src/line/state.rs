@@ -64,7 +64,7 @@ impl LineState {
             strip: zeros.clone(),
             track: (operators.strip_wear == StripWear::Track)
                 .then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
-            heat: (operators.heat.as_ref()).map(|bodies| HeatState::new(bodies, operators.count(), [0.0; 2], 0.0)),
+            heat: (operators.heat.as_ref()).map(|bodies| HeatState::new(bodies, operators.count())),
             position: 0.0,
             volume: [0.0; 2],
             pressure: zeros,

@@ -214,7 +214,7 @@ fn initialisation(costs: &mut Vec<Cost>) -> Result<()> {
     Ok(())
 }
 
-/// Saving and restoring a state at N = 129 with a worn track.
+/// Saving and restoring a state: on 129 cells with a worn track, and with resolved heat and its companion.
 fn states(costs: &mut Vec<Cost>) -> Result<()> {
     let track = [
         ("solver.cells", 129.0),
@@ -223,21 +223,25 @@ fn states(costs: &mut Vec<Cost>) -> Result<()> {
         ("strip.wear_coefficient", 1e-13),
         ("nominal.stroke", 0.02),
     ];
-    let mut component = component(&STARTS, &[PUNCH, &track].concat())?;
-    for _ in 0..3 {
-        advance(&mut component, [0.1, 1e4])?;
+    let worn = component(&STARTS, &[PUNCH, &track].concat())?;
+    let companion = [("solver.fidelity", 3.0), ("solver.cells", 33.0), ("solver.error_estimate", 3.0)];
+    let hot = component(&scenes::load(Some("disc_brake"))?.packaged.starts, &companion)?;
+    for (name, mut component) in [("N = 129, worn track", worn), ("N = 33, heat, companion", hot)] {
+        for _ in 0..3 {
+            advance(&mut component, [0.1, 1e4])?;
+        }
+        let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+        let mut fastest = f64::INFINITY;
+        for _ in 0..TURNS {
+            let begin = Instant::now();
+            component.snapshot(&mut saved);
+            component.restore(&saved).map_err(|text| anyhow!(text))?;
+            fastest = fastest.min(begin.elapsed().as_secs_f64());
+        }
+        saved.encode(&mut bytes);
+        costs.push(cost(format!("get + set state, {name}"), 1e6 * fastest, "us", 30.0, true));
+        costs.push(cost(format!("serialised state, {name}"), bytes.len() as f64, "byte", 262_144.0, true));
     }
-    let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
-    let mut fastest = f64::INFINITY;
-    for _ in 0..TURNS {
-        let begin = Instant::now();
-        component.snapshot(&mut saved);
-        component.restore(&saved).map_err(|text| anyhow!(text))?;
-        fastest = fastest.min(begin.elapsed().as_secs_f64());
-    }
-    saved.encode(&mut bytes);
-    costs.push(cost("get + set state, N = 129, worn track".into(), 1e6 * fastest, "us", 30.0, true));
-    costs.push(cost("serialised state, N = 129, worn track".into(), bytes.len() as f64, "byte", 262_144.0, true));
     Ok(())
 }
 

@@ -70,20 +70,16 @@ impl EdgeState {
         EdgeState { overlap: zeros(), rate: zeros(), worn: zeros(), relief: vec![0.0; BETWEEN * count] }
     }
 
-    /// All numbers.
-    pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
-        let EdgeState { overlap, rate, worn, relief } = self;
-        overlap.iter_mut().chain(rate).chain(worn).chain(relief)
-    }
-
     /// The vectors.
-    pub(crate) fn vectors(&self) -> [&Vec<f64>; 4] {
-        [&self.overlap, &self.rate, &self.worn, &self.relief]
+    pub(crate) fn vectors(&mut self) -> [&mut Vec<f64>; 4] {
+        let EdgeState { overlap, rate, worn, relief } = self;
+        [overlap, rate, worn, relief]
     }
 
     /// Copies another state of as many cells.
     pub(crate) fn copy_from(&mut self, other: &EdgeState) {
-        self.numbers().zip(other.vectors().into_iter().flatten()).for_each(|(own, other)| *own = *other);
+        let others = [&other.overlap, &other.rate, &other.worn, &other.relief];
+        self.vectors().into_iter().zip(others).for_each(|(own, other)| own.copy_from_slice(other));
     }
 }
 

@@ -121,19 +121,19 @@ pub(crate) fn entries(account: Account) -> [f64; 4] {
 }
 
 impl HeatState {
-    /// State of bodies at the uniform temperature `rise` (K; punch, strip) above the reference.
-    pub(crate) fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
+    /// State of bodies at the reference temperature, in friction at the coefficient 0.
+    pub(crate) fn new(bodies: &Bodies, count: usize) -> HeatState {
         let zeros = || vec![0.0; count];
-        let mut state = HeatState {
+        HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
             flux: [zeros(), zeros()],
             slope: [zeros(), zeros()],
             pressure_slope: zeros(),
             edges: EdgeState::new(count),
-            temperature: rise.map(|rise| vec![rise; count]),
+            temperature: [zeros(), zeros()],
             distortion: zeros(),
             reference: LinearizationPoint::none(),
-            kinetic_coefficient,
+            kinetic_coefficient: 0.0,
             dissipated: 0.0,
             cooling: [[0.0; FACES]; 2],
             cooling_slope: [[0.0; FACES]; 2],
@@ -142,18 +142,21 @@ impl HeatState {
             last_step: 0.0,
             rejected_by_growth: [0.0; 2],
             start: [[0.0; 4]; 2],
-        };
-        for body in 0..2 {
-            if let Some(heat) = &bodies.prototypes[body] {
-                heat.uniform(rise[body], &mut state.bodies[body]);
-                state.start[body] = entries(heat.account(&state.bodies[body]));
-                let (own, surroundings) = (&state.bodies[body], &Default::default());
-                let moved = FrozenState { state: own, surroundings, flux: &state.flux[body], velocity: 0.0 };
-                let moved = moved.distortion(&**heat);
-                state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
-            }
         }
-        state
+    }
+
+    /// Warms the bodies to the uniform temperature `rise` (K; punch, strip) above the reference.
+    pub(crate) fn warm(&mut self, bodies: &Bodies, rise: [f64; 2]) {
+        self.temperature.iter_mut().zip(rise).for_each(|(cells, rise)| cells.fill(rise));
+        for (body, heat) in bodies.prototypes.iter().enumerate() {
+            let Some(heat) = heat else { continue };
+            heat.uniform(rise[body], &mut self.bodies[body]);
+            self.start[body] = entries(heat.account(&self.bodies[body]));
+            let (own, surroundings) = (&self.bodies[body], &Default::default());
+            let moved = FrozenState { state: own, surroundings, flux: &self.flux[body], velocity: 0.0 };
+            let moved = moved.distortion(&**heat);
+            self.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
+        }
     }
 
     /// Sets the rates of flux and pressure to 0 after a jump.
@@ -227,7 +230,7 @@ impl HeatState {
     }
 
     /// All numbers, in the order in which they are saved.
-    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+    fn parts(&mut self) -> impl Iterator<Item = &mut [f64]> {
         let HeatState {
             bodies,
             flux,
@@ -248,16 +251,15 @@ impl HeatState {
             start,
         } = self;
         let LinearizationPoint { velocity, last, fade, radius_factor } = reference;
-        (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
-            .chain(pressure_slope)
-            .chain(edges.numbers())
-            .chain(distortion)
-            .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
-            .chain(cooling.iter_mut().chain(cooling_slope).flatten())
-            .chain(external.iter_mut().flatten())
-            .chain(trend)
-            .chain(rejected_by_growth)
-            .chain(start.iter_mut().flatten())
+        let scalars = [velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step];
+        let faces = [cooling, cooling_slope, external].map(|of| of.as_flattened_mut());
+        (bodies.iter_mut().chain(flux).chain(slope).chain(temperature))
+            .chain([pressure_slope, distortion])
+            .chain(edges.vectors())
+            .map(Vec::as_mut_slice)
+            .chain(scalars.map(std::slice::from_mut))
+            .chain(faces)
+            .chain([start.as_flattened_mut(), trend, rejected_by_growth])
     }
 
     /// Whether the growth guard recently rejected a step of this length (s); counts down the retry delay.
@@ -292,22 +294,23 @@ impl HeatState {
 
     /// Appends all numbers.
     pub(crate) fn save(&self, out: &mut Vec<f64>) {
-        let mut own = self.clone();
-        out.extend(own.numbers().map(|number| *number));
+        self.clone().parts().for_each(|part| out.extend_from_slice(part));
     }
 
     /// Whether all numbers but the linearization point, which may not be known yet, are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let known = LinearizationPoint { velocity: 0.0, last: 0.0, fade: 1.0, radius_factor: 1.0 };
-        HeatState { reference: known, ..self.clone() }.numbers().all(|number| number.is_finite())
+        HeatState { reference: known, ..self.clone() }.parts().all(|part| all_finite(part))
     }
 
     /// Reads what [`HeatState::save`] wrote over a state of the same scene; `None` if there are too few numbers.
-    pub(crate) fn load<'a>(&mut self, numbers: &mut impl Iterator<Item = &'a f64>) -> Option<()> {
-        for slot in self.numbers() {
-            *slot = *numbers.next()?;
-        }
-        Some(())
+    pub(crate) fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
+        self.parts().try_for_each(|part| {
+            let (own, rest) = numbers.as_slice().split_at_checked(part.len())?;
+            part.copy_from_slice(own);
+            *numbers = rest.iter();
+            Some(())
+        })
     }
 }
 
