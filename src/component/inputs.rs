@@ -28,6 +28,12 @@ pub(super) fn needs_check(index: usize, value: f64) -> bool {
     (value.abs().to_bits() > LARGEST_INPUT.to_bits()) | (index >= FIRST_TEMPERATURE)
 }
 
+/// Whether an input is a number within its range.
+#[inline(always)]
+fn within(value: f64) -> bool {
+    value.abs() <= LARGEST_INPUT
+}
+
 /// Name and unit of an input.
 fn name_of(index: usize) -> (&'static str, &'static str) {
     lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| (row.name, unit_of(row)))
@@ -50,23 +56,31 @@ impl Component {
     /// # Errors
     /// A text that names the variable, its value and the limit.
     pub(crate) fn check_inputs(&self, step: f64) -> Result<(), String> {
+        let inputs = self.values.iter().zip(&self.run.slopes);
+        if inputs.fold(true, |all, (value, slope)| all & within(*value) & within(value + slope * step)) {
+            return self.check_temperatures(step);
+        }
+        Err(self.refused_input(step))
+    }
+
+    /// Reason for which an input is refused that is out of range at the beginning or at the end of a step of `step` s.
+    #[cold]
+    fn refused_input(&self, step: f64) -> String {
         for index in 0..INPUTS {
-            let (name, unit) = name_of(index);
-            let (value, slope) = (self.values[index], self.run.slopes[index]);
+            let ((name, unit), value, slope) = (name_of(index), self.values[index], self.run.slopes[index]);
             for (what, number) in [("", value), ("the derivative of ", slope)] {
                 if !number.is_finite() {
-                    return Err(format!("{what}{name} = {number} is not a finite number"));
+                    return format!("{what}{name} = {number} is not a finite number");
                 }
             }
             for (when, number) in [("", value), (" at the end of the step", value + slope * step)] {
-                let within = number.abs() <= LARGEST_INPUT;
-                if !within {
+                if !within(number) {
                     let [number, limit] = message::apart([number, number.signum() * LARGEST_INPUT], unit);
-                    return Err(format!("{name} = {number}{when} is beyond {limit}"));
+                    return format!("{name} = {number}{when} is beyond {limit}");
                 }
             }
         }
-        self.check_temperatures(step)
+        unreachable!("one of the inputs is out of range")
     }
 
     /// Checks that ambient and external temperatures are above 0 K.

@@ -194,6 +194,7 @@ fn check_derivatives(
 }
 
 /// Checks that a variable is a Real and an input, or a result of the FMU.
+#[inline(always)]
 fn check_real(reference: ValueReference, causality: Causality) -> Outcome {
     let access = policy::access(reference);
     if !access.is(policy::Type::Real) {
