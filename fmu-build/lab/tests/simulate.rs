@@ -521,14 +521,14 @@ fn interrupted(folder: &Folder, seconds: f64, arguments: &[&str]) -> (Option<i32
 #[cfg(unix)]
 fn what_is_interrupted_keeps_what_is_done() {
     let folder = Folder::new("interrupted");
-    let long = ["--set", "nominal.duration=3000 s", "--set", "solver.fidelity=line", "--set", "solver.cells=129"];
+    let long = ["--set", "nominal.duration=30000 s", "--set", "solver.fidelity=line", "--set", "solver.cells=129"];
     let run = ["simulate", "disc_brake", "--step", "0.1", "-o", "out.csv"];
     let (status, printed, told) = interrupted(&folder, 10.0, &[&run[..], &long].concat());
     assert_eq!((status, printed.as_str()), (Some(130), ""), "{told}");
     let columns = columns(&folder.0.join("out.csv"));
     let last = *columns[0].1.last().unwrap();
-    assert!(last > 0.1 && last < 3000.0 && columns.iter().all(|(_, values)| values.iter().all(|v| v.is_finite())));
-    assert!(told.contains(" s of 3000 s; the rows up to there are in out.csv"), "{told}");
+    assert!(last > 0.1 && last < 30000.0 && columns.iter().all(|(_, values)| values.iter().all(|v| v.is_finite())));
+    assert!(told.contains(" s of 30000 s; the rows up to there are in out.csv"), "{told}");
     let rows = (0..600).map(|row| format!("{},{},4\n", 5 * row, 10 * (row % 2)));
     folder
         .file("stops.csv", &format!("time [s],sliding_velocity [m/s],normal_load [kN]\n{}", rows.collect::<String>()));
