@@ -246,6 +246,9 @@ fn lints(tally: &mut Tally) {
             "--deny",
             "warnings",
         ]))?;
+        let mut documentation = cargo(&["doc", "--locked", "--release", "--workspace", "--all-features", "--no-deps"]);
+        documentation.env("RUSTDOCFLAGS", "--deny warnings");
+        step.check(documentation)?;
         step.pass();
         Ok(())
     });

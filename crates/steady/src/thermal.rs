@@ -201,7 +201,7 @@ pub fn hot_run_in_shape(scene: &Scene, cells: &Cells, compliances: &[Compliance;
 }
 
 /// Gap of a run-in punch, as the contact line starts with it: with resolved `heat` that of [`hot_run_in_shape`] where friction heats the
-/// contact, otherwise [`run_in_shape`](super::states::run_in_shape). It is the [`RunIn`](model::line::operators::RunIn) of the model.
+/// contact, otherwise [`run_in_shape`](super::states::run_in_shape). It is the `RunIn` of the model.
 ///
 /// # Errors
 /// The text of what the shape is refused for.

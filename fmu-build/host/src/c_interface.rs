@@ -67,7 +67,7 @@ pub struct Request {
     pub points: *const f64,
 }
 
-/// [`INTERFACE_VERSION`], for the caller to compare with its own.
+/// `INTERFACE_VERSION`, for the caller to compare with its own.
 #[unsafe(no_mangle)]
 pub extern "C" fn host_interface_version() -> u32 {
     INTERFACE_VERSION
