@@ -141,6 +141,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn trapezoid_sum_is_the_integral() {
+        for count in [1, 2, 3, 7, 33, 129, 257] {
+            let cells = Cells::graded(0.03, count).unwrap();
+            let means: Vec<f64> = (0..count).map(|i| if i % 5 == 0 { 0.0 } else { 1.0 + (i as f64).sin() }).collect();
+            let profile = Profile::new(&cells);
+            let mut values = [0.0; STATIONS];
+            profile.fill(&means, &mut values);
+            let sum: f64 = (0..STATIONS).map(|k| values[k] * if k == 0 || k + 1 == STATIONS { 0.5 } else { 1.0 }).sum();
+            let spacing = 0.06 / 32.0;
+            assert!((sum * spacing - cells.integral(&means)).abs() < 1e-15, "{count}");
+            assert!(values.iter().all(|value| *value >= -1e-14), "{count}: {values:?}");
+            assert_eq!((profile.positions()[0], profile.positions()[16]), (-0.03, 0.0));
+        }
+    }
+
+    #[test]
     fn smooth_quantities_come_out_at_third_order() {
         let error = |count: usize| {
             let cells = Cells::graded(1.0, count).unwrap();
@@ -157,5 +173,37 @@ mod tests {
                 .fold(0.0, f64::max)
         };
         assert!(error(33) < 1e-3 && error(129) < error(33) / 30.0, "{:e} {:e}", error(33), error(129));
+    }
+
+    #[test]
+    fn rates_are_differences() {
+        let cells = Cells::graded(1.0, 21).unwrap();
+        let profile = Profile::new(&cells);
+        let means: Vec<f64> = (0..21).map(|i| (0.4 * f64::from(i) - 2.0).max(0.0)).collect();
+        let rates: Vec<f64> = (0..21).map(|i| if means[i] > 0.0 { (1.3 * i as f64).cos() } else { 0.0 }).collect();
+        let at = |t: f64| {
+            let moved: Vec<f64> = means.iter().zip(&rates).map(|(m, r)| m + t * r).collect();
+            let mut values = [0.0; STATIONS];
+            profile.fill(&moved, &mut values);
+            values
+        };
+        let (low, high, mut exact) = (at(-1e-6), at(1e-6), [0.0; STATIONS]);
+        profile.fill_rates(&means, &rates, &mut exact);
+        for k in 0..STATIONS {
+            assert!((exact[k] - (high[k] - low[k]) / 2e-6).abs() < 1e-8, "{k}");
+        }
+    }
+
+    #[test]
+    fn tabulated_values_come_back_as_means() {
+        let cells = Cells::graded(0.5, 65).unwrap();
+        let values: [f64; STATIONS] = std::array::from_fn(|k| 2.0 + 3.0 * (k as f64 / 32.0 - 0.5));
+        for (mean, x) in cell_means(&cells, &values).iter().zip(cells.centres()) {
+            assert!((mean - (2.0 + 3.0 * x)).abs() < 1e-13);
+        }
+        // A hat function at one station has the area of its triangle.
+        let mut hat = [0.0; STATIONS];
+        hat[20] = 1.0;
+        assert!((cells.integral(&cell_means(&cells, &hat)) - 1.0 / 32.0).abs() < 1e-15);
     }
 }

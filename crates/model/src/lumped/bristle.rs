@@ -311,3 +311,55 @@ impl Bristle {
         ends[1]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_stored_or_heat() {
+        let bristle = Bristle { stiffness: 1e6, damping: 2e3 };
+        let (mut z, mut work, mut heat) = (0.0, 0.0, 0.0);
+        // Load, slip, reverse, slip back: many small steps measure the work of the force itself.
+        for i in 0..40_000 {
+            let v = if i < 20_000 { 0.01 } else { -0.02 };
+            let step = 1e-5;
+            let (force, _) = bristle.force(z, v, 500.0);
+            let moved = bristle.advance(z, Line::level(v), Line::level(500.0), step);
+            let (after, _) = bristle.force(moved.deflection, v, 500.0);
+            work += 0.5 * (force + after) * v * step;
+            heat += moved.heat;
+            assert!(moved.heat >= 0.0);
+            z = moved.deflection;
+        }
+        let stored = 0.5 * bristle.stiffness * z * z;
+        assert!((work - heat - stored).abs() < 2e-4 * work, "{work} {heat} {stored}");
+        assert!((z + 500.0 / 1e6).abs() < 1e-9);
+        // One step over everything gives the same end.
+        let once = bristle.advance(0.0, Line::level(0.01), Line::level(500.0), 0.2);
+        assert!((once.deflection - 500.0 / 1e6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bristle_at_its_limit_dissipates_force_times_velocity_throughout_the_step() {
+        let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
+        let moved = bristle.advance(5e-4, Line::level(0.01), Line::level(500.0), 0.1);
+        for (power, speed) in moved.power.into_iter().zip(moved.speed) {
+            assert!((power - 5.0).abs() < 1e-9 && (speed - 0.01).abs() < 1e-12, "{power} W {speed} m/s");
+        }
+    }
+
+    #[test]
+    fn below_the_limit_nothing_creeps() {
+        let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
+        let mut z = 3e-4;
+        for _ in 0..1000 {
+            z = bristle.advance(z, Line::level(0.0), Line::level(500.0), 1.0).deflection;
+        }
+        assert_eq!(z, 3e-4);
+        // A limit that falls below the force releases the spring, whose energy becomes heat.
+        let released = bristle.advance(z, Line::level(0.0), Line::level(100.0), 1.0);
+        assert!((released.deflection - 1e-4).abs() < 1e-15);
+        assert!((released.heat - 0.5e6 * (9e-8 - 1e-8)).abs() < 1e-12);
+    }
+}

@@ -108,6 +108,21 @@ mod tests {
     use scene::{FadeTable, Scene};
 
     #[test]
+    fn split_by_effusivity_and_its_limits() {
+        let side = |level, gain| Side { level, gain: Some(gain) };
+        let perfect = partition(side(0.0, 2.0), side(0.0, 1.0), 30.0, 1e15);
+        assert!((perfect.punch - 10.0).abs() < 1e-9 && (perfect.strip - 20.0).abs() < 1e-9);
+        assert!((perfect.punch_temperature - perfect.strip_temperature).abs() < 1e-9);
+        let none = partition(side(5.0, 2.0), side(0.0, 1.0), 30.0, 0.0);
+        assert_eq!((none.punch, none.strip), (15.0, 15.0));
+        let finite = partition(side(5.0, 2.0), side(1.0, 1.0), 30.0, 0.4);
+        let jump = finite.punch_temperature - finite.strip_temperature;
+        assert!((jump - (finite.strip - finite.punch) / 0.8).abs() < 1e-12);
+        let insulated = partition(Side { level: 7.0, gain: None }, side(1.0, 1.0), 30.0, 10.0);
+        assert_eq!((insulated.punch, insulated.strip_temperature, insulated.punch_temperature), (0.0, 31.0, 32.5));
+    }
+
+    #[test]
     fn friction_and_temperature_agree() {
         let mut law = FrictionLaw::new(&Scene::new(&STARTS, None).unwrap());
         law.coefficient = 0.4;
