@@ -160,7 +160,7 @@ impl StripHeat {
     fn add_direct(&self, stage: Stage, (amounts, uniform): (&[f64; RANK], f64), temperature: &mut [f64]) {
         let [direct, by_uniform] = self.step.stage(stage).current_response().direct();
         if !direct.is_empty() {
-            dense::multiply_add(direct, amounts, temperature);
+            dense::multiply_add(direct, &amounts[..direct.len() / temperature.len()], temperature);
         }
         dense::multiply_add(by_uniform, &[uniform], temperature);
     }
@@ -264,7 +264,7 @@ impl StripHeat {
             let mut driving = self.project(robin_correction, scratch, levels[0]);
             let directly = robin_correction.project_cells(response.direct()[1]);
             driving.iter_mut().zip(directly).for_each(|(driving, direct)| *driving += flux[0] * direct);
-            amounts = RobinCorrection::solution(response, &driving);
+            amounts = robin_correction.solution(response, &driving);
             self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
         }
         self.observe(scratch, levels, [&mut *temperature, distortion]);

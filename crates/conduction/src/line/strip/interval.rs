@@ -49,7 +49,7 @@ impl IntervalWorkspace {
         IntervalWorkspace {
             nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
-            robin: RobinWorkspace::new(count),
+            robin: RobinWorkspace::new(count, operators.rank()),
             influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),

@@ -8,7 +8,7 @@ use super::fresh::{ENDS, Fresh};
 use super::properties::{Resolution, SlidingPath, StripProperties};
 use super::reduction::{Layer, Reductions};
 use super::robin_correction::RobinCorrection;
-use super::stage_response::{Layout, RANK};
+use super::stage_response::Layout;
 use super::state_layout::{Level, of_mode, state_layout};
 use super::static_correction::StaticCorrection;
 use super::velocity_table::VelocityTable;
@@ -166,11 +166,12 @@ impl StripOperators {
             let sign = [1.0, -1.0][part];
             columns.flat_map(|(column, weight)| column.iter().map(move |shape| sign * weight * shape)).collect()
         });
-        if slab.surface_transfer > 0.0 {
+        let transfer = slab.surface_transfer;
+        if transfer > 0.0 {
+            let rank = RobinCorrection::rank(transfer * width / slab.conductivity, tolerance);
+            let over_cells = |wave: usize, polynomial: &[f64]| operators.over_cells(wave, |i| polynomial[i]);
             operators.robin_correction =
-                Some(RobinCorrection::new(cells, slab.surface_transfer, &operators.weight, |wave, polynomial| {
-                    operators.over_cells(wave, |i| polynomial[i])
-                }));
+                Some(RobinCorrection::new(cells, transfer, rank, &operators.weight, over_cells));
         }
         Ok(operators)
     }
@@ -189,13 +190,18 @@ impl StripOperators {
         (sum, tilt)
     }
 
+    /// Number of polynomials of the Robin correction; 0 without one.
+    pub(crate) fn rank(&self) -> usize {
+        self.robin_correction.as_ref().map_or(0, |correction| correction.rank)
+    }
+
     /// Dimensions of a stage response; weights in the states exist for the end of a step only.
     pub(crate) fn response_layout(&self, at_end: bool) -> Layout {
         Layout {
             count: self.widths.len(),
             states: if at_end { self.rate.len() } else { 0 },
             waves: self.waves.len(),
-            rank: self.robin_correction.as_ref().map_or(0, |_| RANK),
+            rank: self.rank(),
             lagged: self.lagged(),
         }
     }

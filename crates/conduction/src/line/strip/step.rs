@@ -8,7 +8,7 @@ pub(crate) use super::interval::{IntervalWorkspace, OWN};
 pub(crate) use stage::StageWeights;
 
 use super::operators::StripOperators;
-use super::stage_response::{Feedthrough, RANK};
+use super::stage_response::Feedthrough;
 use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
 use nalgebra::DMatrix;
 use numerics::cache::KeyedCache;
@@ -52,7 +52,7 @@ impl DirectFeedthrough {
     fn new(operators: &StripOperators) -> DirectFeedthrough {
         let count = operators.widths.len();
         let moving = if operators.expands { count } else { 0 };
-        let lifted = operators.robin_correction.as_ref().map_or(0, |_| RANK * count);
+        let lifted = operators.rank() * count;
         let empty = |_| Feedthrough {
             matrices: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             lifted: vec![0.0; lifted],
