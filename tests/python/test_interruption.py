@@ -167,12 +167,12 @@ def test_interrupted_levels_and_cycles_are_kept():
 @pytest.mark.skipif(os.name == "nt", reason="sends a signal")
 def test_an_interrupted_command_writes_its_rows(tmp_path):
     command = [sys.executable, "-m", "sliding_contact", "simulate", "disc_brake", "-s", "solver.fidelity=line", "-s", "solver.cells=129"]
-    with subprocess.Popen([*command, "-s", "nominal.duration=3000 s", "--step", "0.1", "-o", "out.csv"], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as run:
+    with subprocess.Popen([*command, "-s", "nominal.duration=30000 s", "--step", "0.1", "-o", "out.csv"], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as run:
         time.sleep(10.0)
         run.send_signal(signal.SIGINT)
         told = run.stderr.read()
     rows = (tmp_path / "out.csv").read_text().splitlines()
-    assert run.returncode == 130 and f"interrupted at {float(rows[-1].split(',')[0]):g} s of 3000 s; the rows up to there are in out.csv" in told
+    assert run.returncode == 130 and f"interrupted at {float(rows[-1].split(',')[0]):g} s of 30000 s; the rows up to there are in out.csv" in told
 
 
 @pytest.mark.skipif(os.name == "nt", reason="sends a signal")

@@ -60,7 +60,7 @@ impl RobinWorkspace {
 
 impl RobinCorrection {
     /// Number of polynomials for a contact of this Biot number H w/k, w its width, and a relative error of the temperature. Half of them
-    /// leave up to 1.7e-3 of it per Biot number, in the steady state at rest.
+    /// leave up to 1.8e-3 of it per Biot number, in the steady state at rest; all of them 1e-4.
     pub(crate) fn rank(biot: f64, tolerance: f64) -> usize {
         if 2e-3 * biot < tolerance { RANK / 2 } else { RANK }
     }

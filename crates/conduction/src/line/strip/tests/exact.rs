@@ -3,9 +3,11 @@
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::line::{GAMMA, Observed, Stage, Step, Surroundings, ThermalBody};
+use crate::slab::Slab;
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
 use libm::erf;
+use nalgebra::{DMatrix, DVector};
 use scene::FarBoundary;
 use std::f64::consts::PI;
 
@@ -251,6 +253,76 @@ fn an_endless_path_is_a_band_on_fresh_material_at_every_time() {
                 let error = errors.fold(0.0, f64::max);
                 println!("{nominal} {number} {tolerance:e}: {error:.1e}, period {length:.1}, {states} states");
                 assert!(error < 0.5 * tolerance, "{nominal} {number} {tolerance:e}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Lengths of `count` cells that grow geometrically from `first` and fill `length`.
+fn growing(count: i32, first: f64, length: f64) -> Vec<f64> {
+    let (mut low, mut high) = (1.0, 2.0);
+    for _ in 0..60 {
+        let ratio: f64 = 0.5 * (low + high);
+        let filled: f64 = (0..count).map(|k| first * ratio.powi(k)).sum();
+        *(if filled > length { &mut high } else { &mut low }) = ratio;
+    }
+    (0..count).map(|k| first * f64::powi(low, k)).collect()
+}
+
+/// Steady temperature, K, of the surface of a held layer at rest under a unit flux on |x| < 0.03 m, with convection beside it up to
+/// |x| = 0.2 m: mean over the contact, and at `x`. Finite volumes on half of it, from the base up by the conductance of all that is below.
+fn by_finite_volumes(conductivity: f64, height: f64, transfer: f64, x: f64) -> [f64; 2] {
+    const HEATED: usize = 60;
+    let size = 0.03 / HEATED as f64;
+    let across = [vec![size; HEATED], growing(60, size, 0.17)].concat();
+    let layers = growing(60, 2e-4, height);
+    let count = across.len();
+    let along = |layer: f64| {
+        let mut matrix = DMatrix::zeros(count, count);
+        for i in 1..count {
+            let conductance = 2.0 * conductivity * layer / (across[i - 1] + across[i]);
+            for (a, b, sign) in [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)] {
+                matrix[(a, b)] += sign * conductance;
+            }
+        }
+        matrix
+    };
+    let between =
+        |distance: f64| DMatrix::from_diagonal(&DVector::from_vec(across.clone())) * (conductivity / distance);
+    let mut below = between(0.5 * layers[layers.len() - 1]);
+    for pair in layers.windows(2).rev() {
+        let up = between(0.5 * (pair[0] + pair[1]));
+        let inverse = (along(pair[1]) + below + &up).try_inverse().unwrap();
+        below = &up - &up * inverse * &up;
+    }
+    let depth = 0.5 * layers[0] / conductivity;
+    let mut matrix = along(layers[0]) + below;
+    (HEATED..count).for_each(|i| matrix[(i, i)] += across[i] / (1.0 / transfer + depth));
+    let heat = DVector::from_fn(count, |i, _| if i < HEATED { across[i] } else { 0.0 });
+    let surface: Vec<f64> = matrix.lu().solve(&heat).unwrap().iter().take(HEATED).map(|t| t + depth).collect();
+    let place = x / size - 0.5;
+    let (i, part) = (place as usize, place.fract());
+    [surface.iter().sum::<f64>() / HEATED as f64, (1.0 - part) * surface[i] + part * surface[i + 1]]
+}
+
+/// A contact does not convect. What four polynomials and eight miss of that is what [`RobinCorrection::rank`](super::super::robin_correction)
+/// says; the finite volumes are within 3e-4.
+#[test]
+fn convection_beside_the_contact_is_that_of_finite_volumes() {
+    let cells = Cells::graded(0.03, 33).unwrap();
+    for transfer in [300.0, 3000.0] {
+        let slab = Slab { surface_transfer: transfer, ..Slab::bare(0.05, [50.0, 3.6e6], FarBoundary::Held) };
+        let exact = by_finite_volumes(50.0, 0.05, transfer, -cells.centres()[8]);
+        for (tolerance, per_biot) in [(1e-2, 2e-3), (1e-5, 1e-4)] {
+            let resolution = Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance };
+            let properties = StripProperties::bare(slab.clone(), SlidingPath::Closed(0.4));
+            let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+            body.prepare(&Step::new(1e12, [0.0; 2]));
+            let influence = &body.influence(Stage::End).temperature;
+            let found: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            for (found, exact) in [mean(&cells, &found), found[8]].into_iter().zip(exact) {
+                let error = (found / exact - 1.0).abs();
+                assert!(error < 6e-4 + per_biot * transfer * 0.06 / 50.0, "{transfer} {tolerance}: {error:e}");
             }
         }
     }
