@@ -315,7 +315,7 @@ fn convection_beside_the_contact_is_that_of_finite_volumes() {
         let exact = by_finite_volumes(50.0, 0.05, transfer, -cells.centres()[8]);
         for (tolerance, per_biot) in [(1e-2, 2e-3), (1e-5, 1e-4)] {
             let resolution = Resolution { duration: 1000.0, shortest: 0.01, travel: f64::INFINITY, tolerance };
-            let properties = StripProperties::bare(slab.clone(), SlidingPath::Closed(0.4));
+            let properties = StripProperties::bare(slab, SlidingPath::Closed(0.4));
             let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
             body.prepare(&Step::new(1e12, [0.0; 2]));
             let influence = &body.influence(Stage::End).temperature;
