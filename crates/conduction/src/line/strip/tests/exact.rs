@@ -5,8 +5,7 @@ use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::line::{GAMMA, Observed, Stage, Step, Surroundings, ThermalBody};
 use crate::slab::Slab;
 use elasticity::Cells;
-use exact::reference::{ClosedPath, LayerBase, band_mean};
-use libm::erf;
+use exact::reference::{ClosedPath, LayerBase, band_mean, band_on_fresh_material};
 use nalgebra::{DMatrix, DVector};
 use scene::FarBoundary;
 use std::f64::consts::PI;
@@ -165,26 +164,6 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
             assert!((computed - expected).abs() < 0.02 * steady, "{peclet} {step}: {computed} {expected}");
         }
     }
-}
-
-/// Mean temperature of a band of the width 2 on a half-space that its flux heats from time 0 on, at the `time`: heat spreads along the
-/// surface in Gaussians, and decays into the depth.
-fn band_on_fresh_material(position: impl Fn(f64) -> f64, flux: impl Fn(f64) -> f64, time: f64) -> f64 {
-    // Primitive of the normal distribution.
-    let primitive = |z: f64, deviation: f64| {
-        let u = z / deviation;
-        z * 0.5 * (1.0 + erf(u / 2f64.sqrt())) + deviation * (-0.5 * u * u).exp() / (2.0 * PI).sqrt()
-    };
-    let (parts, end) = (8000, time.sqrt());
-    let here = position(time);
-    let part = |k: i32| {
-        let root = end * (f64::from(k) + 0.5) / f64::from(parts);
-        let age = root * root;
-        let (away, deviation) = (here - position(time - age), (2.0 * age).sqrt());
-        let [ahead, behind, own] = [away + 2.0, away - 2.0, away].map(|z| primitive(z, deviation));
-        flux(time - age) * 0.5 * (ahead + behind - 2.0 * own)
-    };
-    2.0 / PI.sqrt() * end / f64::from(parts) * (0..parts).map(part).sum::<f64>()
 }
 
 /// Means over the cells after 40 steps of 0.05 with this velocity and uniform flux, linear over each step.
