@@ -12,7 +12,8 @@ mod products;
 pub use cholesky::cholesky;
 pub use elimination::{factorise, substitute};
 pub use products::{
-    combine, dot, multiply_add, multiply_add_columns, multiply_add_each, multiply_add_pair, multiply_transposed_add,
+    combine, dot, multiply_add, multiply_add_columns, multiply_add_each, multiply_add_pair, multiply_add_symmetric,
+    multiply_transposed_add,
 };
 
 use nalgebra::DMatrix;
@@ -84,6 +85,23 @@ mod tests {
             for (j, value) in target.iter().enumerate() {
                 let expected = 1.0 + (0..rows).map(|i| matrix[i + j * rows] * x[i]).sum::<f64>();
                 assert!((value - expected).abs() < 1e-12, "{rows} x {columns}: {value} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_lower_triangle_is_multiplied_as_the_symmetric_matrix() {
+        for n in (1..20).chain([33, 64, 129]) {
+            let (triangle, x) = (noise(n * (n + 1) / 2, 5), noise(n, 6));
+            let mut target = vec![1.0; n];
+            multiply_add_symmetric(&triangle, &x, &mut target);
+            let entry = |i: usize, j: usize| {
+                let (row, column) = (i.max(j), i.min(j));
+                triangle[column * (2 * n - column - 1) / 2 + row]
+            };
+            for (i, value) in target.iter().enumerate() {
+                let expected = 1.0 + (0..n).map(|j| entry(i, j) * x[j]).sum::<f64>();
+                assert!((value - expected).abs() < 1e-13 * n as f64, "{n}, row {i}: {value} {expected}");
             }
         }
     }

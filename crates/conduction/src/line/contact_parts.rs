@@ -31,22 +31,26 @@ const WHOLE: [f64; PARTS] = [1.0; PARTS];
 pub struct ContactParts {
     /// From the -x edge of the cell to its +x edge; not all 0.
     fractions: Vec<[f64; PARTS]>,
+    /// Number of cells that are not whole.
+    partial: usize,
 }
 
 impl ContactParts {
     /// Whole cells.
     pub fn whole(count: usize) -> ContactParts {
-        ContactParts { fractions: vec![WHOLE; count] }
+        ContactParts { fractions: vec![WHOLE; count], partial: 0 }
     }
 
     /// Makes all cells whole.
     pub fn make_whole(&mut self) {
         self.fractions.fill(WHOLE);
+        self.partial = 0;
     }
 
     /// Takes those of as many other cells.
     pub fn copy_from(&mut self, other: &ContactParts) {
         self.fractions.copy_from_slice(&other.fractions);
+        self.partial = other.partial;
     }
 
     /// Takes those of as many other cells, every fraction as the power of two that is next below.
@@ -54,6 +58,7 @@ impl ContactParts {
         for (own, other) in self.fractions.iter_mut().zip(&other.fractions) {
             *own = other.map(|fraction| leading_bits(fraction, 0));
         }
+        self.partial = other.partial;
     }
 
     /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the part of the most contact as at
@@ -61,7 +66,9 @@ impl ContactParts {
     pub fn set(&mut self, cell: usize, fractions: [f64; PARTS]) {
         let most = fractions.iter().copied().fold(0.0, maximum);
         let raised = |fraction: f64| if fraction == most { maximum(fraction, LEAST) } else { fraction };
+        self.partial -= usize::from(self.is_partial(cell));
         self.fractions[cell] = if most == 0.0 { WHOLE } else { fractions.map(raised) };
+        self.partial += usize::from(self.is_partial(cell));
     }
 
     /// Fraction in contact of a part of the cell.
@@ -76,7 +83,7 @@ impl ContactParts {
 
     /// Whether all cells are whole.
     pub fn is_whole(&self) -> bool {
-        self.fractions.iter().all(|fractions| *fractions == WHOLE)
+        self.partial == 0
     }
 
     /// Fraction in contact of the width of a cell.

@@ -38,6 +38,7 @@ mod workspace;
 use crate::properties::Scales;
 use contact_parts::ContactParts;
 use nalgebra::DMatrix;
+use numerics::dense;
 use std::fmt::Debug;
 
 pub use numerics::sdirk::GAMMA;
@@ -218,8 +219,6 @@ pub enum Exchange<'a> {
     /// their mean temperatures. At frozen state a temperature remains that of the whole cell. A body that does not divide its cells takes
     /// them as whole.
     Parts([&'a ContactParts; 2]),
-    /// Not at all: influence matrices are not to be used, nor the responses of faces by cells.
-    None,
 }
 
 /// A step of one body, before it is taken.
@@ -231,6 +230,8 @@ pub struct Step<'a> {
     pub velocity: [f64; 2],
     /// How the cells exchange heat.
     pub exchange: Exchange<'a>,
+    /// Surface influence matrices are wanted, not [`ThermalBody::respond`] alone.
+    pub with_matrices: bool,
     /// Factors of the properties during the step; a body of constants has none ([`Observed::scales_at`]).
     pub scales: Scales,
     /// Absolute temperature of the reference, K.
@@ -238,9 +239,10 @@ pub struct Step<'a> {
 }
 
 impl Step<'static> {
-    /// A step through whole cells, with the constants.
+    /// A step through whole cells, with the constants and surface influence matrices.
     pub fn new(length: f64, velocity: [f64; 2]) -> Self {
-        Step { length, velocity, exchange: Exchange::Whole, scales: Scales::ONE, reference: 0.0 }
+        let (exchange, scales) = (Exchange::Whole, Scales::ONE);
+        Step { length, velocity, exchange, with_matrices: true, scales, reference: 0.0 }
     }
 }
 
@@ -269,8 +271,17 @@ pub trait ThermalBody: Observed + Debug + Send + Sync {
     /// step again costs a comparison in a body of constants.
     fn prepare(&mut self, step: &Step<'_>);
 
-    /// Surface influence matrices of `stage` of the prepared step.
+    /// Surface influence matrices of `stage` of a step prepared with them.
     fn influence(&self, stage: Stage) -> &SurfaceInfluence;
+
+    /// Adds the temperature (K) and the distortion (m) of the cells by fluxes of `stage` into them, W/m2: the products of the surface
+    /// influence matrices, which need not be there.
+    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], _work: &mut Workspace) {
+        let SurfaceInfluence { temperature, distortion } = self.influence(stage);
+        for (matrix, response) in [temperature, distortion].into_iter().zip(response) {
+            response.into_iter().for_each(|response| dense::multiply_add(matrix.as_slice(), flux, response));
+        }
+    }
 
     /// Responses of `stage` to the fluxes into a cooled face, which is not one of prescribed temperature.
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace);

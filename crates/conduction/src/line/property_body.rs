@@ -12,8 +12,8 @@
 
 use super::workspace::{Memory, Workspace};
 use super::{
-    Account, Boundary, End, Exchange, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step,
-    SurfaceInfluence, Surroundings, ThermalBody,
+    Account, Boundary, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step, SurfaceInfluence,
+    Surroundings, ThermalBody,
 };
 use crate::properties::{Properties, Scales};
 use nalgebra::DMatrix;
@@ -170,13 +170,18 @@ impl ThermalBody for PropertyBody {
         let pace = self.scales.pace;
         let (length, velocity) = (step.length * pace, step.velocity.map(|velocity| velocity / pace));
         self.constant.prepare(&Step { length, velocity, ..*step });
-        if step.exchange != Exchange::None {
+        if step.with_matrices {
             self.take_influence();
         }
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
         &self.influence[stage as usize]
+    }
+
+    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], work: &mut Workspace) {
+        let (work, [own, _]) = work.scaled();
+        self.constant.respond(stage, scaled(own, flux, self.scales.flux), response, work);
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {

@@ -28,8 +28,10 @@ mod amplitudes;
 mod depth;
 mod distance;
 mod error_sweep;
+mod feedthrough;
 mod fresh;
 mod interval;
+mod mirrored;
 mod moving_kernel;
 mod nodes;
 mod operators;
@@ -55,8 +57,8 @@ pub use reduction::Reductions;
 
 use super::workspace::Memory;
 use super::{
-    Account, End, Exchange, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step, SurfaceInfluence,
-    Surroundings, ThermalBody, Workspace,
+    Account, End, FACES, FaceInfluence, First, FrozenState, Observed, Stage, Step, SurfaceInfluence, Surroundings,
+    ThermalBody, Workspace,
 };
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
@@ -123,16 +125,17 @@ impl StripHeat {
 
     /// Adds the distortion that the modes leave out at a stage without its own flux; `known`: the flux before the stage.
     fn add_lagged(&self, stage: Stage, state: &[f64], known: &[f64], scratch: &mut Scratch, distortion: &mut [f64]) {
-        if !self.operators.expands || !self.step.touches {
+        if !self.operators.expands {
             return;
         }
-        let weights = self.step.stage(stage);
-        let [factor, known_weight, _] = weights.lag;
+        let [factor, known_weight, _] = self.step.stage(stage).lag;
         let fluxes = state[self.lagged()].iter().zip(known);
         for (lagged, (before, known)) in scratch.seen.iter_mut().zip(fluxes) {
             *lagged = factor * before + known_weight * known;
         }
-        dense::multiply_add(weights.current_response().feedthrough.as_slice(), &scratch.seen, distortion);
+        self.operators.mirror(&scratch.seen, &mut scratch.mirrored);
+        let [_, influence] = &self.step.feedthrough.at(stage).influence;
+        influence.respond(&scratch.mirrored, distortion);
     }
 
     /// Place of the Robin correction in the state: its rates of change over the last step, W/(m2 s) by polynomial, and the
@@ -254,11 +257,15 @@ fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
 
 impl ThermalBody for StripHeat {
     fn prepare(&mut self, step: &Step<'_>) {
-        self.step.prepare(&self.operators, step.length, step.velocity, step.exchange == Exchange::None);
+        self.step.prepare(&self.operators, step.length, step.velocity, step.with_matrices);
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.step.stage(stage).current_response().influence
+        self.step.influence(stage)
+    }
+
+    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], work: &mut Workspace) {
+        self.respond_to_flux(stage, flux, response, work.strip());
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
@@ -387,14 +394,16 @@ impl Observed for StripHeat {
         self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
-        let Scratch { amplitude, response, total, frozen, .. } = &mut *scratch;
-        operators.observe_one(amplitude, &mut response[0], level, temperature);
+        let Scratch { amplitude, response, total, mirrored, frozen: [frozen, _], .. } = &mut *scratch;
+        temperature.fill(level);
+        operators.add_modes(amplitude, &mut response[0], temperature);
         operators.table.respond(0, velocity, frozen);
         total.iter_mut().zip(flux).for_each(|(total, flux)| *total = flux - surroundings.end.cooling);
         if let Some(robin_correction) = &operators.robin_correction {
             robin_correction.lift(&self.held_amounts(state, surroundings), total);
         }
-        dense::multiply_add(frozen.as_slice(), total, temperature);
+        operators.mirror(total, mirrored);
+        frozen.respond(mirrored, temperature);
     }
 
     fn distortion_at_frozen_state(&self, at: &FrozenState, distortion: &mut [f64], work: &mut Workspace) {
@@ -408,10 +417,12 @@ impl Observed for StripHeat {
         self.held_amplitudes(scratch, state, true);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
-        let Scratch { moved, response, .. } = &mut *scratch;
-        operators.observe_one(moved, &mut response[0], operators.mean_distortion * level, distortion);
-        operators.table.respond(1, velocity, &mut scratch.frozen);
-        dense::multiply_add(scratch.frozen.as_slice(), &state[self.lagged()], distortion);
+        let Scratch { moved, response, mirrored, frozen: [_, frozen], .. } = &mut *scratch;
+        distortion.fill(operators.mean_distortion * level);
+        operators.add_modes(moved, &mut response[0], distortion);
+        operators.table.respond(1, velocity, frozen);
+        operators.mirror(&state[self.lagged()], mirrored);
+        frozen.respond(mirrored, distortion);
     }
 
     fn cooled_temperature(&self, at: &FrozenState, work: &mut Workspace) -> [f64; FACES] {
@@ -421,7 +432,7 @@ impl Observed for StripHeat {
         let everywhere = self.held_background(surface, state, surroundings, entering);
         let mut seen = std::mem::take(&mut work.strip().seen);
         self.temperature_at_frozen_state(at, &mut seen, work);
-        let beside = self.beside(everywhere, &seen);
+        let beside = self.beside(everywhere, dense::dot(&self.operators.widths, &seen));
         work.strip().seen = seen;
         [beside, self.far_temperature(state, surroundings, flux)]
     }

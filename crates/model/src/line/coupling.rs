@@ -80,6 +80,8 @@ struct Iterate {
     contact_temperature: Vec<f64>,
     /// Cells in the active set: they carry friction heat and exchange heat.
     closed: Vec<bool>,
+    /// Contraction of the pressure that the next stage may expect.
+    contraction: f64,
     /// Cells added to it in the stage.
     added: Vec<bool>,
     /// The temperatures of the stage are up to date with its fluxes.
@@ -106,6 +108,7 @@ impl Iterate {
             per_pressure: zeros(),
             contact_temperature: zeros(),
             closed: vec![false; count],
+            contraction: 1.0,
             added: vec![false; count],
             temperatures_current: false,
             free_response: pair(),

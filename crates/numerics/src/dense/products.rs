@@ -328,6 +328,77 @@ fn dots<S: Simd, const K: usize>(simd: S, matrix: &[f64], x: &[f64], first: usiz
     products
 }
 
+/// `target += matrix x` for a symmetric matrix of which `triangle` is the lower triangle, by columns.
+pub fn multiply_add_symmetric(triangle: &[f64], x: &[f64], target: &mut [f64]) {
+    struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64]);
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(triangle, x, target) = self;
+            // The few columns first: then the groups have whole vectors of rows.
+            let (few, mut begin) = (x.len() % GROUP, 0);
+            for first in 0..few {
+                begin = mirror::<S, 1>(simd, triangle, (begin, first), x, target);
+            }
+            for first in (few..x.len()).step_by(GROUP) {
+                begin = mirror::<S, GROUP>(simd, triangle, (begin, first), x, target);
+            }
+        }
+    }
+    assert!(x.len() == target.len() && triangle.len() == x.len() * (x.len() + 1) / 2, "a triangle of as many rows");
+    Arch::new().dispatch(Multiply(triangle, x, target));
+}
+
+/// Adds the products with the columns `first, first + 1, ...` of a lower triangle, which begin at `begin`, and with the rows that mirror
+/// them; returns where the next column begins.
+#[inline(always)]
+fn mirror<S: Simd, const K: usize>(
+    simd: S,
+    triangle: &[f64],
+    (mut begin, first): (usize, usize),
+    x: &[f64],
+    target: &mut [f64],
+) -> usize {
+    let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
+    let mut factors = [simd.splat_f64s(0.0); K];
+    for k in 0..K {
+        let column = &triangle[begin..begin + x.len() - first - k];
+        begin += column.len();
+        target[first + k] += column[0] * x[first + k];
+        for l in 1..K - k {
+            target[first + k + l] += column[l] * x[first + k];
+            target[first + k] += column[l] * x[first + k + l];
+        }
+        parts[k] = S::as_simd_f64s(&column[K - k..]);
+        factors[k] = simd.splat_f64s(x[first + k]);
+    }
+    let (head, tail) = S::as_simd_f64s(&x[first + K..]);
+    let (before, below) = target.split_at_mut(first + K);
+    let (rows, last) = S::as_mut_simd_f64s(below);
+    let mut sums = [simd.splat_f64s(0.0); K];
+    for (i, (row, value)) in rows.iter_mut().zip(head).enumerate() {
+        let mut sum = *row;
+        for k in 0..K {
+            let entry = parts[k].0[i];
+            sum = simd.mul_add_f64s(factors[k], entry, sum);
+            sums[k] = simd.mul_add_f64s(entry, *value, sums[k]);
+        }
+        *row = sum;
+    }
+    for k in 0..K {
+        let mut sum = simd.reduce_sum_f64s(sums[k]);
+        for (i, (row, value)) in last.iter_mut().zip(tail).enumerate() {
+            let entry = parts[k].1[i];
+            *row += entry * x[first + k];
+            sum += entry * value;
+        }
+        before[first + k] += sum;
+    }
+    begin
+}
+
 /// `target = sum_k factors[k] sources[k]`, all of one length.
 pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors: [f64; K]) {
     struct Combine<'a, const K: usize>(&'a mut [f64], [&'a [f64]; K], [f64; K]);

@@ -56,35 +56,27 @@ impl StripHeat {
         projected
     }
 
-    /// Adds the response of `stage` to its own flux, of the amplitudes in `scratch.heat_end` and the mean `mean` over the period
-    /// (W/m2), to the amplitudes in the workspace and the levels of the mean mode.
-    fn add_own_flux(&self, scratch: &mut Scratch, stage: Stage, mean: f64, levels: &mut [f64; 2]) {
-        let operators = &*self.operators;
-        let [re, im, moved_re, moved_im] = self.step.stage(stage).current_response().own();
-        let Scratch { heat_end: [heat_re, heat_im], amplitude, moved, .. } = scratch;
-        add_products(amplitude, [re, im], [heat_re, heat_im]);
-        if operators.expands {
-            add_products(moved, [moved_re, moved_im], [heat_re, heat_im]);
-        }
-        let observed = [&operators.mean.contact_temperature, &operators.mean.mean_temperature];
-        for (level, observed) in levels.iter_mut().zip(observed) {
-            *level += operators.remembered() * mean * self.mean_response(observed, stage, CONTACT);
-        }
-    }
-
-    /// Adds the Robin correction with the coefficients `amounts` in the same way; returns its mean flux over the period, W/m2.
-    fn add_given_back(
+    /// Adds the response of temperature and distortion to the fluxes `flux` of `stage` into the cells, with the Robin correction that they
+    /// cause.
+    pub(super) fn respond_to_flux(
         &self,
-        robin_correction: &RobinCorrection,
-        amounts: &[f64; RANK],
-        scratch: &mut Scratch,
         stage: Stage,
-        levels: &mut [f64; 2],
-    ) -> f64 {
-        let mean = robin_correction.unit[0] * amounts[0] / self.operators.length;
-        robin_correction.amplitudes(amounts, &mut scratch.heat_end);
-        self.add_own_flux(scratch, stage, mean, levels);
-        mean
+        flux: &[f64],
+        target: [Option<&mut [f64]>; 2],
+        scratch: &mut Scratch,
+    ) {
+        let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
+        operators.mirror(flux, &mut scratch.mirrored);
+        let amounts = match &operators.robin_correction {
+            Some(robin_correction) => robin_correction.amounts(response, &[0.0; RANK], &scratch.mirrored),
+            None => [0.0; RANK],
+        };
+        for ((influence, lifted), target) in response.influence.iter().zip(response.lifted()).zip(target) {
+            if let (Some(target), false) = (target, influence.is_empty()) {
+                influence.respond(&scratch.mirrored, target);
+                dense::multiply_add(lifted, &amounts[..operators.rank()], target);
+            }
+        }
     }
 
     /// Temperature and distortion on the cells by the amplitudes in the workspace and the levels of the mean mode.
@@ -100,7 +92,8 @@ impl StripHeat {
             let levels = [level, operators.mean_distortion * through_depth];
             operators.observe([amplitude, moved], response, levels, [temperature, distortion]);
         } else {
-            operators.observe_one(amplitude, &mut response[0], level, temperature);
+            temperature.fill(level);
+            operators.add_modes(amplitude, &mut response[0], temperature);
             distortion.fill(0.0);
         }
     }
@@ -109,14 +102,16 @@ impl StripHeat {
     /// act there, plus the Robin correction from its stored projected temperature and the stage's own fluxes into the faces.
     pub(super) fn effective(&self, scratch: &mut Scratch, surroundings: &Surroundings, stage: Stage, flux: &[f64]) {
         let around = surroundings.at(stage);
-        let Scratch { first, end, projected, returned, .. } = scratch;
+        let Scratch { first, end, projected, returned, mirrored, .. } = scratch;
         let total = if stage == Stage::First { first } else { end };
         total.iter_mut().zip(flux).for_each(|(value, q)| *value = q - around.cooling);
         if let Some(robin_correction) = &self.operators.robin_correction {
-            let mut level = projected[stage as usize];
-            level[0] += robin_correction.unit[0] * self.level_by_faces(stage, around);
-            let response = self.step.stage(stage).current_response();
-            returned[stage as usize] = robin_correction.add(response, &level, around.ambient, total);
+            let level = self.level_by_faces(stage, around) - around.ambient;
+            let known = robin_correction.above(&projected[stage as usize], level);
+            self.operators.mirror(total, mirrored);
+            let amounts = robin_correction.amounts(self.step.stage(stage).current_response(), &known, mirrored);
+            robin_correction.lift(&amounts, total);
+            returned[stage as usize] = amounts;
         }
     }
 
@@ -132,16 +127,18 @@ impl StripHeat {
     ) -> [f64; FACES] {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
-        let mut levels = self.known_levels(scratch, state, surroundings, stage);
-        let (mut own, mut amounts) = (0.0, [0.0; RANK]);
+        let levels = self.known_levels(scratch, state, surroundings, stage);
+        self.observe(scratch, levels, [&mut *temperature, &mut *distortion]);
+        let mut own = 0.0;
         if let Some(robin_correction) = &operators.robin_correction {
-            scratch.end.fill(0.0);
-            let (projected, ambient) = (&scratch.projected[stage as usize], surroundings.at(stage).ambient);
-            amounts = robin_correction.amounts(weights.current_response(), projected, ambient, &scratch.end);
-            own = self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
+            let known = robin_correction.above(&scratch.projected[stage as usize], -surroundings.at(stage).ambient);
+            let response = weights.current_response();
+            let amounts = robin_correction.solution(response, known.into_iter());
+            own = robin_correction.unit[0] * amounts[0] / operators.length;
+            for (lifted, target) in response.lifted().into_iter().zip([&mut *temperature, distortion]) {
+                dense::multiply_add(lifted, &amounts[..robin_correction.rank], target);
+            }
         }
-        self.observe(scratch, levels, [&mut *temperature, distortion]);
-        self.add_direct(stage, (&amounts, 0.0), temperature);
         // On an open path the air acts on the material that arrives: the heat left behind does not return.
         let fluxes = [self.mean_flux(&scratch.first, 0.0), own].map(|flux| operators.remembered() * flux);
         let mean = &operators.mean;
@@ -153,26 +150,17 @@ impl StripHeat {
                 + observed.direct[AMBIENT] * around.ambient
                 + observed.direct[BASE] * around.far
         });
-        [self.beside(everywhere, temperature), base]
+        [self.beside(everywhere, dense::dot(&operators.widths, temperature)), base]
     }
 
-    /// Adds the direct feedthrough of the Robin correction with the coefficients `amounts` and of a uniform flux, W/m2.
-    fn add_direct(&self, stage: Stage, (amounts, uniform): (&[f64; RANK], f64), temperature: &mut [f64]) {
-        let [direct, by_uniform] = self.step.stage(stage).current_response().direct();
-        if !direct.is_empty() {
-            dense::multiply_add(direct, &amounts[..direct.len() / temperature.len()], temperature);
-        }
-        dense::multiply_add(by_uniform, &[uniform], temperature);
-    }
-
-    /// Mean temperature of the surface beside the contact, from that of the whole surface and those of the cells.
-    pub(super) fn beside(&self, everywhere: f64, temperature: &[f64]) -> f64 {
+    /// Mean temperature of the surface beside the contact, from that of the whole surface and the integral over the contact, K m.
+    pub(super) fn beside(&self, everywhere: f64, under: f64) -> f64 {
         let operators = &*self.operators;
         let StripOperators { length, free_length, .. } = *operators;
         if operators.fresh.is_some() || free_length <= 1e-9 * length {
             return everywhere;
         }
-        (length * everywhere - dense::dot(&operators.widths, temperature)) / free_length
+        (length * everywhere - under) / free_length
     }
 
     /// Response of an observation of the mean mode to a unit flux of `stage` through a port.
@@ -199,7 +187,7 @@ impl StripHeat {
         influence: &mut FaceInfluence,
         scratch: &mut Scratch,
     ) {
-        let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
+        let operators = &*self.operators;
         let (mean, convection) = (&operators.mean, operators.convection);
         let port = [CONTACT, BASE][face];
         let [level, through_depth] =
@@ -207,68 +195,35 @@ impl StripHeat {
         // The cooling of the whole surface less that under the contact.
         let covered = if face == BESIDE { -1.0 } else { 0.0 };
         let FaceInfluence { temperature, distortion, by_cell, .. } = influence;
+        // The response to a uniform unit flux into the cells, without its lagged part.
         by_cell.fill(1.0);
-        self.respond_to_cells(stage, by_cell, scratch, [&mut *temperature, &mut *distortion]);
-        let under = covered + convection * level;
+        temperature.fill(0.0);
+        distortion.fill(0.0);
+        self.respond_to_flux(stage, by_cell, [Some(temperature), Some(distortion)], scratch);
+        let ([_, lagged], [.., own]) = (&self.step.feedthrough.at(stage).uniform, self.step.stage(stage).lag);
+        distortion.iter_mut().zip(lagged).for_each(|(value, lagged)| *value -= own * lagged);
+        let mut under = covered * self.mean_flux(by_cell, 0.0);
+        let seen = [&mean.contact_temperature, &mean.base_temperature];
+        let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
+        let mirrored = temperature.iter().rev().zip(&operators.widths);
+        for (value, (response, width)) in by_cell.iter_mut().zip(mirrored) {
+            // The integral over the contact of the response to this cell, by symmetry: see [`RobinCorrection::add_directly`].
+            let integral = width * response;
+            let rise = per_flux * (width + convection * integral);
+            *value = if face == BESIDE { self.beside(rise, integral) } else { rise };
+        }
+        let by_level = covered + convection * level;
         let moved = if operators.expands { operators.mean_distortion * through_depth } else { 0.0 };
-        temperature.iter_mut().for_each(|value| *value = level + under * *value);
-        distortion.iter_mut().for_each(|value| *value = moved + under * *value);
-        let under = covered * self.mean_flux(by_cell, 0.0) + convection * self.mean_flux(temperature, 0.0);
+        temperature.iter_mut().for_each(|value| *value = level + by_level * *value);
+        distortion.iter_mut().for_each(|value| *value = moved + by_level * *value);
+        under += convection * self.mean_flux(temperature, 0.0);
         let entering = operators.remembered() * under;
         let whole = |observed| {
             self.mean_response(observed, stage, port) + entering * self.mean_response(observed, stage, CONTACT)
         };
-        let seen = [&mean.contact_temperature, &mean.base_temperature];
         let [everywhere, base] = seen.map(whole);
         influence.mean = whole(&mean.mean_temperature);
-        influence.faces = [self.beside(everywhere, temperature), base];
-        if self.step.open {
-            return by_cell.fill(0.0);
-        }
-        let per_flux = operators.remembered() * self.mean_response(seen[face], stage, CONTACT) / operators.length;
-        let columns = response.influence.temperature.as_slice().chunks_exact(operators.widths.len());
-        for ((value, width), column) in by_cell.iter_mut().zip(&operators.widths).zip(columns) {
-            let rise = per_flux * (width + convection * dense::dot(&operators.widths, column));
-            *value = if face == BESIDE { self.beside(rise, column) } else { rise };
-        }
-    }
-
-    /// Temperature and distortion of the cells by the fluxes `flux` of a stage into them, which are not lagged: by its influence, or where no
-    /// cell exchanges heat by the amplitudes, for even fluxes.
-    fn respond_to_cells(
-        &self,
-        stage: Stage,
-        flux: &[f64],
-        scratch: &mut Scratch,
-        [temperature, distortion]: [&mut [f64]; 2],
-    ) {
-        let (operators, response) = (&*self.operators, self.step.stage(stage).current_response());
-        if !self.step.open {
-            temperature.fill(0.0);
-            distortion.fill(0.0);
-            dense::multiply_add(response.influence.temperature.as_slice(), flux, temperature);
-            if operators.expands {
-                let own = self.step.stage(stage).lag[2];
-                scratch.seen.iter_mut().zip(flux).for_each(|(lagged, flux)| *lagged = -own * flux);
-                dense::multiply_add(response.feedthrough.as_slice(), &scratch.seen, distortion);
-                dense::multiply_add(response.influence.distortion.as_slice(), flux, distortion);
-            }
-            return;
-        }
-        let mut levels = [0.0; 2];
-        scratch.amplitude.iter_mut().chain(&mut scratch.moved).for_each(|part| part.fill(0.0));
-        operators.transform(flux, &mut scratch.fold, &mut scratch.heat_end);
-        self.add_own_flux(scratch, stage, self.mean_flux(flux, 0.0), &mut levels);
-        let mut amounts = [0.0; RANK];
-        if let Some(robin_correction) = &operators.robin_correction {
-            let mut driving = self.project(robin_correction, scratch, levels[0]);
-            let directly = robin_correction.project_cells(response.direct()[1]);
-            driving.iter_mut().zip(directly).for_each(|(driving, direct)| *driving += flux[0] * direct);
-            amounts = robin_correction.solution(response, &driving);
-            self.add_given_back(robin_correction, &amounts, scratch, stage, &mut levels);
-        }
-        self.observe(scratch, levels, [&mut *temperature, distortion]);
-        self.add_direct(stage, (&amounts, flux[0]), temperature);
+        influence.faces = [self.beside(everywhere, dense::dot(&operators.widths, temperature)), base];
     }
 
     /// Advances the state over the step with the contact's fluxes of both stages. The total fluxes of the first stage,

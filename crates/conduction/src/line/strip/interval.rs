@@ -2,14 +2,13 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
+use crate::line::GAMMA;
 use crate::line::strip::CONTACT;
 use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::abreast::PhaseRotation;
-use crate::line::strip::robin_correction::RobinWorkspace;
 use crate::line::strip::stage_response::{Parts, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
-use crate::line::{GAMMA, SurfaceInfluence};
 use nalgebra::{Complex, DMatrix};
 use numerics::dense;
 
@@ -28,13 +27,11 @@ pub(crate) struct Interval<'a> {
     pub mean_weight: &'a [[f64; 2]],
 }
 
-/// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion, and those of
-/// the Robin correction.
+/// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion.
 #[derive(Clone, Debug)]
 pub struct IntervalWorkspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
-    robin: RobinWorkspace,
     /// Response of each mode: of temperature and distortion.
     influence: [Vec<Complex<f64>>; 2],
     /// Phase factors of the modes, and weights of fluxes in the states of one level; real and imaginary parts alternate.
@@ -44,12 +41,10 @@ pub struct IntervalWorkspace {
 
 impl IntervalWorkspace {
     pub(crate) fn new(operators: &StripOperators) -> IntervalWorkspace {
-        let (count, waves) = (operators.widths.len(), operators.waves.len());
-        let moving = if operators.expands { count } else { 0 };
+        let waves = operators.waves.len();
         IntervalWorkspace {
             nodes: operators.distance_sum.nodes(),
-            slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
-            robin: RobinWorkspace::new(count, operators.rank()),
+            slow: [operators.widths.len(), operators.lagged()].map(|count| DMatrix::zeros(count, count)),
             influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),
@@ -67,7 +62,7 @@ impl Interval<'_> {
         response: &mut StageResponse,
     ) {
         self.weigh(operators, velocity, workspace, response);
-        let IntervalWorkspace { nodes, influence: [warm, moved], .. } = workspace;
+        let IntervalWorkspace { nodes, slow, influence: [warm, moved], .. } = workspace;
         for (influence, own) in [&mut *warm, &mut *moved].into_iter().zip(response.own().chunks_exact(2)) {
             let parts = own[0].iter().zip(own[1]).zip(&operators.weight);
             influence.iter_mut().zip(parts).for_each(|(gain, ((re, im), weight))| {
@@ -75,20 +70,17 @@ impl Interval<'_> {
             });
         }
         operators.distance_sum.find([warm, moved], nodes);
-        self.assemble(operators, workspace, response);
-    }
-
-    /// Weights and Robin correction of an open contact, which needs no influence on the cells.
-    pub(crate) fn respond_open(
-        &self,
-        operators: &StripOperators,
-        velocity: [f64; 2],
-        workspace: &mut IntervalWorkspace,
-        response: &mut StageResponse,
-    ) {
-        self.weigh(operators, velocity, workspace, response);
-        if let Some(robin_correction) = &operators.robin_correction {
-            robin_correction.solve(self.level(operators, 0), response.parts());
+        let levels = [0, 1].map(|moving| self.level(operators, moving));
+        operators.distance_sum.set(nodes, &operators.widths, levels, slow);
+        let (influence, parts) = response.gains_and_parts();
+        for ((own, whole), lifted) in influence.iter_mut().zip(slow).zip(parts.lifted) {
+            if own.is_empty() {
+                continue;
+            }
+            own.take(whole.as_slice(), &operators.widths);
+            if let Some(robin_correction) = &operators.robin_correction {
+                robin_correction.lift_by(own, lifted);
+            }
         }
     }
 
@@ -102,35 +94,6 @@ impl Interval<'_> {
         }
         let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
         level * operators.remembered() * distortion / operators.length
-    }
-
-    /// Influence matrices from the mode responses and the mean mode, and those on the polynomials of the Robin correction.
-    pub(crate) fn assemble(
-        &self,
-        operators: &StripOperators,
-        workspace: &mut IntervalWorkspace,
-        response: &mut StageResponse,
-    ) {
-        let IntervalWorkspace { nodes, slow, .. } = workspace;
-        let levels = [0, 1].map(|moving| self.level(operators, moving));
-        operators.distance_sum.set(nodes, &operators.widths, levels, slow);
-        let (SurfaceInfluence { temperature, distortion }, parts) = response.gains_and_parts();
-        let responses = slow.iter().zip([temperature, distortion]).zip(parts.by_modes);
-        for ((slow, gain), lifted) in responses.filter(|((slow, _), _)| !slow.is_empty()) {
-            gain.copy_from(slow);
-            if let Some(robin_correction) = &operators.robin_correction {
-                robin_correction.lift_by(slow.as_slice(), lifted);
-            }
-        }
-    }
-
-    /// Completes a response to which the direct feedthrough has been added by its Robin correction.
-    pub(crate) fn close(operators: &StripOperators, workspace: &mut IntervalWorkspace, response: &mut StageResponse) {
-        if let Some(robin_correction) = &operators.robin_correction {
-            let (influence, parts) = response.gains_and_parts();
-            let distortion = if operators.expands { influence.distortion.as_mut_slice() } else { &mut [] };
-            robin_correction.close([influence.temperature.as_mut_slice(), distortion], parts, &mut workspace.robin);
-        }
     }
 
     /// Computes the weights of both fluxes in the modes and, at the end, in the states, without the influence matrices.

@@ -5,9 +5,10 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
+use super::feedthrough::Feedthrough;
 use super::interval::{Interval, IntervalWorkspace};
 use super::operators::StripOperators;
-use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
+use super::stage_response::{Layout, StageResponse};
 use numerics::cache::KeyedCache;
 
 /// Cached nodes: four of each of two lengths between which a step control alternates, and as many that a changing velocity left.
@@ -44,7 +45,7 @@ impl InterpolationNodes {
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
-        feedthrough: (FeedthroughTerms<'_>, f64),
+        feedthrough: (&Feedthrough, f64),
         workspace: &mut IntervalWorkspace,
         response: &mut StageResponse,
     ) {

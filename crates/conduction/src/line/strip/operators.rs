@@ -199,10 +199,10 @@ impl StripOperators {
     pub(crate) fn response_layout(&self, at_end: bool) -> Layout {
         Layout {
             count: self.widths.len(),
+            distorted: self.lagged(),
             states: if at_end { self.rate.len() } else { 0 },
             waves: self.waves.len(),
             rank: self.rank(),
-            lagged: self.lagged(),
         }
     }
 
@@ -272,6 +272,12 @@ impl StripOperators {
         }
     }
 
+    /// Heat (W/m) that fluxes into the cells carry, in reverse order; see [`MirroredInfluence`](super::mirrored::MirroredInfluence).
+    pub(crate) fn mirror(&self, flux: &[f64], heat: &mut [f64]) {
+        let cells = self.widths.iter().zip(flux.iter().rev());
+        heat.iter_mut().zip(cells).for_each(|(heat, (width, flux))| *heat = width * flux);
+    }
+
     /// Adds even and odd parts to values on all cells.
     pub(crate) fn unfold_onto(&self, parts: [&[f64]; 2], values: &mut [f64]) {
         let (left, right) = values.split_at_mut(self.half);
@@ -310,18 +316,11 @@ impl StripOperators {
         }
     }
 
-    /// Temperature or distortion alone; see [`StripOperators::observe`].
-    pub(crate) fn observe_one(
-        &self,
-        amplitude: &[Vec<f64>; 2],
-        parts: &mut [Vec<f64>; 2],
-        level: f64,
-        values: &mut [f64],
-    ) {
+    /// Adds the sum of the modes with these amplitudes to `values` on the cells: temperature or distortion.
+    pub(crate) fn add_modes(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], values: &mut [f64]) {
         parts.iter_mut().for_each(|part| part.fill(0.0));
         let ([even, odd], [re, im], [even_part, odd_part]) = (&self.seen, amplitude, &mut *parts);
         dense::multiply_add_each([(even, re, even_part), (odd, im, odd_part)]);
-        values.fill(level);
         self.unfold_onto([&parts[0], &parts[1]], values);
     }
 }

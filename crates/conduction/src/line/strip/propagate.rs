@@ -35,6 +35,8 @@ pub(crate) const LARGEST_DRIFT: f64 = 1.5;
 /// `q dv h/8` below which the velocity counts as constant: the relative error of the mode's amplitude. Modes for which
 /// it is not much smaller are short, and contribute one in a hundred of the temperature.
 pub(crate) const LEAST_DRIFT: f64 = 5e-4;
+/// |Re z| + |Im z| below which the integrals at a constant velocity follow from the power series.
+const NEAR: f64 = 0.5;
 /// Terms of the series at the largest drift: 1.5^13/13! = 3e-8.
 const MOST_TERMS: usize = 12;
 /// Order at which the downward recurrence starts: this plus a multiple of |z|.
@@ -102,8 +104,9 @@ fn terms(drift: f64) -> usize {
 #[inline]
 fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, Complex<f64>) {
     if 0.25 * eta.abs() < LEAST_DRIFT {
-        if z.re.abs() + z.im.abs() < 0.5 {
-            return (power_series(z, &ALL), power_series(z, &FALLING));
+        if z.re.abs() + z.im.abs() < NEAR {
+            let falling = power_series(z, &FALLING);
+            return (factor - z * falling, falling);
         }
         let inverse = z.inv();
         let all = (factor - 1.0) * inverse;

@@ -11,7 +11,10 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::stage_response::{Parts, RANK, StageResponse};
+use super::feedthrough::Feedthrough;
+use super::mirrored::MirroredInfluence;
+use super::stage_response::{RANK, StageResponse};
+use crate::line::SurfaceInfluence;
 use elasticity::Cells;
 use numerics::dense;
 
@@ -28,34 +31,8 @@ pub(crate) struct RobinCorrection {
     /// V'W of a uniform temperature.
     pub unit: [f64; RANK],
     widths: Vec<f64>,
-    /// V'W of the shape of every mode with the weight of its amplitude, and the amplitude of every mode in the polynomials; even
-    /// degrees have real parts alone, odd ones imaginary parts.
+    /// V'W of the shape of every mode with the weight of its amplitude; even degrees have real parts alone, odd ones imaginary parts.
     waves: Vec<[f64; RANK]>,
-    heat: Vec<[f64; RANK]>,
-    /// V'W G V by the real and by the imaginary parts of the modes' responses: a column for each mode of the products of even and of
-    /// odd degrees, and of odd with even ones.
-    by_real: Vec<f64>,
-    by_imaginary: Vec<f64>,
-}
-
-/// Half of the degrees, even or odd, and number of their products.
-const HALF: usize = RANK / 2;
-const PRODUCTS: usize = HALF * HALF;
-
-/// Workspace of the influence with the Robin correction: temperature response to the polynomials V, and what it gives back for a flux
-/// into each cell.
-#[derive(Clone, Debug)]
-pub(crate) struct RobinWorkspace {
-    lifted: Vec<f64>,
-    returned: Vec<f64>,
-}
-
-impl RobinWorkspace {
-    /// For `count` cells and `rank` polynomials.
-    pub(crate) fn new(count: usize, rank: usize) -> RobinWorkspace {
-        let zeros = || vec![0.0; rank * count];
-        RobinWorkspace { lifted: zeros(), returned: zeros() }
-    }
 }
 
 impl RobinCorrection {
@@ -93,42 +70,21 @@ impl RobinCorrection {
             next.iter_mut().for_each(|value| *value /= norm);
             polynomials.push(next);
         }
-        let heat: Vec<_> = (0..weight.len())
-            .map(|wave| {
-                let mut row = [0.0; RANK];
-                for (degree, polynomial) in polynomials.iter().enumerate() {
-                    let (even, odd) = over_cells(wave, polynomial);
-                    row[degree] = if degree % 2 == 0 { even } else { -odd };
-                }
-                row
-            })
-            .collect();
-        let waves: Vec<_> = heat.iter().zip(weight).map(|(row, weight)| row.map(|part| weight * part)).collect();
-        let products = |parity: [usize; 2]| {
-            let of_mode = move |(row, heat): (&[f64; RANK], &[f64; RANK])| -> [f64; PRODUCTS] {
-                std::array::from_fn(|k| row[2 * (k % HALF) + parity[0]] * heat[2 * (k / HALF) + parity[1]])
-            };
-            waves.iter().zip(&heat).map(of_mode)
+        let of_wave = |(wave, weight): (usize, &f64)| {
+            let mut row = [0.0; RANK];
+            for (degree, polynomial) in polynomials.iter().enumerate() {
+                let (even, odd) = over_cells(wave, polynomial);
+                row[degree] = weight * if degree % 2 == 0 { even } else { -odd };
+            }
+            row
         };
-        let by_real = products([0, 0]).zip(products([1, 1])).flat_map(|(even, odd)| [even, odd].concat()).collect();
-        let by_imaginary = products([1, 0]).flatten().collect();
+        let waves = weight.iter().enumerate().map(of_wave).collect();
         let weigh =
             |polynomial: &Vec<f64>| polynomial.iter().zip(&widths).map(|(p, width)| p * width).collect::<Vec<_>>();
         let weighted = polynomials.iter().flat_map(weigh).collect::<Vec<_>>();
         let mut unit = [0.0; RANK];
         unit[0] = weighted[..count].iter().sum();
-        RobinCorrection {
-            transfer,
-            rank,
-            polynomials: polynomials.concat(),
-            weighted,
-            unit,
-            widths,
-            waves,
-            heat,
-            by_real,
-            by_imaginary,
-        }
+        RobinCorrection { transfer, rank, polynomials: polynomials.concat(), weighted, unit, widths, waves }
     }
 
     /// V'W of the temperature given by mode amplitudes (real and imaginary parts).
@@ -145,39 +101,28 @@ impl RobinCorrection {
         std::array::from_fn(|degree| partial_sums[0][degree] + partial_sums[1][degree])
     }
 
-    /// Polynomial coefficients (W/m2) by the projected temperature that drives the correction.
-    pub(crate) fn solution(&self, response: &StageResponse, driving: &[f64; RANK]) -> [f64; RANK] {
+    /// Projected temperature raised by a uniform `level`, K.
+    pub(crate) fn above(&self, projected: &[f64; RANK], level: f64) -> [f64; RANK] {
+        std::array::from_fn(|degree| projected[degree] + self.unit[degree] * level)
+    }
+
+    /// Polynomial coefficients (W/m2) of the Robin correction at a stage by the projected temperature `known` (K) that the free response
+    /// gives, and the heat (W/m) of the stage into the cells, in reverse order.
+    ///
+    /// G_jl/w_l is the same for a pair of cells and its mirror image ([`MirroredInfluence`]), so V'W G follows from G V.
+    pub(crate) fn amounts(&self, response: &StageResponse, known: &[f64; RANK], mirrored_heat: &[f64]) -> [f64; RANK] {
+        let mut driving = [0.0; RANK];
+        dense::multiply_transposed_add(response.lifted()[0], mirrored_heat, &mut driving[..self.rank]);
+        let signed = known.iter().zip(driving).enumerate();
+        self.solution(response, signed.map(|(a, (known, driving))| known + sign(a) * driving))
+    }
+
+    /// The same without heat of the stage, by the projected temperature `driving`.
+    pub(crate) fn solution(&self, response: &StageResponse, driving: impl Iterator<Item = f64>) -> [f64; RANK] {
         let mut amounts = [0.0; RANK];
-        dense::multiply_add(response.robin()[1], &driving[..self.rank], &mut amounts[..self.rank]);
-        amounts
-    }
-
-    /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
-    /// projected temperature of the free response.
-    pub(crate) fn amounts(
-        &self,
-        response: &StageResponse,
-        level: &[f64; RANK],
-        ambient: f64,
-        flux: &[f64],
-    ) -> [f64; RANK] {
-        let mut driving = *level;
-        driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
-        dense::multiply_add(response.robin()[0], flux, &mut driving[..self.rank]);
-        self.solution(response, &driving)
-    }
-
-    /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
-    /// [`RobinCorrection::amounts`].
-    pub(crate) fn add(
-        &self,
-        response: &StageResponse,
-        level: &[f64; RANK],
-        ambient: f64,
-        flux: &mut [f64],
-    ) -> [f64; RANK] {
-        let amounts = self.amounts(response, level, ambient, flux);
-        self.lift(&amounts, flux);
+        for (column, driving) in response.solution.chunks_exact(self.rank.max(1)).zip(driving) {
+            amounts.iter_mut().zip(column).for_each(|(amount, part)| *amount += part * driving);
+        }
         amounts
     }
 
@@ -186,46 +131,17 @@ impl RobinCorrection {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
-    /// Amplitudes of the modes in the polynomials with the coefficients `amounts`.
-    pub(crate) fn amplitudes(&self, amounts: &[f64; RANK], [re, im]: &mut [Vec<f64>; 2]) {
-        for (row, (re, im)) in self.heat.iter().zip(re.iter_mut().zip(im)) {
-            let part = |first: usize| (first..RANK).step_by(2).map(|degree| row[degree] * amounts[degree]).sum();
-            (*re, *im) = (part(0), part(1));
-        }
-    }
-
-    /// Computes the solution of a stage, and V'W G for even fluxes, from the response of the modes to its own flux and the direct
-    /// feedthrough; `level`: of the mean mode, per heat.
-    pub(crate) fn solve(&self, level: f64, parts: Parts<'_>) {
-        let Parts { own: [own_re, own_im, ..], response, solution, direct, .. } = parts;
-        let (mut same, mut mixed) = ([0.0; 2 * PRODUCTS], [0.0; PRODUCTS]);
-        dense::multiply_add(&self.by_real, own_re, &mut same);
-        dense::multiply_add(&self.by_imaginary, own_im, &mut mixed);
-        same[0] += level * self.unit[0] * self.unit[0];
-        // V'W G V; without a polynomial of a degree its row and column are 0.
-        let mut gain = [[0.0; RANK]; RANK];
-        for (b, column) in direct.chunks_exact(self.widths.len()).enumerate() {
-            gain.iter_mut().zip(self.project_cells(column)).for_each(|(row, projected)| row[b] = projected);
-        }
-        for (k, (even, (odd, mixed))) in same[..PRODUCTS].iter().zip(same[PRODUCTS..].iter().zip(&mixed)).enumerate() {
-            let (a, b) = (2 * (k % HALF), 2 * (k / HALF));
-            gain[a][b] += even;
-            gain[a + 1][b + 1] += odd;
-            // A polynomial of odd degree gives an imaginary amplitude.
-            gain[a + 1][b] += mixed;
-            gain[b][a + 1] -= mixed;
-        }
-        // Where no cell exchanges heat, the flux into the cells is even.
-        for (column, even) in response.chunks_exact_mut(self.rank).zip(&self.weighted) {
-            column.iter_mut().zip(&gain).for_each(|(value, row)| *value = even * row[0]);
-        }
-        self.set_solution(&gain, solution);
-    }
-
-    /// Sets `lifted` to the responses to the polynomials V by an influence matrix, N x N.
-    pub(crate) fn lift_by(&self, influence: &[f64], lifted: &mut [f64]) {
+    /// Sets `lifted` to the responses to the polynomials V by an influence.
+    pub(crate) fn lift_by(&self, influence: &MirroredInfluence, lifted: &mut [f64]) {
         lifted.fill(0.0);
-        dense::multiply_add_columns(influence, &self.polynomials, lifted, self.widths.len());
+        let count = self.widths.len();
+        for (degree, (heat, lifted)) in
+            self.weighted.chunks_exact(count).zip(lifted.chunks_exact_mut(count)).enumerate()
+        {
+            // The heat of a polynomial in reverse order is that of it or of its opposite.
+            influence.respond(heat, lifted);
+            lifted.iter_mut().for_each(|value| *value *= sign(degree));
+        }
     }
 
     /// V'W of values on the cells.
@@ -235,43 +151,40 @@ impl RobinCorrection {
         projected
     }
 
-    /// Computes V'W G and the solution of a stage from its responses to the polynomials, and adds the response by way of the
-    /// correction to `influence` (N x N: temperature, distortion; the latter may be empty), which has the direct feedthrough.
-    ///
-    /// The strip is homogeneous along the path and the cells are symmetric about x = 0: G_jl/w_l is the same for a pair of
-    /// cells and its mirror image, so V'W G follows from G V.
-    pub(crate) fn close(&self, influence: [&mut [f64]; 2], parts: Parts<'_>, workspace: &mut RobinWorkspace) {
-        let count = self.widths.len();
-        let Parts { response, solution, by_modes: [warm, moved], direct, .. } = parts;
-        let RobinWorkspace { lifted, returned } = workspace;
-        dense::combine(lifted, [&*warm, &*direct], [1.0; 2]);
-        for ((l, column), width) in response.chunks_exact_mut(self.rank).enumerate().zip(&self.widths) {
-            for (a, value) in column.iter_mut().enumerate() {
-                let mirrored = lifted[a * count + count - 1 - l];
-                *value = if a % 2 == 0 { width * mirrored } else { -width * mirrored };
-            }
+    /// Completes a response by its direct feedthrough, and computes the solution of the stage.
+    pub(crate) fn complete(&self, feedthrough: &Feedthrough, response: &mut StageResponse) {
+        let [lifted, _] = response.parts().lifted;
+        dense::multiply_add(&feedthrough.lifted, &[1.0], lifted);
+        let mut system = IDENTITY;
+        for (b, column) in lifted.chunks_exact(self.widths.len()).enumerate() {
+            let rows = system.iter_mut().zip(self.project_cells(column));
+            rows.for_each(|(row, projected)| row[b] -= self.transfer * projected);
         }
-        let mut gain = [[0.0; RANK]; RANK];
-        for (b, column) in lifted.chunks_exact(count).enumerate() {
-            gain.iter_mut().zip(self.project_cells(column)).for_each(|(row, projected)| row[b] = projected);
-        }
-        self.set_solution(&gain, solution);
-        returned.fill(0.0);
-        dense::multiply_add_columns(solution, response, returned, self.rank);
-        let lifted = [&lifted[..], &moved[..]];
-        for (influence, lifted) in influence.into_iter().zip(lifted).filter(|(influence, _)| !influence.is_empty()) {
-            dense::multiply_add_columns(lifted, returned, influence, count);
-        }
-    }
-
-    /// Sets the solution `(1 - H0 gain)^-1 H0`, by columns.
-    fn set_solution(&self, gain: &[[f64; RANK]; RANK], solution: &mut [f64]) {
-        let inverse =
-            inverse(std::array::from_fn(|a| std::array::from_fn(|b| IDENTITY[a][b] - self.transfer * gain[a][b])));
-        for (b, column) in solution.chunks_exact_mut(self.rank).enumerate() {
+        let inverse = inverse(system, self.rank);
+        for (b, column) in response.solution.chunks_exact_mut(self.rank).enumerate() {
             column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
         }
     }
+
+    /// Adds the response by way of the correction to the influence matrices.
+    pub(crate) fn close(&self, response: &StageResponse, influence: &mut SurfaceInfluence) {
+        let count = self.widths.len();
+        let SurfaceInfluence { temperature, distortion } = influence;
+        let [own, _] = response.lifted();
+        for (l, width) in self.widths.iter().enumerate() {
+            let driving =
+                own.chunks_exact(count).enumerate().map(|(a, column)| sign(a) * width * column[count - 1 - l]);
+            let amounts = self.solution(response, driving);
+            for (influence, lifted) in [&mut *temperature, &mut *distortion].into_iter().zip(response.lifted()) {
+                dense::multiply_add(lifted, &amounts[..self.rank], &mut influence.as_mut_slice()[l * count..][..count]);
+            }
+        }
+    }
+}
+
+/// 1 for a polynomial of even degree, -1 for an odd one.
+fn sign(degree: usize) -> f64 {
+    if degree.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 const IDENTITY: [[f64; RANK]; RANK] = {
@@ -284,12 +197,12 @@ const IDENTITY: [[f64; RANK]; RANK] = {
     matrix
 };
 
-/// Inverse by Gauss-Jordan elimination with partial pivoting.
-fn inverse(mut matrix: [[f64; RANK]; RANK]) -> [[f64; RANK]; RANK] {
+/// Inverse of the first `size` rows and columns, by Gauss-Jordan elimination with partial pivoting.
+fn inverse(mut matrix: [[f64; RANK]; RANK], size: usize) -> [[f64; RANK]; RANK] {
     let mut result = IDENTITY;
-    for column in 0..RANK {
+    for column in 0..size {
         let mut pivot = column;
-        for row in column + 1..RANK {
+        for row in column + 1..size {
             if matrix[row][column].abs() > matrix[pivot][column].abs() {
                 pivot = row;
             }
@@ -299,9 +212,9 @@ fn inverse(mut matrix: [[f64; RANK]; RANK]) -> [[f64; RANK]; RANK] {
         let scale = 1.0 / matrix[column][column];
         let (eliminated, inverted) =
             (matrix[column].map(|value| scale * value), result[column].map(|value| scale * value));
-        for row in 0..RANK {
+        for row in 0..size {
             let factor = matrix[row][column];
-            for k in 0..RANK {
+            for k in 0..size {
                 matrix[row][k] -= factor * eliminated[k];
                 result[row][k] -= factor * inverted[k];
             }
@@ -358,27 +271,28 @@ mod tests {
             let closed = (identity - transfer * &projection * &total * &v).try_inverse().unwrap();
             let returned = transfer * &v * &closed * &projection * &total;
             let expected = [&total, &slow[1]].map(|gain| gain + gain * &returned);
-            let mut response = StageResponse::new(Layout { count, states: 0, waves: numbers.len(), rank, lagged: 0 });
-            let Parts { by_modes, direct, .. } = response.parts();
-            for (slow, lifted) in slow.iter().zip(by_modes) {
-                robin.lift_by(slow.as_slice(), lifted);
+            let mirrored = |influence: &DMatrix<f64>| {
+                let mut mirrored = MirroredInfluence::new(count);
+                mirrored.take(influence.as_slice(), widths);
+                mirrored
+            };
+            let mut feedthrough = Feedthrough {
+                influence: [mirrored(&fast), MirroredInfluence::new(0)],
+                lifted: vec![0.0; rank * count],
+                uniform: [Vec::new(), Vec::new()],
+            };
+            robin.lift_by(&feedthrough.influence[0], &mut feedthrough.lifted);
+            let waves = numbers.len();
+            let mut response = StageResponse::new(Layout { count, distorted: count, states: 0, waves, rank });
+            for (slow, lifted) in slow.iter().zip(response.parts().lifted) {
+                robin.lift_by(&mirrored(slow), lifted);
             }
-            robin.lift_by(fast.as_slice(), direct);
-            let mut found = [total, slow[1].clone()];
-            let [temperature, distortion] = &mut found;
-            robin.close(
-                [temperature.as_mut_slice(), distortion.as_mut_slice()],
-                response.parts(),
-                &mut RobinWorkspace::new(count, rank),
-            );
-            let [re, im, ..] = response.parts().own;
-            for (wave, own) in own.iter().enumerate() {
-                [re[wave], im[wave]] = *own;
-            }
-            robin.solve(level, response.parts());
-            // An open contact has it from the modes.
-            let solved = DMatrix::from_column_slice(rank, rank, response.robin()[1]);
+            robin.complete(&feedthrough, &mut response);
+            let solved = DMatrix::from_column_slice(rank, rank, &response.solution);
             assert!((solved - transfer * &closed).amax() < 1e-11 * transfer, "{count}");
+            let mut influence = SurfaceInfluence { temperature: total, distortion: slow[1].clone() };
+            robin.close(&response, &mut influence);
+            let found = [influence.temperature, influence.distortion];
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected).amax() < 1e-12 * expected.amax(), "{count}");
             }

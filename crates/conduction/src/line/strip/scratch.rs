@@ -2,9 +2,9 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
+use super::mirrored::MirroredInfluence;
 use super::operators::StripOperators;
 use super::stage_response::RANK;
-use nalgebra::DMatrix;
 
 /// Preallocated vectors of the evaluations.
 #[derive(Clone, Debug)]
@@ -15,9 +15,11 @@ pub(crate) struct Scratch {
     /// Even and odd parts of fluxes, and of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub response: [[Vec<f64>; 2]; 2],
-    /// Workspace of the direct feedthrough at frozen state, and of the total fluxes into the cells there.
-    pub frozen: DMatrix<f64>,
+    /// Workspace of the direct feedthrough at frozen state, of temperature and distortion, and of the total fluxes into the cells there.
+    pub frozen: [MirroredInfluence; 2],
     pub total: Vec<f64>,
+    /// Heat into the cells in reverse order.
+    pub mirrored: Vec<f64>,
     /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
@@ -41,8 +43,9 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             response: [halves(), halves()],
-            frozen: DMatrix::zeros(count, count),
+            frozen: [count, operators.lagged()].map(MirroredInfluence::new),
             total: vec![0.0; count],
+            mirrored: vec![0.0; count],
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),

@@ -6,10 +6,10 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
+use super::mirrored::MirroredInfluence;
 use super::passive::Passive;
 use super::static_correction::{CorrectionWorkspace, Integrals, StaticCorrection};
 use nalgebra::DMatrix;
-use numerics::dense;
 use std::sync::{Mutex, OnceLock};
 
 /// Number of nodes of the interpolation stencil.
@@ -41,11 +41,13 @@ struct Unused {
     nodes: Vec<Influence>,
     workspace: CorrectionWorkspace,
     passive: Passive,
-    between: DMatrix<f64>,
+    /// Whole matrices, N x N, of temperature and distortion, and an interpolant.
+    whole: [DMatrix<f64>; 2],
+    between: MirroredInfluence,
 }
 
-/// Surface influence matrices of temperature and distortion, N x N each; the second is empty without thermal expansion.
-type Influence = [DMatrix<f64>; 2];
+/// Influence on temperature and distortion; the second is empty without thermal expansion.
+type Influence = [MirroredInfluence; 2];
 
 impl VelocityTable {
     /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
@@ -58,13 +60,14 @@ impl VelocityTable {
         let integrals = static_correction.integrals();
         let cells = static_correction.cells.count();
         let distorted = if static_correction.expansion.is_some() { cells } else { 0 };
-        let zeros = |size: usize| DMatrix::from_vec(size, size, vec![0.0; size * size]);
+        let zeros = |size: usize| DMatrix::zeros(size, size);
         let unused = Unused {
             // Zero pages of the operating system: most nodes are never computed and touch no memory.
-            nodes: (0..count).map(|_| [cells, distorted].map(zeros)).collect(),
+            nodes: (0..count).map(|_| [cells, distorted].map(MirroredInfluence::new)).collect(),
             workspace: CorrectionWorkspace::new(&static_correction, &integrals),
             passive: Passive::new(static_correction.cells.widths()),
-            between: zeros(cells),
+            whole: [cells, distorted].map(zeros),
+            between: MirroredInfluence::new(cells),
         };
         VelocityTable {
             scale,
@@ -103,8 +106,8 @@ impl VelocityTable {
             match opposite {
                 Some(opposite) => {
                     for (own, opposite) in found.iter_mut().zip(opposite) {
-                        own.copy_from(opposite);
-                        own.as_mut_slice().reverse();
+                        own.combine([opposite], [1.0]);
+                        own.reverse(self.static_correction.cells.count());
                     }
                 }
                 None => self.find(node - NEGATIVE_NODES, &mut unused, &mut found),
@@ -118,13 +121,17 @@ impl VelocityTable {
     /// Computes the influence matrices at node `number`, 0 at rest.
     fn find(&self, number: usize, unused: &mut Unused, found: &mut Influence) {
         let velocity = self.scale * (number as f64 * self.spacing).sinh();
-        self.static_correction.at(velocity, &self.integrals, &mut unused.workspace, found);
+        let widths = self.static_correction.cells.widths();
+        let Unused { workspace, passive, whole, .. } = unused;
+        self.static_correction.at(velocity, &self.integrals, workspace, whole);
         if number == 0 {
             // At rest the influence per heat is symmetric, but rest is evaluated at a small positive velocity.
-            let widths = self.static_correction.cells.widths();
-            found.iter_mut().for_each(|influence| make_symmetric(influence, widths));
+            whole.iter_mut().for_each(|influence| make_symmetric(influence, widths));
         }
-        unused.passive.make_passive(&mut found[0]);
+        passive.make_passive(&mut whole[0]);
+        for (found, whole) in found.iter_mut().zip(whole).filter(|(found, _)| !found.is_empty()) {
+            found.take(whole.as_slice(), widths);
+        }
     }
 
     /// Velocity v0 below which the feedthrough is independent of the velocity, m/s.
@@ -153,12 +160,13 @@ impl VelocityTable {
     /// Whether the interpolant is passive between the nodes in the middle of a stencil: at the quarters of the distance.
     fn is_passive(&self, base: usize) -> bool {
         *self.passive[base].get_or_init(|| {
-            let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + k)[0].as_slice());
+            let nodes: [&MirroredInfluence; STENCIL] = std::array::from_fn(|k| &self.node(base + k)[0]);
             let mut unused = self.unused.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            let Unused { passive, between, .. } = &mut *unused;
+            let Unused { passive, between, whole: [whole, _], .. } = &mut *unused;
             [0.25, 0.5, 0.75].into_iter().all(|offset| {
-                dense::combine(between.as_mut_slice(), nodes, interpolant(offset));
-                passive.is_passive(between)
+                between.combine(nodes, interpolant(offset));
+                between.fill(whole.as_mut_slice(), self.static_correction.cells.widths());
+                passive.is_passive(whole)
             })
         })
     }
@@ -168,28 +176,24 @@ impl VelocityTable {
         moving == 0 && weights.iter().filter(|weight| **weight != 0.0).count() > 1 && !self.is_passive(*base)
     }
 
-    /// Influence matrix of the direct feedthrough at a velocity, N x N: temperature (`moving` 0), or distortion (1)
-    /// with thermal expansion.
-    pub(crate) fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
-        let stencil = self.stencil(velocity);
+    /// Influence of the direct feedthrough at a velocity: on temperature (`moving` 0), or distortion (1) with thermal expansion.
+    pub(crate) fn respond(&self, moving: usize, velocity: f64, response: &mut MirroredInfluence) {
+        let stencil @ (base, weights) = self.stencil(velocity);
+        let cells = &self.static_correction.cells;
         let projected = self.needs_projection(moving, &stencil);
-        self.interpolate(moving, stencil, response);
-        if projected {
-            let mut unused = self.unused.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            unused.passive.make_passive(response);
-        }
-        if velocity < 0.0 {
-            // The cells are symmetric about x = 0.
-            response.as_mut_slice().reverse();
-        }
-    }
-
-    /// The interpolant at a stencil.
-    fn interpolate(&self, moving: usize, (base, weights): (usize, [f64; STENCIL]), response: &mut DMatrix<f64>) {
         // On a node the other weights are 0, and the other nodes are not computed.
         let of = |k: usize| if weights[k] == 0.0 { NEGATIVE_NODES } else { k };
-        let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + of(k))[moving].as_slice());
-        dense::combine(response.as_mut_slice(), nodes, weights);
+        response.combine(std::array::from_fn(|k| &self.node(base + of(k))[moving]), weights);
+        if projected {
+            let mut unused = self.unused.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            let Unused { passive, whole: [whole, _], .. } = &mut *unused;
+            response.fill(whole.as_mut_slice(), cells.widths());
+            passive.make_passive(whole);
+            response.take(whole.as_slice(), cells.widths());
+        }
+        if velocity < 0.0 {
+            response.reverse(cells.count());
+        }
     }
 
     /// Number of interpolation nodes.
@@ -235,6 +239,15 @@ mod tests {
         (0..response.nrows()).map(|i| response.row(i).sum()).collect()
     }
 
+    /// Influence on the temperature at a velocity, N x N.
+    fn at(table: &VelocityTable, cells: &Cells, velocity: f64) -> DMatrix<f64> {
+        let mut response = MirroredInfluence::new(cells.count());
+        table.respond(0, velocity, &mut response);
+        let mut whole = DMatrix::zeros(cells.count(), cells.count());
+        response.fill(whole.as_mut_slice(), cells.widths());
+        whole
+    }
+
     fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
         values.into_iter().fold(0.0, |most: f64, value| most.max(value.abs()))
     }
@@ -249,8 +262,7 @@ mod tests {
         let mut worst = [0.0f64; 2];
         for k in 0..table.nodes.len() - STENCIL - NEGATIVE_NODES {
             let velocity = table.scale * ((k as f64 + 0.5) * table.spacing).sinh();
-            let mut between = DMatrix::zeros(count, count);
-            table.respond(0, velocity, &mut between);
+            let between = at(table, cells, velocity);
             body.prepare(&Step::new(1e9, [velocity; 2]));
             let whole = largest(uniform(&body.influence(Stage::End).temperature));
             let Unused { workspace, passive, .. } = &mut *table.unused.lock().unwrap();
@@ -312,8 +324,7 @@ mod tests {
                 let table = &body.operators.table;
                 for k in 0..5 * (table.nodes.len() - STENCIL - NEGATIVE_NODES) {
                     let velocity = table.scale * ((0.2 * k as f64 + 0.1) * table.spacing).sinh();
-                    let mut response = DMatrix::zeros(9, 9);
-                    table.respond(0, velocity, &mut response);
+                    let response = at(table, &cells, velocity);
                     let per_heat = |i: usize, j: usize| response[(i, j)] * (widths[i] / widths[j]).sqrt();
                     let symmetric = DMatrix::from_fn(9, 9, |i, j| 0.5 * (per_heat(i, j) + per_heat(j, i)));
                     let found = symmetric.symmetric_eigenvalues();

@@ -2,9 +2,9 @@
 //!
 //! Theory: docs/theory.md, sections 7.1, 5.3.
 
-use super::ThermalCoupling;
 use super::evaluation::largest;
 use super::stage::{Solved, state_of, weighted};
+use super::{Iterate, ThermalCoupling};
 use crate::line::heat::state::HeatState;
 use crate::line::operators::LineOperators;
 use crate::line::stages::{ContactStages, StepData};
@@ -121,21 +121,14 @@ impl Solved<'_> {
         // A body alone takes all the heat at once.
         let hidden = if heat.bodies.iter().all(Option::is_some) { HIDDEN } else { 0.0 };
         for side in 0..2 {
-            let Some(own) = &heat.bodies[side] else { continue };
-            let influence = own.influence(Stage::End);
+            let (Some(own), Some(work)) = (&heat.bodies[side], &mut heat.work[side]) else { continue };
             let flux = [&state.flux[side], &heat.flux[0][side], &heat.flux[1][side]];
             // The slope is 0 after a jump.
             let jumped = |i: usize| state.slope[side][i] == 0.0;
-            flux_defect(closed, flux, jumped, [hidden, lasting], &mut heat.iterate.difference);
-            heat.iterate.sums[0].fill(0.0);
-            dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
-            if heat.parameters.expands[side] {
-                dense::multiply_add(
-                    influence.distortion.as_slice(),
-                    &heat.iterate.difference,
-                    &mut heat.iterate.sums[1],
-                );
-            }
+            let Iterate { difference, sums: [warm, moved], .. } = &mut heat.iterate;
+            flux_defect(closed, flux, jumped, [hidden, lasting], difference);
+            warm.fill(0.0);
+            own.respond(Stage::End, difference, [Some(warm), heat.parameters.expands[side].then_some(moved)], work);
             let square: f64 = heat.iterate.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             temperature_error = maximum(temperature_error, (square / width).sqrt());
             rise = maximum(rise, largest(&heat.temperature[1][side]));
@@ -231,6 +224,7 @@ impl ThermalCoupling {
             false => weighted(&heat.kinetic_coefficient, &stages.end.pressure, &operators.torque_weights),
         };
         state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
+        state.reference.contraction = heat.iterate.contraction;
         let fade = if friction.coefficient > 0.0 { state.kinetic_coefficient / friction.coefficient } else { 1.0 };
         // Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is updated.
         if (fade / state.reference.fade - 1.0).abs() > 0.1 {

@@ -6,7 +6,6 @@ use super::ThermalCoupling;
 use crate::line::heat::state::HeatState;
 use conduction::line::{First, GAMMA, Stage};
 use contact::wear::line::StageError;
-use numerics::dense;
 use numerics::maximum::maximum;
 
 impl ThermalCoupling {
@@ -167,6 +166,17 @@ impl ThermalCoupling {
         if scale == 0.0 { 0.0 } else { largest(&self.iterate.difference) / scale }
     }
 
+    /// [`ThermalCoupling::residual_norm`] at the present fluxes.
+    pub(super) fn residual_after(&mut self, stage: Stage) -> f64 {
+        if self.conducts() != [true, true] || self.parameters.half_resistance == 0.0 {
+            return 0.0;
+        }
+        if !self.iterate.temperatures_current {
+            self.update_temperatures(stage);
+        }
+        self.residual_norm(stage)
+    }
+
     /// Gap before the deformation by the pressure: with wear and distortion, less the displacement of the current pressure
     /// through the thermal compliance. The part that is thermal distortion is left in `distortion`.
     pub(super) fn assemble_gap(&mut self, stage: Stage, gap: &[f64]) {
@@ -187,8 +197,10 @@ impl ThermalCoupling {
                 .for_each(|(less, pressure)| *less = -pressure);
             self.partitions[s].add_displacement(self.reduced[s], &self.iterate.difference, moved);
             for side in 0..2 {
-                if let (Some(own), true) = (&self.bodies[side], self.parameters.expands[side]) {
-                    dense::multiply_add(own.influence(stage).distortion.as_slice(), &self.flux[s][side], moved);
+                if let (Some(own), Some(work), true) =
+                    (&self.bodies[side], &mut self.work[side], self.parameters.expands[side])
+                {
+                    own.respond(stage, &self.flux[s][side], [None, Some(moved)], work);
                 }
             }
         }
@@ -265,8 +277,8 @@ impl ThermalCoupling {
             // The temperature of the strip's surface follows from the interface law.
             let [punch, strip] = &mut self.temperature[s];
             punch.copy_from_slice(&self.iterate.free_response[0]);
-            if let Some(own) = &self.bodies[0] {
-                self.partitions[s].update_punch_temperature(own.influence(stage), &self.flux[s][0], punch);
+            if let (Some(own), Some(work)) = (&self.bodies[0], &mut self.work[0]) {
+                own.respond(stage, &self.flux[s][0], [Some(punch), None], work);
             }
             let [taken, given] = &self.flux[s];
             let fluxes = taken.iter().zip(given).zip(&self.half_resistance[s]);
@@ -287,8 +299,8 @@ impl ThermalCoupling {
         for side in 0..2 {
             let temperature = &mut self.temperature[s][side];
             temperature.copy_from_slice(&self.iterate.free_response[side]);
-            if let (Some(own), false) = (&self.bodies[side], self.open) {
-                dense::multiply_add(own.influence(stage).temperature.as_slice(), &self.flux[s][side], temperature);
+            if let (Some(own), Some(work), false) = (&self.bodies[side], &mut self.work[side], self.open) {
+                own.respond(stage, &self.flux[s][side], [Some(temperature), None], work);
             }
         }
         // The surface temperature of an insulator follows from the second interface law; a cell without contact is given the

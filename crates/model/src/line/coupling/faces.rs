@@ -30,9 +30,10 @@ use scene::Body;
 /// Largest number of cooled faces: of both bodies.
 const MOST: usize = 2 * FACES;
 
-/// Newton's method for the laws, which are convex: largest number of iterations, and the relative change at which they end.
+/// Newton's method for the laws, which are convex: largest number of iterations, and the relative change at which they end. The error
+/// after it is of its square.
 const MOST_ITERATIONS: usize = 20;
-const AGREEMENT: f64 = 1e-12;
+const AGREEMENT: f64 = 1e-7;
 
 /// A cooled face and the law of its flux.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{Boundary, Exchange, GAMMA, Stage, Surroundings};
+use conduction::line::{Boundary, Exchange, GAMMA, Stage, Step, Surroundings};
 use contact::friction::OperatingPoint;
 
 impl ThermalCoupling {
@@ -59,7 +59,7 @@ impl ThermalCoupling {
             heat.surroundings[side] = Surroundings::linear(around(&from), around(&end));
         }
         let [of_first, of_end] = &heat.contact_parts;
-        let exchange = if heat.open { Exchange::None } else { Exchange::Parts([of_first, of_end]) };
+        let exchange = Exchange::Parts([of_first, of_end]);
         for (side, body) in heat.bodies.iter_mut().enumerate() {
             body.iter_mut().for_each(|own| own.prepare(&heat.frozen.step(side, step, velocity, exchange)));
         }
@@ -70,7 +70,8 @@ impl ThermalCoupling {
     fn take_partitions(&mut self, key: PartitionKey) {
         let ThermalCoupling { partitions, bodies, rounded_parts, frozen, .. } = self;
         let (step, velocity, _) = key;
-        let on = |side: usize, exchange| frozen.step(side, step, [velocity; 2], exchange);
+        let on =
+            |side: usize, exchange| Step { with_matrices: true, ..frozen.step(side, step, [velocity; 2], exchange) };
         if !partitions.take(key) {
             for (side, body) in bodies.iter_mut().enumerate() {
                 body.iter_mut().for_each(|own| own.prepare(&on(side, Exchange::Whole)));

@@ -51,6 +51,7 @@ impl<'a> Prepared<'a> {
     ) -> Result<FirstSolved<'a>, StageError> {
         let (heat, state, pressure) = (self.0, state_of(given), &given.state.pressure);
         let firsts = heat.begin_first(state);
+        heat.iterate.contraction = state.reference.contraction;
         if heat.open {
             heat.leave_open(Stage::First, given, stages, now)?;
             return Ok(FirstSolved(heat, firsts));
@@ -121,21 +122,38 @@ fn needs_cell_temperatures(operators: &LineOperators) -> bool {
     operators.wears_by_cell() || fades(operators)
 }
 
-/// Remaining error of a quantity under iteration.
-#[derive(Clone, Copy, Debug, Default)]
+/// Remaining error of a quantity under iteration, relative.
+#[derive(Clone, Copy, Debug)]
 struct RemainingError {
+    /// Ratio of the second change to the first: as expected from the stages before, until it is known.
+    contraction: f64,
     last: Option<f64>,
+    is_known: bool,
 }
 
 impl RemainingError {
-    /// Remaining error after a `change` c: of a geometric series with the ratio r of the last two the rest is c r/(1 - r). Where
-    /// they do not at least halve, c itself.
+    fn new(contraction: f64) -> RemainingError {
+        RemainingError { contraction, last: None, is_known: false }
+    }
+
+    /// Remaining error after a `change` c: of a geometric series with the ratio r the rest is c r/(1 - r). Where the changes do not at
+    /// least halve, c itself.
     fn after(&mut self, change: f64) -> f64 {
         let last = self.last.replace(change);
-        match last {
-            Some(last) if change < 0.5 * last => change * change / (last - change),
-            _ => change,
+        let ratio = match last {
+            Some(last) if last > 0.0 => change / last,
+            Some(_) => 1.0,
+            None => self.contraction,
+        };
+        if !self.is_known && last.is_some() {
+            (self.contraction, self.is_known) = (ratio.min(1.0), true);
         }
+        if ratio < 0.5 { change * ratio / (1.0 - ratio) } else { change }
+    }
+
+    /// Contraction that the next stage may expect: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, IV.8.
+    fn expected(&self) -> f64 {
+        self.contraction.max(f64::EPSILON).powf(0.8)
     }
 }
 
@@ -157,27 +175,27 @@ struct Convergence {
     /// friction and wear depend. Fluxes and heat balance are exact at any remaining error.
     enough: f64,
     pressure: RemainingError,
-    interface: RemainingError,
     contact_temperature: RemainingError,
     /// Ratio of residual to change of an accelerated iteration, whose changes do not form a geometric series.
     accelerated: Option<f64>,
 }
 
 impl Convergence {
-    fn new(enough: f64) -> Convergence {
-        let [pressure, interface, contact_temperature] = [RemainingError::default(); 3];
-        Convergence { enough, pressure, interface, contact_temperature, accelerated: None }
+    fn new(enough: f64, contraction: f64) -> Convergence {
+        // The laws of an iteration are those of the temperature before it: nothing is expected of that.
+        let [pressure, contact_temperature] = [contraction, 1.0].map(RemainingError::new);
+        Convergence { enough, pressure, contact_temperature, accelerated: None }
     }
 
-    /// Whether the remaining errors are small enough; the contact of an `exact` stage is solved without iteration.
-    fn reached(&mut self, change: Change, exact: bool) -> bool {
-        let of_series = [self.pressure.after(change.pressure), self.interface.after(change.interface)];
-        let [pressure, interface] =
-            self.accelerated.map_or(of_series, |ratio| [ratio.max(1.0) * change.pressure, change.interface]);
-        let remaining = maximum(pressure, interface / INTERFACE_OVER_PRESSURE);
-        let consistent =
-            self.contact_temperature.after(change.contact_temperature) <= self.enough && change.faces <= self.enough;
-        consistent && (exact || remaining <= self.enough)
+    /// Whether the remaining errors are small enough; the contact of an `exact` stage is solved without iteration. `residual`: of the
+    /// interface law after the iteration, evaluated where that before it is too large.
+    fn reached(&mut self, change: Change, exact: bool, residual: impl FnOnce() -> f64) -> bool {
+        let of_series = self.pressure.after(change.pressure);
+        let pressure = self.accelerated.map_or(of_series, |ratio| ratio.max(1.0) * change.pressure);
+        let contact_temperature = self.contact_temperature.after(change.contact_temperature);
+        let least = INTERFACE_OVER_PRESSURE * self.enough;
+        maximum(contact_temperature, change.faces) <= self.enough
+            && (exact || pressure <= self.enough && (change.interface <= least || residual() <= least))
     }
 }
 
@@ -211,7 +229,7 @@ impl ThermalCoupling {
             false => self.kinetic_coefficient.fill(given.friction.kinetic_coefficient(0.0)),
         }
         let mut slip = now.slip();
-        let mut convergence = Convergence::new(operators.budget.iteration.line_stage);
+        let mut convergence = Convergence::new(operators.budget.iteration.line_stage, self.iterate.contraction);
         self.iterate.temperatures_current = false;
         self.iterate.anderson.clear();
         self.iterate.added.fill(false);
@@ -255,7 +273,8 @@ impl ThermalCoupling {
             let settled = self.update_active_set(stage, &found.pressure);
             let faces = self.solve_faces(stage);
             let change = Change { pressure, contact_temperature, interface, faces };
-            if convergence.reached(change, self.exact[s]) && settled {
+            if settled && convergence.reached(change, self.exact[s], || self.residual_after(stage)) {
+                self.iterate.contraction = convergence.pressure.expected();
                 self.iterations = self.iterations.max(iteration);
                 if now.released > 0.0 {
                     self.release(stage, now.released);
@@ -266,7 +285,7 @@ impl ThermalCoupling {
             }
             if !settled {
                 self.iterate.anderson.clear();
-                convergence.accelerated = None;
+                convergence = Convergence::new(convergence.enough, 1.0);
             } else if accelerated {
                 convergence.accelerated = self.accelerate(stage, given, pressure);
             }
@@ -346,8 +365,8 @@ impl ThermalCoupling {
         }
         let scale = *acceleration_scale;
         let [moved, ..] = anderson.accelerate(parts, |i| scale[i / count])?;
+        self.iterate.temperatures_current = false;
         if needs_cell_temperatures(given.operators) {
-            self.iterate.temperatures_current = false;
             self.update_friction(given);
         }
         Some(if change > 0.0 { moved / (most * change) } else { 1.0 })

@@ -28,8 +28,9 @@ fn extrapolate_quadratically(start: f64, first: f64, slope: f64, step: f64, last
 
 impl ThermalCoupling {
     /// Whether the stage is solved directly, without iteration, so that the initial iterate does not matter.
-    fn needs_no_start(&self) -> bool {
-        self.is_solved_directly(self.iterate.closed.iter().filter(|closed| !**closed).count())
+    fn needs_no_start(&self, s: usize) -> bool {
+        let open = self.iterate.closed.iter().filter(|closed| !**closed).count();
+        self.is_solved_directly(open) && self.contact_parts[s].is_whole()
     }
 
     /// Zero initial iterate, independent of history, in case an iteration turns out to be needed after all.
@@ -40,7 +41,7 @@ impl ThermalCoupling {
 
     /// Predicts the punch's flux and the pressure at the first stage.
     pub(super) fn predict_first(&mut self, state: &HeatState, pressure: &[f64]) {
-        if self.needs_no_start() {
+        if self.needs_no_start(0) {
             return self.start_from_zero(0);
         }
         let ahead = state.ahead(self.step);
@@ -52,7 +53,7 @@ impl ThermalCoupling {
 
     /// Predicts the punch's flux and the pressure at the end; `pressure` is that of the start and of the first stage.
     pub(super) fn predict_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
-        if self.needs_no_start() {
+        if self.needs_no_start(1) {
             return self.start_from_zero(1);
         }
         let (step, last) = (state.ahead(self.step), state.last_step);

@@ -374,12 +374,6 @@ impl HeatPartition {
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
-    /// Adds the temperature rise of the punch's surface, K, by the flux into it (W/m2), where both bodies conduct; `influence`
-    /// are the matrices from which the operators were built.
-    pub(crate) fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
-        dense::multiply_add(influence.temperature.as_slice(), flux, temperature);
-    }
-
     /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) from the strip into the punch.
     pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
         dense::multiply_add(&self.operators.relative_distortion, flux, moved);

@@ -60,6 +60,8 @@ pub struct LinearizationPoint {
     pub fade: f64,
     /// Factor of the validity radius by which stages converge in few iterations.
     pub radius_factor: f64,
+    /// Ratio of the second change of the pressure to the first to be expected in the iteration of a stage; 1: not known.
+    pub contraction: f64,
 }
 
 /// Numbers of iterations of a stage above which the validity radius is halved, and up to which a new linearization point enlarges
@@ -72,7 +74,7 @@ const RADIUS_GROWTH: f64 = 1.25;
 impl LinearizationPoint {
     /// No linearization point yet.
     pub(crate) fn none() -> LinearizationPoint {
-        LinearizationPoint { velocity: f64::NAN, last: f64::NAN, fade: 1.0, radius_factor: 1.0 }
+        LinearizationPoint { velocity: f64::NAN, last: f64::NAN, fade: 1.0, radius_factor: 1.0, contraction: 1.0 }
     }
 
     /// Stores the linearization point and the final velocity of a step whose stages took up to `iterations` iterations, and
@@ -92,6 +94,7 @@ impl LinearizationPoint {
     /// Narrows the validity radius after a step without solution, as far as the step is shortened.
     pub(crate) fn narrow(&mut self) {
         self.shrink(0.25);
+        self.contraction = 1.0;
     }
 
     fn shrink(&mut self, factor: f64) {
@@ -250,8 +253,8 @@ impl HeatState {
             rejected_by_growth,
             start,
         } = self;
-        let LinearizationPoint { velocity, last, fade, radius_factor } = reference;
-        let scalars = [velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step];
+        let LinearizationPoint { velocity, last, fade, radius_factor, contraction } = reference;
+        let scalars = [velocity, last, fade, radius_factor, contraction, kinetic_coefficient, dissipated, last_step];
         let faces = [cooling, cooling_slope, external].map(|of| of.as_flattened_mut());
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature))
             .chain([pressure_slope, distortion])
@@ -299,7 +302,7 @@ impl HeatState {
 
     /// Whether all numbers but the linearization point, which may not be known yet, are finite.
     pub(crate) fn is_finite(&self) -> bool {
-        let known = LinearizationPoint { velocity: 0.0, last: 0.0, fade: 1.0, radius_factor: 1.0 };
+        let known = LinearizationPoint { velocity: 0.0, last: 0.0, ..LinearizationPoint::none() };
         HeatState { reference: known, ..self.clone() }.parts().all(|part| all_finite(part))
     }
 

@@ -8,14 +8,15 @@
 //!
 //! whatever |z|: the cancellation error of T_(m+1), `2 (2m+1)/|z|^2` times that of T_m, enters with another factor eta,
 //! and `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the rotation theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. All
-//! lanes therefore use the same formula. Modes with less rotation, or a large drift, are evaluated by the scalar form.
-//! No multiply-add is fused, so every machine gives the same bits.
+//! lanes therefore use the same formula. Modes with a drift that counts and less rotation, or a large drift, are evaluated by the
+//! scalar form. No multiply-add is fused, so every machine gives the same bits.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-use super::{LARGEST_DRIFT, LEAST_DRIFT, PhaseRate, terms};
+use super::{FALLING, LARGEST_DRIFT, LEAST_DRIFT, NEAR, PhaseRate, terms};
 use nalgebra::Complex;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// Modes per vector.
 const LANES: usize = 8;
@@ -55,19 +56,21 @@ impl PhaseRotation<'_> {
         // Least phase rotation (rad) for the upward recurrence: each of up to twelve terms at most doubles the error of the one before.
         let least = f64::max(1.0, 25.0 * (to - from).abs() / (from + to).abs());
         let numbers = &self.numbers[..count];
-        let begin = numbers.partition_point(|number| number * turn < least);
+        let constant = numbers.partition_point(|number| number * drift < LEAST_DRIFT);
+        let begin = constant.max(numbers.partition_point(|number| number * turn < least));
         let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
         // The scalar form also serves fewer modes than lanes.
-        let end = if end - begin < LANES { begin } else { end };
+        let enough = |range: Range<usize>| if range.len() < LANES { range.start..range.start } else { range };
+        let (constant, turning) = (enough(0..constant), enough(begin..end));
         let [a, b, c, d] = weights;
         Arch::new().dispatch(Abreast {
-            turning: self,
-            begin,
-            end,
+            rotation: self,
+            constant: constant.clone(),
+            turning: turning.clone(),
             states: [rates, decays],
             weights: [&mut *a, &mut *b, &mut *c, &mut *d],
         });
-        for w in (0..begin).chain(end..count) {
+        for w in (constant.end..turning.start).chain(turning.end..count) {
             let motion = PhaseRate { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
             let phase = Complex::new(self.phases[0][w], self.phases[1][w]);
             let (_, falling, rising) = motion.weights_of_decay(rates[w], decays[w], phase);
@@ -77,11 +80,52 @@ impl PhaseRotation<'_> {
 }
 
 struct Abreast<'a> {
-    turning: &'a PhaseRotation<'a>,
-    begin: usize,
-    end: usize,
+    rotation: &'a PhaseRotation<'a>,
+    /// Modes at a constant velocity, and those of the upward recurrence.
+    constant: Range<usize>,
+    turning: Range<usize>,
     states: [&'a [f64]; 2],
     weights: [&'a mut [f64]; 4],
+}
+
+/// Vectors that cover a range of at least their length, or of none; the last overlaps the one before.
+fn vectors(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
+    let end = range.end;
+    range.clone().step_by(LANES).map(move |first| first.min(end - LANES)).map(|first| first..first + LANES)
+}
+
+/// States of some modes: propagation factor e^z and z.
+#[derive(Clone, Copy)]
+struct Exponent {
+    factor: [Lanes; 2],
+    z: [Lanes; 2],
+}
+
+impl Exponent {
+    #[inline(always)]
+    fn inverse(&self) -> [Lanes; 2] {
+        let z = self.z;
+        let scale = each(|l| 1.0 / (z[0][l] * z[0][l] + z[1][l] * z[1][l]));
+        [each(|l| z[0][l] * scale[l]), each(|l| -z[1][l] * scale[l])]
+    }
+
+    /// `integral exp(z u) {1, u} du`: of the second, g, by its power series or from the first, `e^z = integral + z g`.
+    #[inline(always)]
+    fn integrals(&self) -> [[Lanes; 2]; 2] {
+        let (z, factor) = (self.z, self.factor);
+        let near = each(|l| if z[0][l].abs() + z[1][l].abs() < NEAR { 1.0 } else { 0.0 });
+        let mut series = [[0.0; LANES]; 2];
+        for coefficient in FALLING.iter().rev() {
+            series = product(series, z);
+            series[0] = each(|l| series[0][l] + coefficient);
+        }
+        let inverse = self.inverse();
+        let all = product([each(|l| factor[0][l] - 1.0), factor[1]], inverse);
+        let falling = product([each(|l| factor[0][l] - all[0][l]), each(|l| factor[1][l] - all[1][l])], inverse);
+        let falling = [0, 1].map(|part| each(|l| if near[l] == 1.0 { series[part][l] } else { falling[part][l] }));
+        let less = product(falling, z);
+        [[0, 1].map(|part| each(|l| factor[part][l] - less[part][l])), falling]
+    }
 }
 
 impl WithSimd for Abreast<'_> {
@@ -89,23 +133,30 @@ impl WithSimd for Abreast<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { turning, begin, end, states: [rates, decays], weights: [a, b, c, d] } = self;
-        let (step, [from, to]) = (turning.step, turning.velocity);
+        let Self { rotation, constant, turning, states: [rates, decays], weights: [a, b, c, d] } = self;
+        let (step, [from, to]) = (rotation.step, rotation.velocity);
         let (middle, change, drift) =
             (0.5 * step * (from + to), 0.5 * step * (to - from), 0.125 * step * (to - from).abs());
-        for first in (begin..end).step_by(LANES) {
-            // The last vector overlaps the one before.
-            let first = first.min(end - LANES);
-            let at = first..first + LANES;
+        let exponent = |at: &Range<usize>| {
             let read = |values: &[f64]| -> Lanes { std::array::from_fn(|l| values[at.clone()][l]) };
-            let (q, rates, decays) = (read(turning.numbers), read(rates), read(decays));
-            let (cosine, sine) = (read(turning.phases[0]), read(turning.phases[1]));
+            let (q, rates, decays) = (read(rotation.numbers), read(rates), read(decays));
+            let (cosine, sine) = (read(rotation.phases[0]), read(rotation.phases[1]));
             let factor = [each(|l| cosine[l] * decays[l]), each(|l| sine[l] * decays[l])];
-            let z = [each(|l| -rates[l] * step), each(|l| q[l] * middle)];
-            let inverse = {
-                let scale = each(|l| 1.0 / (z[0][l] * z[0][l] + z[1][l] * z[1][l]));
-                [each(|l| z[0][l] * scale[l]), each(|l| -z[1][l] * scale[l])]
-            };
+            Exponent { factor, z: [each(|l| -rates[l] * step), each(|l| q[l] * middle)] }
+        };
+        for at in vectors(&constant) {
+            let [all, falling] = exponent(&at).integrals();
+            for (part, [of_falling, of_rising]) in [[&mut *a, &mut *c], [&mut *b, &mut *d]].into_iter().enumerate() {
+                let (of_falling, of_rising) = (&mut of_falling[at.clone()], &mut of_rising[at.clone()]);
+                for l in 0..LANES {
+                    of_falling[l] = step * falling[part][l];
+                    of_rising[l] = step * (all[part][l] - falling[part][l]);
+                }
+            }
+        }
+        for at in vectors(&turning) {
+            let exponent = exponent(&at);
+            let (Exponent { factor, z }, inverse) = (exponent, exponent.inverse());
             let square = product(inverse, inverse);
             // T_0 and T_1.
             let mut lower = product([each(|l| factor[0][l] - 1.0), factor[1]], inverse);
@@ -113,10 +164,9 @@ impl WithSimd for Abreast<'_> {
             let ends = [each(|l| ends[0][l] + z[0][l] + 2.0), each(|l| ends[1][l] + z[1][l])];
             let mut upper = product(product(ends, square), inverse);
             let (mut all, mut tilt) = (lower, upper);
-            let eta = each(|l| q[l] * change);
+            let eta = each(|l| rotation.numbers[at.clone()][l] * change);
             let mut weight = [[1.0; LANES], [0.0; LANES]];
-            let largest = drift * q[LANES - 1];
-            let count = if largest < LEAST_DRIFT { 0 } else { terms(largest) };
+            let count = terms(drift * rotation.numbers[at.end - 1]);
             for m in 1..=count {
                 let multiple = 2.0 * (2 * m + 1) as f64;
                 let rest =

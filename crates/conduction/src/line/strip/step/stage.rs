@@ -2,13 +2,13 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
-use super::add;
 use crate::line::Stage;
+use crate::line::strip::feedthrough::Feedthrough;
 use crate::line::strip::interval::{Interval, IntervalWorkspace, stage_fluxes};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::{LEAST_DRIFT, PhaseRate};
-use crate::line::strip::stage_response::{FeedthroughTerms, Layout, StageResponse};
+use crate::line::strip::stage_response::StageResponse;
 use crate::line::strip::state_layout::{self, phases};
 use nalgebra::Complex;
 
@@ -67,61 +67,54 @@ impl StageWeights {
             lag: [1.0, 0.0, 0.0],
             length: f64::NAN,
             felt: f64::NAN,
-            nodes: InterpolationNodes::new(Layout { lagged: 0, ..layout }),
+            nodes: InterpolationNodes::new(layout),
             phases: [vec![0.0; waves], vec![0.0; waves]],
         }
     }
 
-    /// Prepares the stage; of an open contact without the influence on the cells.
+    /// Prepares the stage; `unknown`: what its response follows from, if it is not in the cache.
     pub(crate) fn prepare(
         &mut self,
         operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
-        feedthrough: FeedthroughTerms<'_>,
-        open: bool,
-        workspace: &mut IntervalWorkspace,
+        unknown: Option<(&Feedthrough, &mut IntervalWorkspace)>,
     ) {
         self.take(operators, length, velocity);
-        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let motion = PhaseRate { turning: velocity.map(|v| shortest * v), step: length };
-        let drift = motion.drift();
-        let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
-        let felt = self.felt / length;
-        let interval =
-            Interval { at_end: self.at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
-        let response = &mut self.responses[self.current];
-        let own = self.lag[2];
-        response.keep_direct(feedthrough);
-        if open {
-            interval.respond_open(operators, velocity, workspace, response);
-            return self.carry(operators, velocity);
-        }
-        response.keep_feedthrough(feedthrough);
-        let interpolated = drift < operators.steady && phase < SHORT_ROTATION && felt == 1.0;
-        if interpolated {
-            let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.nodes.interpolate(operators, &interval, length, middle, (feedthrough, own), workspace, response);
-        } else {
-            interval.respond(operators, velocity, workspace, response);
-            feedthrough
-                .iter()
-                .for_each(|(responses, share)| add(responses, [*share, own * share], &mut response.influence));
-        }
-        if interpolated {
-            response.keep_direct(feedthrough);
-        }
-        Interval::close(operators, workspace, response);
-        if interpolated && drift > LEAST_DRIFT {
-            interval.weigh(operators, velocity, workspace, response);
+        if let Some((feedthrough, workspace)) = unknown {
+            self.respond(operators, velocity, feedthrough, workspace);
         }
         self.carry(operators, velocity);
     }
 
-    /// Prepares the stage with its response in the cache.
-    pub(crate) fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
-        self.take(operators, length, velocity);
-        self.carry(operators, velocity);
+    /// Computes the response.
+    fn respond(
+        &mut self,
+        operators: &StripOperators,
+        velocity: [f64; 2],
+        feedthrough: &Feedthrough,
+        workspace: &mut IntervalWorkspace,
+    ) {
+        let (length, at_end, felt, lagged) = (self.length, self.at_end, self.felt / self.length, self.lag[2]);
+        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
+        let motion = PhaseRate { turning: velocity.map(|v| shortest * v), step: length };
+        let drift = motion.drift();
+        let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
+        let interval = Interval { at_end, length, felt, decay: &self.decay, mean_weight: &self.mean_weight };
+        let response = &mut self.responses[self.current];
+        if drift < operators.steady && phase < SHORT_ROTATION && felt == 1.0 {
+            let middle = 0.5 * (velocity[0] + velocity[1]);
+            self.nodes.interpolate(operators, &interval, length, middle, (feedthrough, lagged), workspace, response);
+            if drift > LEAST_DRIFT {
+                interval.weigh(operators, velocity, workspace, response);
+            }
+        } else {
+            interval.respond(operators, velocity, workspace, response);
+            response.add(feedthrough, lagged);
+        }
+        if let Some(robin_correction) = &operators.robin_correction {
+            robin_correction.complete(feedthrough, response);
+        }
     }
 
     /// Computes the factors that depend on the length of the interval alone, and of the part of it whose heat is felt.
