@@ -47,19 +47,15 @@ struct Weights {
     own: f64,
 }
 
-#[derive(Clone, Debug)]
-struct DiscStage {
-    weights: Vec<Weights>,
-    influence: SurfaceInfluence,
-}
-
 /// Mate of an annular contact, with the weights of the prepared step.
 #[derive(Clone, Debug)]
 pub struct DiscHeat {
     ring: ReducedHeat,
     source: Arc<Source>,
-    /// By the bits of step and velocities.
-    stages: KeyedCache<[u64; 3], [DiscStage; 2]>,
+    /// Of the states of the source at both stages, by the bits of step and velocities.
+    stages: KeyedCache<[u64; 3], [Vec<Weights>; 2]>,
+    /// Memory for surface influence matrices.
+    influence: SurfaceInfluence,
 }
 
 impl DiscHeat {
@@ -67,15 +63,16 @@ impl DiscHeat {
     pub fn new(ring: ReducedHeat, flash: Flash, ratio: Vec<f64>) -> DiscHeat {
         let count = ratio.len();
         let zeros = || DMatrix::zeros(count, count);
-        let stage = || DiscStage {
-            weights: vec![Weights::default(); count * MAX_FLASH_STATES],
+        let stage = || vec![Weights::default(); count * MAX_FLASH_STATES];
+        DiscHeat {
+            ring,
+            source: Arc::new(Source { flash, ratio }),
+            stages: KeyedCache::new([[stage(), stage()]]),
             influence: SurfaceInfluence { temperature: zeros(), distortion: zeros() },
-        };
-        let stages = KeyedCache::new([[stage(), stage()]]);
-        DiscHeat { ring, source: Arc::new(Source { flash, ratio }), stages }
+        }
     }
 
-    fn stage(&self, stage: Stage) -> &DiscStage {
+    fn weights(&self, stage: Stage) -> &[Weights] {
         &self.stages.latest().expect("prepare comes before any step")[stage as usize]
     }
 
@@ -83,6 +80,12 @@ impl DiscHeat {
     fn split<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         let (source, ring) = state.split_at(self.source_states());
         (ring, source)
+    }
+
+    /// Temperature of a cell by the flux of `stage` into it, through the source, K m2/W.
+    fn own(&self, stage: Stage, cell: usize) -> f64 {
+        let weights = &self.weights(stage)[cell * MAX_FLASH_STATES..(cell + 1) * MAX_FLASH_STATES];
+        weights.iter().map(|weights| weights.own).sum()
     }
 
     fn source_states(&self) -> usize {
@@ -97,14 +100,12 @@ impl DiscHeat {
     }
 }
 
-/// Weights and responses of both stages of a step.
-fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: f64, velocity: [f64; 2]) {
+/// Weights of both stages of a step.
+fn fill(stages: &mut [Vec<Weights>; 2], source: &Source, step: f64, velocity: [f64; 2]) {
     let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
     for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
-        let DiscStage { weights, influence } = &mut stages[stage as usize];
-        influence.temperature.copy_from(&ring.influence(stage).temperature);
-        influence.distortion.copy_from(&ring.influence(stage).distortion);
-        for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
+        let weights = &mut stages[stage as usize];
+        for (ratio, own) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)) {
             let square = ratio * ratio;
             let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
             let sliding = match velocity[0] == velocity[1] {
@@ -119,7 +120,6 @@ fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: 
                     Stage::End => Weights::end(at_rest, &sliding, residue, step),
                 };
             }
-            influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
         }
     }
 }
@@ -184,7 +184,7 @@ impl Weights {
 impl DiscHeat {
     /// Adds the free response of the source at a stage to the temperatures of the cells.
     fn add_source(&self, source: &[f64], stage: Stage, known: &[f64], temperature: &mut [f64]) {
-        let left = source.iter().zip(&self.stage(stage).weights).enumerate();
+        let left = source.iter().zip(self.weights(stage)).enumerate();
         Self::add(
             temperature,
             left.map(|(k, (state, weights))| weights.decay * state + weights.known * known[k / MAX_FLASH_STATES]),
@@ -197,12 +197,26 @@ impl ThermalBody for DiscHeat {
         let Step { length, velocity, .. } = *step;
         self.ring.prepare(step);
         let key = [length, velocity[0], velocity[1]].map(f64::to_bits);
-        let Self { ring, source, stages } = self;
-        stages.get_or_compute(key, |stages| fill(stages, source, ring, length, velocity));
+        let Self { source, stages, .. } = self;
+        stages.get_or_compute(key, |stages| fill(stages, source, length, velocity));
     }
 
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.stage(stage).influence
+    fn influence(&mut self, stage: Stage) -> &SurfaceInfluence {
+        let of_ring = self.ring.influence(stage);
+        self.influence.temperature.copy_from(&of_ring.temperature);
+        self.influence.distortion.copy_from(&of_ring.distortion);
+        for cell in 0..self.source.ratio.len() {
+            self.influence.temperature[(cell, cell)] += self.own(stage, cell);
+        }
+        &self.influence
+    }
+
+    fn respond(&self, stage: Stage, flux: &[f64], [mut warm, moved]: [Option<&mut [f64]>; 2], work: &mut Workspace) {
+        self.ring.respond(stage, flux, [warm.as_deref_mut(), moved], work);
+        if let Some(temperature) = warm {
+            let cells = temperature.iter_mut().zip(flux).enumerate();
+            cells.for_each(|(cell, (temperature, flux))| *temperature += self.own(stage, cell) * flux);
+        }
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {
@@ -249,7 +263,7 @@ impl ThermalBody for DiscHeat {
         let (ring_before, source_before) = self.split(before);
         let (source, ring) = after.split_at_mut(self.source_states());
         self.ring.advance(end, (ring_before, ring), surroundings, flux, work);
-        let states = source.iter_mut().zip(source_before).zip(&self.stage(Stage::End).weights);
+        let states = source.iter_mut().zip(source_before).zip(self.weights(Stage::End));
         for (k, ((state, before), weights)) in states.enumerate() {
             let i = k / MAX_FLASH_STATES;
             *state = weights.decay * before + weights.known * flux[0][i] + weights.own * flux[1][i];

@@ -38,7 +38,6 @@ mod workspace;
 use crate::properties::Scales;
 use contact_parts::ContactParts;
 use nalgebra::DMatrix;
-use numerics::dense;
 use std::fmt::Debug;
 
 pub use numerics::sdirk::GAMMA;
@@ -230,8 +229,6 @@ pub struct Step<'a> {
     pub velocity: [f64; 2],
     /// How the cells exchange heat.
     pub exchange: Exchange<'a>,
-    /// Surface influence matrices are wanted, not [`ThermalBody::respond`] alone.
-    pub with_matrices: bool,
     /// Factors of the properties during the step; a body of constants has none ([`Observed::scales_at`]).
     pub scales: Scales,
     /// Absolute temperature of the reference, K.
@@ -239,10 +236,9 @@ pub struct Step<'a> {
 }
 
 impl Step<'static> {
-    /// A step through whole cells, with the constants and surface influence matrices.
+    /// A step through whole cells, with the constants.
     pub fn new(length: f64, velocity: [f64; 2]) -> Self {
-        let (exchange, scales) = (Exchange::Whole, Scales::ONE);
-        Step { length, velocity, exchange, with_matrices: true, scales, reference: 0.0 }
+        Step { length, velocity, exchange: Exchange::Whole, scales: Scales::ONE, reference: 0.0 }
     }
 }
 
@@ -267,21 +263,16 @@ pub struct End {
 /// depends on the step size, so a clone is cheap. What a stage leaves for the next is in the caller's [`Workspace`], one for each
 /// body. No call allocates after the first `prepare`, except `recur` and `boxed`.
 pub trait ThermalBody: Observed + Debug + Send + Sync {
-    /// Computes weights and surface influence matrices of a step: a function of the step alone, never of earlier ones. That of the last
-    /// step again costs a comparison in a body of constants.
+    /// Computes the weights of a step: a function of the step alone, never of earlier ones. That of the last step again costs a comparison
+    /// in a body of constants.
     fn prepare(&mut self, step: &Step<'_>);
 
-    /// Surface influence matrices of `stage` of a step prepared with them.
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence;
+    /// Forms the surface influence matrices of `stage`.
+    fn influence(&mut self, stage: Stage) -> &SurfaceInfluence;
 
     /// Adds the temperature (K) and the distortion (m) of the cells by fluxes of `stage` into them, W/m2: the products of the surface
-    /// influence matrices, which need not be there.
-    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], _work: &mut Workspace) {
-        let SurfaceInfluence { temperature, distortion } = self.influence(stage);
-        for (matrix, response) in [temperature, distortion].into_iter().zip(response) {
-            response.into_iter().for_each(|response| dense::multiply_add(matrix.as_slice(), flux, response));
-        }
-    }
+    /// influence matrices, without forming them.
+    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], work: &mut Workspace);
 
     /// Responses of `stage` to the fluxes into a cooled face, which is not one of prescribed temperature.
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace);

@@ -47,8 +47,8 @@ pub struct PropertyBody {
     /// Properties of the prepared step, and absolute temperature of the reference, K.
     scales: Scales,
     reference: f64,
-    /// Surface influence matrices of both stages.
-    influence: [SurfaceInfluence; 2],
+    /// Memory for surface influence matrices.
+    influence: SurfaceInfluence,
     /// Zero fluxes into the cells.
     no_flux: Vec<f64>,
 }
@@ -69,7 +69,6 @@ impl PropertyBody {
         uniform[constant.decay_rates(0.0).len()..].fill(0.0);
         let uniform_mean = constant.mean_temperature(&uniform);
         let zeros = || DMatrix::zeros(cells, cells);
-        let matrices = || SurfaceInfluence { temperature: zeros(), distortion: zeros() };
         PropertyBody {
             properties: Arc::new(properties),
             capacity,
@@ -78,7 +77,7 @@ impl PropertyBody {
             held,
             scales: Scales::ONE,
             reference: 0.0,
-            influence: [matrices(), matrices()],
+            influence: SurfaceInfluence { temperature: zeros(), distortion: zeros() },
             no_flux: vec![0.0; cells],
             constant,
         }
@@ -130,17 +129,6 @@ impl PropertyBody {
         self.scales_at(reference + self.constant.mean_temperature(own))
     }
 
-    /// Scales the matrices of the prepared step.
-    fn take_influence(&mut self) {
-        let factor = self.scales.flux;
-        for stage in [Stage::First, Stage::End] {
-            let (from, to) = (self.constant.influence(stage), &mut self.influence[stage as usize]);
-            for (from, to) in [(&from.temperature, &mut to.temperature), (&from.distortion, &mut to.distortion)] {
-                to.as_mut_slice().iter_mut().zip(from.as_slice()).for_each(|(to, from)| *to = factor * from);
-            }
-        }
-    }
-
     /// Completes a step from the temperature and the account before it.
     fn settle(&self, state: &mut [f64], before: Account, mean: f64) {
         let count = state.len() - ENTRIES;
@@ -170,13 +158,15 @@ impl ThermalBody for PropertyBody {
         let pace = self.scales.pace;
         let (length, velocity) = (step.length * pace, step.velocity.map(|velocity| velocity / pace));
         self.constant.prepare(&Step { length, velocity, ..*step });
-        if step.with_matrices {
-            self.take_influence();
-        }
     }
 
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.influence[stage as usize]
+    fn influence(&mut self, stage: Stage) -> &SurfaceInfluence {
+        let (of_constants, factor) = (self.constant.influence(stage), self.scales.flux);
+        let SurfaceInfluence { temperature, distortion } = &mut self.influence;
+        for (own, constant) in [(temperature, &of_constants.temperature), (distortion, &of_constants.distortion)] {
+            own.iter_mut().zip(constant).for_each(|(own, constant)| *own = factor * constant);
+        }
+        &self.influence
     }
 
     fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], work: &mut Workspace) {

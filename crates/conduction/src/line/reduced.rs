@@ -153,6 +153,8 @@ pub struct ReducedHeat {
     weights: KeyedCache<u64, Weights>,
     /// Of both stages.
     patterns: [Patterns; 2],
+    /// Memory for influence matrices through parts of the cells.
+    through_parts: SurfaceInfluence,
 }
 
 impl ReducedHeat {
@@ -161,8 +163,11 @@ impl ReducedHeat {
         let modes = Modes::new(&mut operators);
         let scratch = modes.scratch();
         let patterns = [Patterns::new(&operators, &modes), Patterns::new(&operators, &modes)];
+        let divided = if operators.part_areas.is_empty() { 0 } else { operators.widths.len() };
+        let through_parts =
+            SurfaceInfluence { temperature: dense::untouched(divided), distortion: dense::untouched(divided) };
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns }
+        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns, through_parts }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
@@ -194,8 +199,8 @@ impl ReducedHeat {
         let slot = weights.get_or_compute(step.to_bits(), |weights| {
             operators.fill(modes, weights, step, scratch);
         });
-        for (patterns, stage) in patterns.iter_mut().zip(&mut weights[slot].stages) {
-            patterns.change_influence(modes, stage, scratch);
+        for (patterns, stage) in patterns.iter_mut().zip(&weights[slot].stages) {
+            patterns.prepare(step, modes, &stage.by_heat, scratch);
         }
     }
 
@@ -320,9 +325,26 @@ impl ThermalBody for ReducedHeat {
         self.select(step.length);
     }
 
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        let weights = self.stage(stage);
-        if self.patterns[stage as usize].is_empty() { &weights.influence } else { &weights.through_parts }
+    fn influence(&mut self, stage: Stage) -> &SurfaceInfluence {
+        let patterns = &self.patterns[stage as usize];
+        if patterns.is_empty() {
+            return &self.stage(stage).influence;
+        }
+        let Self { weights, through_parts, .. } = self;
+        let whole = &weights.latest().expect("prepare comes before any step").stages[stage as usize].influence;
+        through_parts.temperature.copy_from(&whole.temperature);
+        through_parts.distortion.copy_from(&whole.distortion);
+        patterns.add_influence(through_parts);
+        through_parts
+    }
+
+    fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], _work: &mut Workspace) {
+        let SurfaceInfluence { temperature, distortion } = &self.stage(stage).influence;
+        let [mut warm, mut moved] = response;
+        for (matrix, response) in [(temperature, &mut warm), (distortion, &mut moved)] {
+            response.iter_mut().for_each(|response| dense::multiply_add(matrix.as_slice(), flux, response));
+        }
+        self.patterns[stage as usize].respond(flux, [warm, moved]);
     }
 
     fn face_influence(&self, stage: Stage, face: usize, influence: &mut FaceInfluence, work: &mut Workspace) {

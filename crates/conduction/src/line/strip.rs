@@ -257,11 +257,11 @@ fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
 
 impl ThermalBody for StripHeat {
     fn prepare(&mut self, step: &Step<'_>) {
-        self.step.prepare(&self.operators, step.length, step.velocity, step.with_matrices);
+        self.step.prepare(&self.operators, step.length, step.velocity);
     }
 
-    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        self.step.influence(stage)
+    fn influence(&mut self, stage: Stage) -> &SurfaceInfluence {
+        self.step.influence(&self.operators, stage)
     }
 
     fn respond(&self, stage: Stage, flux: &[f64], response: [Option<&mut [f64]>; 2], work: &mut Workspace) {

@@ -12,9 +12,10 @@ use scene::variables::{STARTS, changed};
 use scene::{FarBoundary, Scene};
 
 /// Temperatures and distortion of the cells and temperatures of the cooled faces at a stage of the prepared step; `known` as in
-/// [`SingleStep::free_response`], `own` the fluxes of the stage into the cells.
+/// [`SingleStep::free_response`], `own` the fluxes of the stage into the cells: by the surface influence matrices, which
+/// [`ThermalBody::respond`] says without forming them.
 pub(crate) fn at_stage(
-    body: &dyn ThermalBody,
+    body: &mut dyn ThermalBody,
     state: &[f64],
     around: &Surroundings,
     (stage, held): (Stage, bool),
@@ -23,10 +24,20 @@ pub(crate) fn at_stage(
     let count = body.cells();
     let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
     let mut faces = body.free_response(state, around, stage, known, &mut temperature, &mut distortion);
+    let (mut warm, mut moved) = (temperature.clone(), distortion.clone());
+    body.respond(stage, own, [Some(&mut warm), Some(&mut moved)], &mut body.workspace());
     let influence = body.influence(stage);
-    for i in 0..count {
-        temperature[i] += (0..count).map(|j| influence.temperature[(i, j)] * own[j]).sum::<f64>();
-        distortion[i] += (0..count).map(|j| influence.distortion[(i, j)] * own[j]).sum::<f64>();
+    let products =
+        [(&influence.temperature, &mut temperature, &warm), (&influence.distortion, &mut distortion, &moved)];
+    for (matrix, response, other) in products {
+        let most = matrix.amax() * own.iter().fold(0.0, |most: f64, flux| most.max(flux.abs()));
+        for (i, (response, other)) in response.iter_mut().zip(other).enumerate() {
+            *response += (0..count).map(|j| matrix[(i, j)] * own[j]).sum::<f64>();
+            assert!(
+                (*response - other).abs() <= 1e-12 * most + 1e-13 * response.abs(),
+                "cell {i}: {response:e} {other:e}"
+            );
+        }
     }
     let mut by_face = FaceInfluence::new(count);
     for (face, flux) in [around.at(stage).cooling, around.at(stage).far].into_iter().enumerate() {
@@ -68,7 +79,8 @@ fn decay(bodies: &mut [Box<dyn ThermalBody>; 2], velocity: f64, step: f64, count
             bodies[1].free_response(&states[1], &around, stage, &known[1], &mut there, &mut moved);
             let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
             let difference = DVector::from_fn(cells, |i, _| there[i] - here[i] + jump(i));
-            let both = &bodies[0].influence(stage).temperature + &bodies[1].influence(stage).temperature;
+            let [here, there] = bodies.each_mut().map(|body| &body.influence(stage).temperature);
+            let both = here + there;
             let flux: Vec<f64> = both.lu().solve(&difference).unwrap().iter().copied().collect();
             fluxes[stage as usize] = [flux.clone(), flux.iter().map(|q| -q).collect()];
         }

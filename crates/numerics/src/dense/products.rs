@@ -363,13 +363,15 @@ fn mirror<S: Simd, const K: usize>(
 ) -> usize {
     let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
     let mut factors = [simd.splat_f64s(0.0); K];
+    // By the entries of these columns among each other: sums in registers, since sums in memory would wait for each other.
+    let mut own = [0.0; K];
     for k in 0..K {
         let column = &triangle[begin..begin + x.len() - first - k];
         begin += column.len();
-        target[first + k] += column[0] * x[first + k];
+        own[k] += column[0] * x[first + k];
         for l in 1..K - k {
-            target[first + k + l] += column[l] * x[first + k];
-            target[first + k] += column[l] * x[first + k + l];
+            own[k + l] += column[l] * x[first + k];
+            own[k] += column[l] * x[first + k + l];
         }
         parts[k] = S::as_simd_f64s(&column[K - k..]);
         factors[k] = simd.splat_f64s(x[first + k]);
@@ -388,13 +390,13 @@ fn mirror<S: Simd, const K: usize>(
         *row = sum;
     }
     for k in 0..K {
-        let mut sum = simd.reduce_sum_f64s(sums[k]);
+        own[k] += simd.reduce_sum_f64s(sums[k]);
         for (i, (row, value)) in last.iter_mut().zip(tail).enumerate() {
             let entry = parts[k].1[i];
             *row += entry * x[first + k];
-            sum += entry * value;
+            own[k] += entry * value;
         }
-        before[first + k] += sum;
+        before[first + k] += own[k];
     }
     begin
 }

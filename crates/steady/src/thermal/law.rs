@@ -153,8 +153,8 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let speed = scene.nominal_velocity.abs();
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
-    let (bodies, _) = steady_bodies(&scene, cells, 0.0)?;
-    let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+    let (mut bodies, _) = steady_bodies(&scene, cells, 0.0)?;
+    let influence = bodies.each_mut().map(|body| body.as_mut().map(|body| body.influence(Stage::End)));
     let mut partition = ActivePartition::new(influence, cells.count(), scene.conductance);
     partition.set_active_set(influence, &vec![true; cells.count()]);
     let friction = cold.strokes[0].friction;

@@ -12,7 +12,9 @@ use super::partition::{ActivePartition, Heat, steady_bodies};
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
-use conduction::line::{BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, Surroundings};
+use conduction::line::{
+    BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, SurfaceInfluence, Surroundings,
+};
 use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
 use contact::wear::line::{CellRate, WearTerm};
@@ -49,6 +51,8 @@ struct Problem<'a> {
     contact: Contact<'a>,
     kind: SteadyKind,
     bodies: Heat,
+    /// Surface influence matrices of the bodies.
+    influence: [Option<SurfaceInfluence>; 2],
     /// Cooled lengths beside the contact, m.
     cooled_length: [f64; 2],
     partition: ActivePartition,
@@ -67,14 +71,15 @@ pub(super) fn solve(
     cold: &SteadyState,
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
-    let (bodies, cooled_length) = steady_bodies(scene, cells, cold.strokes[0].velocity)?;
-    let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
-    let partition = ActivePartition::new(influence, cells.count(), scene.conductance);
+    let (mut bodies, cooled_length) = steady_bodies(scene, cells, cold.strokes[0].velocity)?;
+    let influence = bodies.each_mut().map(|body| body.as_mut().map(|body| body.influence(Stage::End).clone()));
+    let partition = ActivePartition::new(influence.each_ref().map(Option::as_ref), cells.count(), scene.conductance);
     let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let mut problem = Problem {
         contact: Contact::new(scene, cells, compliances, sliding),
         kind: cold.kind,
         bodies,
+        influence,
         cooled_length,
         partition,
         half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
@@ -179,7 +184,7 @@ impl Problem<'_> {
                 }
             }
         }
-        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+        let influence = self.influence.each_ref().map(Option::as_ref);
         let conducts = influence.map(|influence| influence.is_some());
         self.partition.set_active_set(influence, closed);
         let kinetic_coefficient = kinetic_coefficient.iter().zip(&self.radii);

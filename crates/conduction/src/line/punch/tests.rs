@@ -93,7 +93,7 @@ impl Run {
         self.heat.prepare(&Step { exchange, ..Step::new(step, [0.0; 2]) });
         let stage = (Stage::End, self.heat.holds_far_face());
         (self.temperature, self.distortion, _) =
-            at_stage(&self.heat, &self.state, &self.surroundings, stage, [first, end]);
+            at_stage(&mut self.heat, &self.state, &self.surroundings, stage, [first, end]);
         self.heat.step(&mut self.state, &self.surroundings, first, end);
     }
 }
@@ -356,13 +356,13 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let ratio = far.faces[0] * areas[0] / (beside.faces[1] * areas[1]);
         assert!((ratio - 1.0).abs() < 1e-6 && beside.faces[0] > beside.faces[1] && far.faces[1] > 0.0, "{influence:?}");
     }
-    let early = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::First, false), [&zero, &flux]);
-    let late = at_stage(&run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
+    let early = at_stage(&mut run.heat, &run.state, &run.surroundings, (Stage::First, false), [&zero, &flux]);
+    let late = at_stage(&mut run.heat, &run.state, &run.surroundings, (Stage::End, false), [&flux; 2]);
     run.heat.step(&mut run.state, &run.surroundings, &flux, &flux);
     for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
         parts.heat.prepare(&Step::new(part * step, [0.0; 2]));
         let (temperature, distortion, faces) =
-            at_stage(&parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
+            at_stage(&mut parts.heat, &parts.state, &around, (Stage::End, false), [&flux; 2]);
         parts.heat.step(&mut parts.state, &around, &flux, &flux);
         let (other, moved, others) = if part == GAMMA { &early } else { &late };
         assert!(largest_difference(&temperature, other) < 1e-9, "{part}: {temperature:?} {other:?}");
@@ -416,7 +416,8 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
     let step = 5.0;
     run.heat.prepare(&Step::new(step, [0.0; 2]));
     let stage = (Stage::First, run.heat.holds_far_face());
-    let (temperature, distortion, _) = at_stage(&run.heat, &run.state, &run.surroundings, stage, [&[0.0; 9], &flux]);
+    let (temperature, distortion, _) =
+        at_stage(&mut run.heat, &run.state, &run.surroundings, stage, [&[0.0; 9], &flux]);
     short.step(GAMMA * step, &flux, &flux);
     assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
     assert!(largest_difference(&distortion, &short.distortion) < 1e-12 * largest(&distortion));

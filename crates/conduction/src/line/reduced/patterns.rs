@@ -14,12 +14,14 @@
 //!
 //! Theory: docs/theory.md, section 6.5.
 
-use super::modes::{Modes, Scratch};
-use super::weights::StageWeights;
+use super::modes::{ModeResponses, Modes, Scratch};
 use super::{ReducedOperators, dot};
+use crate::line::SurfaceInfluence;
 use crate::line::contact_parts::{ContactParts, PARTS};
+use numerics::dense;
 
-/// Patterns of the cells partly in contact. Their vectors have memory for all cells, so that no step allocates.
+/// Patterns of the cells partly in contact at a stage, and their responses. Their vectors have memory for all cells, so that no step
+/// allocates.
 #[derive(Debug)]
 pub(crate) struct Patterns {
     contact_parts: ContactParts,
@@ -34,8 +36,13 @@ pub(crate) struct Patterns {
     feedthrough: Vec<f64>,
     /// Heat to the air and out of the far face in the long run, m.
     passed: [Vec<f64>; 2],
-    /// Workspace: one number per cell.
-    response: Vec<f64>,
+    /// Step of the responses, s; not a number before they are known.
+    step: f64,
+    /// Responses of temperature and distortion of all cells to a unit flux into the cell of each pattern, pattern by pattern, beyond those
+    /// of the whole cell.
+    responses: [Vec<f64>; 2],
+    /// Temperature of what is in contact of the cell of each pattern, above that of the whole cell, by unit fluxes into all whole cells.
+    seen: Vec<f64>,
 }
 
 impl Clone for Patterns {
@@ -49,7 +56,9 @@ impl Clone for Patterns {
             modes: self.modes,
             feedthrough: copy(&self.feedthrough),
             passed: self.passed.each_ref().map(copy),
-            response: self.response.clone(),
+            step: self.step,
+            responses: self.responses.each_ref().map(copy),
+            seen: copy(&self.seen),
         }
     }
 }
@@ -75,7 +84,9 @@ impl Patterns {
             modes: modes.count(),
             feedthrough: room(most),
             passed: [room(most), room(most)],
-            response: vec![0.0; most],
+            step: f64::NAN,
+            responses: [room(most * most), room(most * most)],
+            seen: room(most * most),
         }
     }
 
@@ -101,6 +112,7 @@ impl Patterns {
             None => self.contact_parts.make_whole(),
         }
         let contact_parts = &self.contact_parts;
+        self.step = f64::NAN;
         self.cells.clear();
         self.integrals.clear();
         self.feedthrough.clear();
@@ -157,34 +169,62 @@ impl Patterns {
         self.cells.iter().zip(&self.passed[place]).map(|(&cell, passed)| passed * flux[cell]).sum()
     }
 
-    /// Makes the surface influence matrices through the parts in contact from those through others, unless they are known.
-    pub(crate) fn change_influence(&mut self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
-        if self.is_empty() || stage.contact_parts == self.contact_parts {
+    /// Computes the responses at a stage of a step of `step` s, unless they are known.
+    pub(crate) fn prepare(&mut self, step: f64, modes: &Modes, by_heat: &ModeResponses, scratch: &mut Scratch) {
+        if self.is_empty() || self.step == step {
             return;
         }
-        let StageWeights { influence: whole, through_parts: through, contact_parts: parts, by_heat, .. } = stage;
-        let Patterns { cells, integrals, areas, feedthrough, response, .. } = self;
-        let count = areas.len();
-        for cell in (0..count).filter(|&cell| parts.is_partial(cell)) {
-            through.temperature.set_column(cell, &whole.temperature.column(cell));
-            through.temperature.set_row(cell, &whole.temperature.row(cell));
-            through.distortion.set_column(cell, &whole.distortion.column(cell));
+        self.step = step;
+        let Patterns { cells, integrals, areas, feedthrough, responses: [warm, moved], seen, .. } = self;
+        let (count, modes_count) = (areas.len(), self.modes.max(1));
+        for values in [&mut *warm, &mut *moved, &mut *seen] {
+            values.clear();
+            values.resize(cells.len() * count, 0.0);
         }
-        parts.copy_from(&self.contact_parts);
-        for (k, (&cell, own)) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))).enumerate() {
-            let of_cell = cell * count..(cell + 1) * count;
-            response.fill(0.0);
-            let distortion = &mut through.distortion.as_mut_slice()[of_cell];
-            modes.respond(own, by_heat, &mut scratch.surface, [response, distortion]);
-            let temperature = through.temperature.as_mut_slice();
-            for (i, rise) in response.iter().enumerate() {
-                temperature[cell * count + i] += rise;
-                temperature[i * count + cell] += rise * areas[i] / areas[cell];
+        let responses =
+            warm.chunks_exact_mut(count).zip(moved.chunks_exact_mut(count)).zip(seen.chunks_exact_mut(count));
+        let patterns = integrals.chunks_exact(modes_count).zip(&*feedthrough).zip(&*cells);
+        for (((own, feedthrough), &cell), ((warm, moved), seen)) in patterns.zip(responses) {
+            modes.respond(own, by_heat, &mut scratch.surface, [&mut *warm, moved]);
+            for ((seen, rise), area) in seen.iter_mut().zip(&*warm).zip(&*areas) {
+                *seen = rise * area / areas[cell];
             }
-            for (&other, integrals) in cells.iter().zip(integrals.chunks_exact(self.modes.max(1))) {
-                temperature[cell * count + other] += dot(integrals, &scratch.surface) / areas[other];
+            for (&other, integrals) in cells.iter().zip(integrals.chunks_exact(modes_count)) {
+                warm[other] += dot(integrals, &scratch.surface) / areas[other];
             }
-            temperature[cell * count + cell] += feedthrough[k] / areas[cell];
+            warm[cell] += feedthrough / areas[cell];
+        }
+    }
+
+    /// Cells with the responses of their patterns: of temperature, of distortion, and of their own temperature.
+    fn responding(&self) -> impl Iterator<Item = (usize, [&[f64]; 3])> {
+        let [warm, moved, seen] =
+            [&self.responses[0], &self.responses[1], &self.seen].map(|values| values.chunks_exact(self.areas.len()));
+        let responses = warm.zip(moved).zip(seen).map(|((warm, moved), seen)| [warm, moved, seen]);
+        self.cells.iter().copied().zip(responses)
+    }
+
+    /// Adds the responses to fluxes into the cells, beyond those of whole cells.
+    pub(crate) fn respond(&self, flux: &[f64], [mut temperature, mut distortion]: [Option<&mut [f64]>; 2]) {
+        for (cell, [warm, moved, seen]) in self.responding() {
+            if let Some(temperature) = &mut temperature {
+                dense::multiply_add(warm, &flux[cell..=cell], temperature);
+                temperature[cell] += dot(seen, flux);
+            }
+            if let Some(distortion) = &mut distortion {
+                dense::multiply_add(moved, &flux[cell..=cell], distortion);
+            }
+        }
+    }
+
+    /// Adds the responses to the surface influence matrices of whole cells.
+    pub(crate) fn add_influence(&self, influence: &mut SurfaceInfluence) {
+        for (cell, [warm, moved, seen]) in self.responding() {
+            for i in 0..warm.len() {
+                influence.temperature[(i, cell)] += warm[i];
+                influence.temperature[(cell, i)] += seen[i];
+                influence.distortion[(i, cell)] += moved[i];
+            }
         }
     }
 }

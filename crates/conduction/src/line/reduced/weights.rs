@@ -4,7 +4,6 @@
 
 use super::ReducedOperators;
 use super::modes::{ModeResponses, Modes, Scratch};
-use crate::line::contact_parts::ContactParts;
 use crate::line::{GAMMA, SurfaceInfluence};
 use numerics::dense;
 
@@ -31,17 +30,14 @@ pub(crate) struct StageWeights {
     pub own: Vec<f64>,
     pub by_face: Vec<f64>,
     pub by_heat: ModeResponses,
+    /// Through whole cells.
     pub influence: SurfaceInfluence,
-    /// That through parts in contact, and these parts; whole: it is that of the whole cells alone.
-    pub through_parts: SurfaceInfluence,
-    pub contact_parts: ContactParts,
 }
 
 impl ReducedOperators {
     pub(super) fn allocate(&self, modes: &Modes) -> Weights {
         let states = || vec![0.0; self.states()];
         let cells = self.widths.len();
-        let divided = if self.part_areas.is_empty() { 0 } else { cells };
         let stage = || StageWeights {
             decay: states(),
             constant: states(),
@@ -51,18 +47,12 @@ impl ReducedOperators {
             by_face: states(),
             by_heat: modes.responses(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
-            through_parts: SurfaceInfluence {
-                temperature: dense::untouched(divided),
-                distortion: dense::untouched(divided),
-            },
-            contact_parts: ContactParts::whole(cells),
         };
         Weights { step: f64::NAN, stages: [stage(), stage()] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, scratch: &mut Scratch) {
         weights.step = step;
-        weights.stages.iter_mut().for_each(|stage| stage.contact_parts.make_whole());
         let [first, end] = &mut weights.stages;
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
@@ -91,10 +81,6 @@ impl ReducedOperators {
         stage.influence.temperature.copy_from(&self.temperature_by_flux);
         stage.influence.distortion.copy_from(&self.distortion_by_flux);
         modes.add_influence(stage, &self.contact, scratch);
-        if !self.part_areas.is_empty() {
-            stage.through_parts.temperature.copy_from(&stage.influence.temperature);
-            stage.through_parts.distortion.copy_from(&stage.influence.distortion);
-        }
     }
 }
 

@@ -22,9 +22,8 @@ pub(crate) struct PreparedStep {
     pub first: StageWeights,
     pub end: StageWeights,
     pub feedthrough: StageFeedthrough,
-    /// Surface influence matrices of both stages, and whether they are those of this step.
-    influence: [SurfaceInfluence; 2],
-    formed: bool,
+    /// Memory for surface influence matrices.
+    influence: SurfaceInfluence,
     /// Index of the cached responses after the first, by the bits of length and velocities.
     kept: KeyedCache<[u64; 3], ()>,
     /// Steps at a varying velocity are kept too: it hardly recurs, but in equal strokes.
@@ -41,15 +40,13 @@ impl PreparedStep {
     pub(crate) fn keeping(operators: &StripOperators, cached: usize, recurs: bool) -> PreparedStep {
         let count = operators.widths.len();
         let matrix = || dense::untouched(count);
-        let matrices = || SurfaceInfluence { temperature: matrix(), distortion: matrix() };
         PreparedStep {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             first: StageWeights::new(operators, false, cached),
             end: StageWeights::new(operators, true, cached),
             feedthrough: StageFeedthrough::new(operators),
-            influence: [matrices(), matrices()],
-            formed: false,
+            influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
             kept: KeyedCache::new(vec![(); cached]),
             recurs,
             workspace: IntervalWorkspace::new(operators),
@@ -63,10 +60,20 @@ impl PreparedStep {
         }
     }
 
-    /// Surface influence matrices of a stage, of a step prepared with them.
-    pub(crate) fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        debug_assert!(self.formed, "the step was prepared without matrices");
-        &self.influence[stage as usize]
+    /// Forms the surface influence matrices of a stage.
+    pub(crate) fn influence(&mut self, operators: &StripOperators, stage: Stage) -> &SurfaceInfluence {
+        let Self { first, end, influence, .. } = self;
+        let response = if stage == Stage::First { first } else { end }.current_response();
+        let SurfaceInfluence { temperature, distortion } = &mut *influence;
+        for (whole, own) in [temperature, distortion].into_iter().zip(&response.influence) {
+            if !own.is_empty() {
+                own.fill(whole.as_mut_slice(), &operators.widths);
+            }
+        }
+        if let Some(robin_correction) = &operators.robin_correction {
+            robin_correction.close(response, influence);
+        }
+        influence
     }
 
     /// Place of the responses of a step among the cached ones, and whether they are stored there; place 0 serves those not kept.
@@ -80,36 +87,22 @@ impl PreparedStep {
         (1 + known.unwrap_or_else(|| self.kept.insert(key)), known.is_some())
     }
 
-    /// Prepares a step, `with_matrices` or without.
-    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2], with_matrices: bool) {
-        if self.length != length || self.velocity != velocity {
-            (self.length, self.velocity, self.formed) = (length, velocity, false);
-            let (place, known) = self.response_place(length, velocity);
-            self.feedthrough.prepare(operators, velocity);
-            let [from, to] = velocity;
-            let to_first_stage = [from, from + GAMMA * (to - from)];
-            let stages = [(&mut self.first, GAMMA * length, to_first_stage), (&mut self.end, length, velocity)];
-            for (weights, length, velocity) in stages {
-                weights.current = place;
-                let feedthrough = self.feedthrough.at(weights.stage());
-                let unknown = (!known).then_some((feedthrough, &mut self.workspace));
-                weights.prepare(operators, length, velocity, unknown);
-            }
+    /// Prepares a step.
+    pub(crate) fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+        if self.length == length && self.velocity == velocity {
+            return;
         }
-        if with_matrices && !self.formed {
-            self.formed = true;
-            for (weights, influence) in [&self.first, &self.end].into_iter().zip(&mut self.influence) {
-                let response = weights.current_response();
-                let SurfaceInfluence { temperature, distortion } = &mut *influence;
-                for (whole, own) in [temperature, distortion].into_iter().zip(&response.influence) {
-                    if !own.is_empty() {
-                        own.fill(whole.as_mut_slice(), &operators.widths);
-                    }
-                }
-                if let Some(robin_correction) = &operators.robin_correction {
-                    robin_correction.close(response, influence);
-                }
-            }
+        (self.length, self.velocity) = (length, velocity);
+        let (place, known) = self.response_place(length, velocity);
+        self.feedthrough.prepare(operators, velocity);
+        let [from, to] = velocity;
+        let to_first_stage = [from, from + GAMMA * (to - from)];
+        let stages = [(&mut self.first, GAMMA * length, to_first_stage), (&mut self.end, length, velocity)];
+        for (weights, length, velocity) in stages {
+            weights.current = place;
+            let feedthrough = self.feedthrough.at(weights.stage());
+            let unknown = (!known).then_some((feedthrough, &mut self.workspace));
+            weights.prepare(operators, length, velocity, unknown);
         }
     }
 }

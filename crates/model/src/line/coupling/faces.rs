@@ -73,6 +73,9 @@ impl Face {
     }
 }
 
+/// Length (s), velocities (m/s) and properties of a step, which determine the responses of a body through whole cells.
+type StepOfBody = (f64, [f64; 2], Scales);
+
 /// Cooled faces of both bodies over a step. Vectors are by face, in the order of `faces`.
 #[derive(Clone, Debug)]
 pub struct Faces {
@@ -83,8 +86,11 @@ pub struct Faces {
     /// Fluxes into the faces at both stages, W/m2, and their temperatures, K above the reference.
     flux: [[f64; MOST]; 2],
     temperature: [[f64; MOST]; 2],
+    /// Responses to the fluxes into the faces at both stages, and the step that each is of; `None`: one through parts of cells.
+    influence: [Vec<FaceInfluence>; 2],
+    influence_of: [[Option<StepOfBody>; MOST]; 2],
     // Stage under way.
-    influence: Vec<FaceInfluence>,
+    stage: usize,
     /// beta, by body.
     free: [[f64; FACES]; 2],
     /// Change of the flux into the punch by a unit flux, and whether it is that on the cells that exchange heat, `exchanging`.
@@ -115,7 +121,9 @@ impl Faces {
             conditions: [None; 2],
             flux: [[0.0; MOST]; 2],
             temperature: [[0.0; MOST]; 2],
-            influence: faces.iter().map(|_| FaceInfluence::new(count)).collect(),
+            influence: [0, 1].map(|_| faces.iter().map(|_| FaceInfluence::new(count)).collect()),
+            influence_of: [[None; MOST]; 2],
+            stage: 0,
             free: [[0.0; FACES]; 2],
             exchanged: faces.iter().map(|_| vec![0.0; count]).collect(),
             exchanging: vec![false; count],
@@ -146,7 +154,7 @@ impl Faces {
     /// Response of the temperature of face `k` to the flux into face `l`, without exchange of heat.
     fn own_rise(&self, k: usize, l: usize) -> f64 {
         let (own, other) = (&self.faces[k], &self.faces[l]);
-        if own.side == other.side { self.influence[l].faces[own.face] } else { 0.0 }
+        if own.side == other.side { self.influence[self.stage][l].faces[own.face] } else { 0.0 }
     }
 
     /// Temperatures at the fluxes of `stage` into the faces and `flux` into the cells of both bodies.
@@ -154,8 +162,9 @@ impl Faces {
         let mut temperature = [0.0; MOST];
         for (k, face) in self.faces.iter().enumerate() {
             let by_faces: f64 = (0..self.faces.len()).map(|l| self.own_rise(k, l) * self.flux[stage][l]).sum();
-            temperature[k] =
-                self.free[face.side][face.face] + dense::dot(&self.influence[k].by_cell, &flux[face.side]) + by_faces;
+            temperature[k] = self.free[face.side][face.face]
+                + dense::dot(&self.influence[stage][k].by_cell, &flux[face.side])
+                + by_faces;
         }
         temperature
     }
@@ -187,7 +196,7 @@ impl Faces {
     /// `before`: fluxes at the start of the step.
     fn errors(&self, count: usize, before: &[[f64; FACES]; 2]) -> impl Iterator<Item = (&FaceInfluence, f64, f64)> {
         self.faces.iter().enumerate().map(move |(k, face)| {
-            let influence = &self.influence[k];
+            let influence = &self.influence[Stage::End as usize][k];
             let before = before[face.side][face.face];
             // A law is linear in the temperature of its face, which no jump moves at once: nothing is hidden.
             let deviation = deviation_from_line([before, self.flux[0][k], self.flux[1][k]], 0.0).abs();
@@ -218,10 +227,15 @@ impl ThermalCoupling {
         let s = stage as usize;
         let is_first = stage == Stage::First;
         let faces = &mut self.faces;
-        faces.coupled = false;
+        (faces.stage, faces.coupled) = (s, false);
         for (k, face) in faces.faces.iter().enumerate() {
             if let (Some(body), Some(work)) = (&self.bodies[face.side], &mut self.work[face.side]) {
-                body.face_influence(stage, face.face, &mut faces.influence[k], work);
+                let through_whole = self.contact_parts[s].is_whole() || !body.divides_cells();
+                let step = through_whole.then_some((self.step, self.velocity, self.frozen.scales[face.side]));
+                if step.is_none() || faces.influence_of[s][k] != step {
+                    faces.influence_of[s][k] = step;
+                    body.face_influence(stage, face.face, &mut faces.influence[s][k], work);
+                }
             }
             faces.flux[s][k] = if is_first { state.cooling[face.side][face.face] } else { faces.flux[0][k] };
         }
@@ -236,7 +250,8 @@ impl ThermalCoupling {
 
     /// Adds the response to fluxes into the faces to the free response of the stage.
     fn shift_by_faces(&mut self, flux: &[f64; MOST]) {
-        for ((face, influence), flux) in self.faces.faces.iter().zip(&self.faces.influence).zip(flux) {
+        let Faces { faces, influence, stage, .. } = &self.faces;
+        for ((face, influence), flux) in faces.iter().zip(&influence[*stage]).zip(flux) {
             let side = face.side;
             dense::multiply_add(&influence.temperature, &[*flux], &mut self.iterate.free_response[side]);
             if self.parameters.expands[side] {
@@ -256,7 +271,7 @@ impl ThermalCoupling {
         }
         *coupled = true;
         exchanging.copy_from_slice(&self.iterate.closed);
-        for ((face, influence), exchanged) in faces.iter().zip(influence).zip(exchanged) {
+        for ((face, influence), exchanged) in faces.iter().zip(&influence[s]).zip(exchanged) {
             exchanged.fill(0.0);
             if exchanges {
                 let towards = if face.side == 0 { -1.0 } else { 1.0 };
@@ -269,7 +284,7 @@ impl ThermalCoupling {
         for (k, face) in faces.faces.iter().enumerate() {
             let towards = if face.side == 0 { 1.0 } else { -1.0 };
             for l in 0..faces.faces.len() {
-                let by_exchange = towards * dense::dot(&faces.influence[k].by_cell, &faces.exchanged[l]);
+                let by_exchange = towards * dense::dot(&faces.influence[s][k].by_cell, &faces.exchanged[l]);
                 faces.rise[(k, l)] = faces.own_rise(k, l) + by_exchange;
             }
         }
@@ -288,7 +303,7 @@ impl ThermalCoupling {
         faces.temperature[s] = (Vector4::from(before) + faces.rise * Vector4::from(change)).into();
         faces.flux[s].iter_mut().zip(change).for_each(|(flux, change)| *flux += change);
         let (mut moved, mut rise) = (0.0, maximum(LEAST_RISE, largest(&faces.temperature[s])));
-        for (influence, change) in faces.influence.iter().zip(change) {
+        for (influence, change) in faces.influence[s].iter().zip(change) {
             let most = maximum(largest(&influence.temperature), largest(&influence.faces));
             moved = maximum(moved, (change * most).abs());
         }

@@ -29,7 +29,7 @@ use crate::line::heat::partition::{HeatPartition, PartitionKey};
 use crate::line::operators::LineOperators;
 use crate::line::stages::ContactStages;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{Exchange, GAMMA, Stage, Step};
+use conduction::line::{Exchange, GAMMA, Stage};
 use numerics::dense;
 use numerics::leading_bits;
 use numerics::maximum::maximum;
@@ -157,17 +157,12 @@ impl ThermalCoupling {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             let [rounded, own] = [&self.rounded_parts, &self.contact_parts].map(|[first, end]| [first, end]);
-            let of_punch = |length: f64, parts| Step {
-                with_matrices: true,
-                ..self.frozen.step(0, length, self.velocity, Exchange::Parts(parts))
-            };
+            let of_punch = |length: f64, parts| self.frozen.step(0, length, self.velocity, Exchange::Parts(parts));
             self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step / (GAMMA * GROWTH), rounded)));
-            let of_strip = self.frozen.step(1, step, self.velocity, Exchange::Parts(own));
-            self.bodies[1].iter_mut().for_each(|strip| strip.prepare(&Step { with_matrices: true, ..of_strip }));
-            let [punch, strip] = &self.bodies;
+            let [punch, strip] = &mut self.bodies;
             let influence = [
-                punch.as_ref().map(|own| own.influence(Stage::First)),
-                strip.as_ref().map(|own| own.influence(Stage::End)),
+                punch.as_mut().map(|own| own.influence(Stage::First)),
+                strip.as_mut().map(|own| own.influence(Stage::End)),
             ];
             self.growth.partition.build(key, &self.rounded_parts[0], influence);
             self.bodies[0].iter_mut().for_each(|punch| punch.prepare(&of_punch(step, own)));

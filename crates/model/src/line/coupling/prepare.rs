@@ -9,7 +9,7 @@ use crate::line::stages::StepData;
 use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use conduction::line::contact_parts::ContactParts;
-use conduction::line::{Boundary, Exchange, GAMMA, Stage, Step, Surroundings};
+use conduction::line::{Boundary, Exchange, GAMMA, Stage, Surroundings};
 use contact::friction::OperatingPoint;
 
 impl ThermalCoupling {
@@ -70,14 +70,13 @@ impl ThermalCoupling {
     fn take_partitions(&mut self, key: PartitionKey) {
         let ThermalCoupling { partitions, bodies, rounded_parts, frozen, .. } = self;
         let (step, velocity, _) = key;
-        let on =
-            |side: usize, exchange| Step { with_matrices: true, ..frozen.step(side, step, [velocity; 2], exchange) };
+        let on = |side: usize, exchange| frozen.step(side, step, [velocity; 2], exchange);
         if !partitions.take(key) {
             for (side, body) in bodies.iter_mut().enumerate() {
                 body.iter_mut().for_each(|own| own.prepare(&on(side, Exchange::Whole)));
             }
             for stage in [Stage::First, Stage::End] {
-                let influence = bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+                let influence = bodies.each_mut().map(|body| body.as_mut().map(|own| own.influence(stage)));
                 partitions[stage as usize].build_whole(key, influence);
             }
         }

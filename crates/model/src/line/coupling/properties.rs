@@ -37,7 +37,7 @@ impl FrozenProperties {
 
     /// A step of a body with them.
     pub(crate) fn step<'a>(&self, side: usize, length: f64, velocity: [f64; 2], exchange: Exchange<'a>) -> Step<'a> {
-        Step { length, velocity, exchange, with_matrices: false, scales: self.scales[side], reference: self.reference }
+        Step { length, velocity, exchange, scales: self.scales[side], reference: self.reference }
     }
 
     /// Rate of the mean temperature of a body over a step (s) to the state `state`, K/s; 0 for constants.

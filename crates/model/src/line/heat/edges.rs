@@ -162,12 +162,16 @@ impl Edges {
     ) {
         let EdgeState { overlap, rate, worn: worn_before, relief } = state;
         let of = |stage: &ContactState, cell: usize| self.compliance[cell] * stage.pressure[cell] - stage.gap[cell];
-        for i in 0..overlap.len() {
+        let count = overlap.len();
+        let touches = |cell: usize| overlap[cell] > 0.0 && of(end, cell) > 0.0;
+        let uneven = holds_for_any(relief, |relief| relief != 0.0) || !(0..count).all(touches);
+        for i in (0..count).filter(|_| uneven) {
             let Some(other) = self.neighbour(i, true) else { continue };
             let wear = [i, other].map(|cell| (worn.at(cell) - worn_before[cell]).max(0.0) / f64::from(PIECES));
             let ends = [i, other].map(|cell| [overlap[cell], of(end, cell)]);
             let points = &mut relief[BETWEEN * i..][..BETWEEN];
-            let stays_even = ends.iter().flatten().all(|end| *end > 0.0) && points.iter().all(|relief| *relief == 0.0);
+            let stays_even =
+                ends.iter().flatten().all(|end| *end > 0.0) && !holds_for_any(points, |relief| relief != 0.0);
             if stays_even || wear == [0.0; 2] {
                 continue;
             }
@@ -191,7 +195,7 @@ impl Edges {
         contact_parts.make_whole();
         let overlap = |cell: usize| state.overlap[cell] + ahead * state.rate[cell];
         let count = self.compliance.len();
-        if (0..count).all(|cell| overlap(cell) > 0.0) && state.relief.iter().all(|relief| *relief <= 0.0) {
+        if (0..count).all(|cell| overlap(cell) > 0.0) && !holds_for_any(&state.relief, |relief| relief > 0.0) {
             return;
         }
         const HALF: usize = PARTS / 2;
@@ -211,8 +215,11 @@ impl Edges {
 
     /// Fractions in contact of the parts between the centres of a cell and of its neighbour towards +x.
     fn in_contact(&self, first: usize, overlaps: [f64; 2], relief: &[f64]) -> [f64; PARTS] {
-        if overlaps.iter().all(|overlap| *overlap > 0.0) && relief.iter().all(|relief| *relief <= 0.0) {
+        if overlaps.iter().all(|overlap| *overlap > 0.0) && !holds_for_any(relief, |relief| relief > 0.0) {
             return [1.0; PARTS];
+        }
+        if overlaps.iter().all(|overlap| *overlap <= 0.0) && !holds_for_any(relief, |relief| relief < 0.0) {
+            return [0.0; PARTS];
         }
         let positions = &self.positions[first];
         let depth: [f64; BETWEEN] =
@@ -228,6 +235,11 @@ impl Edges {
         };
         std::array::from_fn(|part| (POINTS * part..POINTS * (part + 1)).map(around).sum::<f64>() / POINTS as f64)
     }
+}
+
+/// Whether a condition holds for any of the values, without a branch for each.
+fn holds_for_any(values: &[f64], condition: impl Fn(f64) -> bool) -> bool {
+    values.iter().fold(false, |any, value| any | condition(*value))
 }
 
 /// Part of an interval in which the straight line between two values is positive.

@@ -36,7 +36,8 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             let step = if index % 3 == 0 { 0.02 } else { 0.3 };
             body.prepare(&Step::new(step, velocity));
             let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
-            let (temperature, distortion, faces) = at_stage(&body, &state, &air, (Stage::End, held), [&first, &end]);
+            let (temperature, distortion, faces) =
+                at_stage(&mut body, &state, &air, (Stage::End, held), [&first, &end]);
             body.step(&mut state, &air, &first, &end);
             let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
@@ -82,8 +83,8 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let end = Boundary { cooling: -4e4, ambient: 5.0, far: 9e3 };
         let air = Surroundings::linear(start, end);
         body.prepare(&Step::new(step, velocity));
-        let early = at_stage(&body, &state, &air, (Stage::First, false), [&[0.0; 12], &flux]);
-        let late = at_stage(&body, &state, &air, (Stage::End, false), [&flux; 2]);
+        let early = at_stage(&mut body, &state, &air, (Stage::First, false), [&[0.0; 12], &flux]);
+        let late = at_stage(&mut body, &state, &air, (Stage::End, false), [&flux; 2]);
         // The mean temperature of the surface beside the contact per flux there, over that per flux into the whole contact.
         let mut influence = FaceInfluence::new(12);
         body.face_influence(Stage::End, 0, &mut influence, &mut body.workspace());
@@ -92,7 +93,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         body.step(&mut state, &air, &flux, &flux);
         for (part, around) in [GAMMA, 1.0 - GAMMA].into_iter().zip(in_two_parts(start, end)) {
             body.prepare(&Step::new(part * step, velocity));
-            let (shown, _, faces) = at_stage(&body, &parts, &around, (Stage::End, false), [&flux; 2]);
+            let (shown, _, faces) = at_stage(&mut body, &parts, &around, (Stage::End, false), [&flux; 2]);
             body.step(&mut parts, &around, &flux, &flux);
             let (other, _, others) = if part == GAMMA { &early } else { &late };
             let apart = shown.iter().zip(other).chain(faces.iter().zip(others)).map(|(a, b)| (a - b).abs());
@@ -205,7 +206,7 @@ fn an_open_contact_does_not_depend_on_what_was_prepared_before() {
         let air = Surroundings::linear(at(-900.0, 4.0), at(-700.0, 5.0));
         let (step, velocity) = (0.2, [0.5, 0.7]);
         let [fresh, again] = [body, used].map(|mut body| {
-            body.prepare(&Step { with_matrices: false, ..Step::new(step, velocity) });
+            body.prepare(&Step::new(step, velocity));
             let mut influence = FaceInfluence::new(9);
             body.face_influence(Stage::End, 0, &mut influence, &mut body.workspace());
             let mut after = state.clone();
