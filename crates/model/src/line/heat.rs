@@ -7,5 +7,4 @@ pub mod air;
 pub mod bodies;
 pub(crate) mod edges;
 pub mod partition;
-pub(crate) mod partitions;
 pub(crate) mod state;
