@@ -345,6 +345,7 @@ mod tests {
     use crate::lateral::Lateral;
     use crate::line::SingleStep;
     use crate::line::punch::mate::reduce_mate;
+    use crate::line::tests::at_stage;
     use crate::moving_source::{MovingSource, Path};
     use crate::slab::Slab;
     use elasticity::Cells;
@@ -381,12 +382,7 @@ mod tests {
     fn step(disc: &mut DiscHeat, state: &mut [f64], step: f64, velocity: [f64; 2], flux: &[f64]) -> Vec<f64> {
         let around = Surroundings::default();
         disc.prepare(&Step::new(step, velocity));
-        let (mut temperature, mut distortion) = (vec![0.0; 5], vec![0.0; 5]);
-        disc.free_response(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
-        let influence = disc.influence(Stage::End);
-        for i in 0..5 {
-            temperature[i] += (0..5).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
-        }
+        let (temperature, ..) = at_stage(disc, state, &around, (Stage::End, true), [flux, flux]);
         disc.step(state, &around, flux, flux);
         temperature
     }
