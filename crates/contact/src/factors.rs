@@ -15,6 +15,9 @@ const LEAST_ENTRIES: usize = 4;
 const MOST_ENTRIES: usize = 12;
 /// Number of signed friction values whose compliance is cached.
 const COMPOSITIONS: usize = 2;
+/// Largest number of cached added compliances: those of the step sizes between which a step control alternates.
+const MOST_ADDED: usize = 6;
+const LEAST_ADDED: usize = 2;
 
 /// Largest rank of a [`LowRankUpdate`] on `count` cells.
 pub fn largest_update_rank(count: usize) -> usize {
@@ -54,10 +57,11 @@ pub(super) struct Factors {
     count: usize,
     normal: Vec<f64>,
     shear: Vec<f64>,
-    /// Added compliance, and its name, which tells it from all that came before; 0 is none.
-    added_compliance: Vec<f64>,
-    name: u64,
+    /// Extra matrices by names that tell each from all that came before; 0 is none.
+    added_compliances: KeyedCache<u64, Vec<f64>>,
     names: u64,
+    /// Cache slot of the current added compliance.
+    added_compliance: Option<usize>,
     low_rank_update: CachedUpdate,
     operator: Option<Vec<f64>>,
     positions: Vec<f64>,
@@ -170,15 +174,16 @@ impl Factors {
             arms: vec![0.0; count],
             centre: 0.0,
         };
+        let added_compliances = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ADDED, MOST_ADDED);
         let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
         Ok(Self {
             count,
             shift: normal.diagonal().mean(),
             normal: normal.data.into(),
             shear: shear.data.into(),
-            added_compliance: vec![0.0; count * count],
-            name: 0,
+            added_compliances: KeyedCache::new((0..added_compliances).map(|_| vec![0.0; count * count])),
             names: 0,
+            added_compliance: None,
             low_rank_update: CachedUpdate {
                 acting: acting.clone(),
                 current: true,
@@ -202,20 +207,23 @@ impl Factors {
         self.shift / self.total_weight
     }
 
-    /// Sets or removes the added compliance.
+    /// Sets or removes the added compliance. Factors are cached for each of the last ones.
     pub(crate) fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
-            if let Some(&value) = matrix.iter().find(|v| !v.is_finite()) {
+            let known = self.added_compliances.find(|_, known| same_bits(known, matrix.as_slice()));
+            if let (None, Some(&value)) = (known, matrix.iter().find(|v| !v.is_finite())) {
                 return Err(ContactError::Invalid { quantity: "extra compliance", value });
             }
-            if self.name == 0 || self.added_compliance != matrix.as_slice() {
+            let place = known.unwrap_or_else(|| {
                 self.names += 1;
-                self.name = self.names;
-                self.added_compliance.copy_from_slice(matrix.as_slice());
-            }
+                let place = self.added_compliances.insert(self.names);
+                self.added_compliances[place].copy_from_slice(matrix.as_slice());
+                place
+            });
+            self.added_compliance = Some(place);
         } else {
-            self.name = 0;
+            self.added_compliance = None;
         }
         self.low_rank_update.current = false;
         self.set_low_rank_update(None);
@@ -276,7 +284,8 @@ impl Factors {
     }
 
     fn sum(&self, signed_friction: f64) -> Sum {
-        (self.name, signed_friction.to_bits())
+        let name = self.added_compliance.and_then(|place| self.added_compliances.key(place).copied());
+        (name.unwrap_or(0), signed_friction.to_bits())
     }
 
     fn compose(&mut self, signed_friction: f64) -> usize {
@@ -285,15 +294,17 @@ impl Factors {
         if let Some(position) = self.compositions.find(|key, known| *key == sum && known.acting == *acting) {
             return position;
         }
+        let added_compliance = self.added_compliance.map(|place| &self.added_compliances[place]);
         let position = self.compositions.insert(sum);
         let composition = &mut self.compositions[position];
         composition.acting.copy_from_slice(acting);
         for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
             *target = normal + signed_friction * shear;
         }
-        if self.name > 0 {
-            let entries = composition.matrix.iter_mut().zip(&self.added_compliance);
-            entries.for_each(|(target, added_compliance)| *target += added_compliance);
+        if let Some(added_compliance) = added_compliance {
+            for (target, added_compliance) in composition.matrix.iter_mut().zip(added_compliance) {
+                *target += added_compliance;
+            }
         }
         if *rank > 0 {
             let mut weights = [0.0; MAXIMUM_CELLS];
@@ -430,4 +441,9 @@ impl Entry {
         let m = pressure.len();
         [dense::dot(&self.weights[..m], pressure), dense::dot(&self.arms[..m], pressure)]
     }
+}
+
+/// Whether two matrices are bitwise equal.
+fn same_bits(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).all(|(one, other)| one.to_bits() == other.to_bits())
 }

@@ -77,6 +77,18 @@ impl<K, V> KeyedCache<K, V> {
         self.slots.iter_mut().for_each(|slot| *slot = Slot { key: None, last_use: 0 });
     }
 
+    /// A copy whose vacant slots have the memory that `vacant` takes, given the vacant value: memory that nothing was written to
+    /// need not be copied.
+    pub fn clone_occupied(&self, vacant: impl Fn(&V) -> V) -> Self
+    where
+        K: Clone,
+        V: Clone,
+    {
+        let copy = |(slot, value): (&Slot<K>, &V)| if slot.key.is_some() { value.clone() } else { vacant(value) };
+        let values = self.slots.iter().zip(&self.values).map(copy).collect();
+        Self { slots: self.slots.clone(), values, ..*self }
+    }
+
     fn touch(&mut self, slot: usize) {
         self.uses += 1;
         self.slots[slot].last_use = self.uses;
@@ -222,13 +234,15 @@ mod tests {
     }
 
     #[test]
-    fn keys_may_stand_in_the_values() {
+    fn keys_may_stand_in_the_values_and_vacant_slots_are_not_copied() {
         let mut cache = KeyedCache::new((0..3).map(|_| vec![0.0; 2]));
         assert!(cache.latest().is_none() && cache.find(|(), _| true).is_none());
         let slot = cache.insert(());
         cache[slot][0] = 7.0;
         assert_eq!(cache.find(|(), value| value[0] == 7.0), Some(slot));
         assert_eq!(cache.find(|(), value| value[0] == 0.0), None);
+        let copy = cache.clone_occupied(|_| Vec::new());
+        assert_eq!(copy.values, [vec![7.0, 0.0], Vec::new(), Vec::new()]);
         cache.clear();
         assert!(cache.latest().is_none() && cache.find(|(), _| true).is_none());
         assert_eq!(cache.insert(()), 0);

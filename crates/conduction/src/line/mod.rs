@@ -43,6 +43,17 @@ use std::fmt::Debug;
 pub use numerics::sdirk::GAMMA;
 pub use workspace::{SingleStep, Workspace};
 
+/// Cache size in entries of an N x N matrix over all cached steps, unless fewer than [`FEWEST_CACHED`] fit.
+const CACHED_NUMBERS: usize = 400_000;
+const FEWEST_CACHED: usize = 2;
+const MOST_CACHED: usize = 8;
+
+/// Cache capacity: number of step sizes whose operators are cached on `cells` cells. A step control alternates between a few
+/// step sizes, up to six where it locates events.
+pub fn cache_capacity(cells: usize) -> usize {
+    (CACHED_NUMBERS / (cells * cells)).clamp(FEWEST_CACHED, MOST_CACHED)
+}
+
 /// The two stages of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {

@@ -22,10 +22,11 @@ pub(super) use weights::{first_moment, mean_decay};
 use super::workspace::Memory;
 use super::{
     Account, Boundary, End, Exchange, FACES, FaceInfluence, First, FrozenState, GAMMA, Observed, Stage, Step,
-    SurfaceInfluence, Surroundings, ThermalBody, Workspace,
+    SurfaceInfluence, Surroundings, ThermalBody, Workspace, cache_capacity,
 };
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
+use numerics::cache::KeyedCache;
 use numerics::dense;
 use patterns::Patterns;
 use std::ops::Range;
@@ -141,15 +142,15 @@ pub(crate) struct StepMemory {
     carried: Vec<f64>,
 }
 
-/// A reduced body with the weights of its last step.
+/// A reduced body with the weights of its last step sizes.
 #[derive(Clone, Debug)]
 pub struct ReducedHeat {
     operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
     /// For preparations.
     scratch: Scratch,
-    /// `None` before the first step.
-    weights: Option<Weights>,
+    /// By the bits of the step. It has no memory until the first step.
+    weights: KeyedCache<u64, Weights>,
     /// Of both stages.
     patterns: [Patterns; 2],
     /// Memory for influence matrices through parts of the cells.
@@ -166,7 +167,7 @@ impl ReducedHeat {
         let through_parts =
             SurfaceInfluence { temperature: dense::untouched(divided), distortion: dense::untouched(divided) };
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, weights: None, patterns, through_parts }
+        Self { operators, modes, scratch, weights: KeyedCache::new([]), patterns, through_parts }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
@@ -187,20 +188,24 @@ impl ReducedHeat {
         self.operators.held
     }
 
-    /// Computes the weights of a step, and the responses of the patterns.
+    /// Selects the weights of a step size, from the cache or computed.
     fn select(&mut self, step: f64) {
         let Self { operators, modes, scratch, weights, patterns, .. } = self;
-        let weights = weights.get_or_insert_with(|| operators.allocate(modes));
-        if weights.step != step {
-            operators.fill(modes, weights, step, scratch);
+        if weights.capacity() == 0 {
+            // The longer step by which growth is looked for is one more.
+            let capacity = cache_capacity(operators.widths.len()) + 1;
+            *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate(modes)));
         }
-        for (patterns, stage) in patterns.iter_mut().zip(&weights.stages) {
+        let slot = weights.get_or_compute(step.to_bits(), |weights| {
+            operators.fill(modes, weights, step, scratch);
+        });
+        for (patterns, stage) in patterns.iter_mut().zip(&weights[slot].stages) {
             patterns.prepare(step, modes, &stage.by_heat, scratch);
         }
     }
 
     fn weights(&self) -> &Weights {
-        self.weights.as_ref().expect("prepare comes before any step")
+        self.weights.latest().expect("prepare comes before any step")
     }
 
     fn stage(&self, stage: Stage) -> &StageWeights {
@@ -326,7 +331,7 @@ impl ThermalBody for ReducedHeat {
             return &self.stage(stage).influence;
         }
         let Self { weights, through_parts, .. } = self;
-        let whole = &weights.as_ref().expect("prepare comes before any step").stages[stage as usize].influence;
+        let whole = &weights.latest().expect("prepare comes before any step").stages[stage as usize].influence;
         through_parts.temperature.copy_from(&whole.temperature);
         through_parts.distortion.copy_from(&whole.distortion);
         patterns.add_influence(through_parts);

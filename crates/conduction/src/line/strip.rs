@@ -88,8 +88,7 @@ impl Clone for StripHeat {
     fn clone(&self) -> Self {
         // Before the first step there is nothing to copy: zero pages of the operating system are not touched until they
         // are used.
-        let step =
-            if self.step.length.is_nan() { PreparedStep::keeping(&self.operators, 0) } else { self.step.clone() };
+        let step = if self.step.length.is_nan() { PreparedStep::new(&self.operators) } else { self.step.clone() };
         StripHeat { operators: self.operators.clone(), step }
     }
 }
@@ -114,7 +113,7 @@ impl StripHeat {
         resolution: &Resolution,
     ) -> Result<Self, OutOfRange> {
         let operators = StripOperators::new(properties, cells, resolution, known)?;
-        let step = PreparedStep::keeping(&operators, 0);
+        let step = PreparedStep::new(&operators);
         Ok(StripHeat { operators: Arc::new(operators), step })
     }
 
@@ -334,7 +333,7 @@ impl ThermalBody for StripHeat {
     }
 
     fn recur(&mut self, steps: usize) {
-        self.step = PreparedStep::keeping(&self.operators, steps);
+        self.step = PreparedStep::keeping(&self.operators, steps, true);
     }
 
     fn boxed(&self) -> Box<dyn ThermalBody> {

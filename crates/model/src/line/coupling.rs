@@ -26,6 +26,7 @@ mod start;
 use super::heat::bodies::{Bodies, shortest};
 use super::heat::edges::Edges;
 use super::heat::partition::HeatPartition;
+use super::heat::partitions::PartitionCache;
 use super::operators::LineOperators;
 use conduction::line::contact_parts::ContactParts;
 use conduction::line::{End, Step, Surroundings, ThermalBody, Workspace};
@@ -141,9 +142,9 @@ pub(crate) struct ThermalCoupling {
     before: [Vec<f64>; 2],
     /// Contact problem of either stage, with the thermal compliance of the stage added to its compliance.
     pub contacts: [WearingContact; 2],
-    /// Heat partition of either stage, and whether the contact problem of the stage holds its thermal compliance.
-    pub partitions: [HeatPartition; 2],
-    installed: [bool; 2],
+    /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
+    pub partitions: PartitionCache,
+    installed: [usize; 2],
     /// Finds the parts of the cells in contact; `None`: whole cells.
     edges: Option<Edges>,
     /// Linearization point of the operators reused from step to step.
@@ -236,8 +237,8 @@ impl ThermalCoupling {
             bodies,
             before,
             contacts: [operators.contact(), operators.contact()],
-            partitions: [0, 1].map(|_| if divides { partition().with_parts() } else { partition() }),
-            installed: [false; 2],
+            partitions: PartitionCache::new(&if divides { partition().with_parts() } else { partition() }, count),
+            installed: [usize::MAX; 2],
             edges: divides.then(|| operators.edges()),
             reference: FrozenCoefficients::default(),
             growth: GrowthGuard::new(partition(), count),

@@ -7,4 +7,5 @@ pub mod air;
 pub mod bodies;
 pub(crate) mod edges;
 pub mod partition;
+pub(crate) mod partitions;
 pub(crate) mod state;

@@ -52,6 +52,7 @@ impl ReducedOperators {
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, scratch: &mut Scratch) {
+        weights.step = step;
         let [first, end] = &mut weights.stages;
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
@@ -74,7 +75,6 @@ impl ReducedOperators {
         for stage in [&mut *first, &mut *end] {
             self.fill_influence(modes, stage, scratch);
         }
-        weights.step = step;
     }
 
     fn fill_influence(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {

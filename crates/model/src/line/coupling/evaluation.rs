@@ -65,10 +65,11 @@ impl ThermalCoupling {
         let same_friction = |coefficient: &f64| coefficient * slip == per_pressure;
         let near = known && self.kinetic_coefficient.iter().all(same_friction);
         self.exact[s] = near && self.contact_parts[s].is_whole();
-        self.installed[s] &= !self.partitions[s].thermal_compliance(per_pressure);
-        if !self.installed[s] {
+        let (slot, built) = (self.partitions.slot(), self.partitions[s].thermal_compliance(per_pressure));
+        if built || self.installed[s] != slot {
+            self.installed[s] = usize::MAX;
             self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()))?;
-            self.installed[s] = true;
+            self.installed[s] = slot;
         }
         self.reduced[s] = near && self.conducts() == [true, true];
         self.contacts[s].set_low_rank_update(if self.reduced[s] { self.partitions[s].low_rank_update() } else { None });

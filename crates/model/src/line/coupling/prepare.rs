@@ -24,7 +24,7 @@ impl ThermalCoupling {
         heat.open = path.is_open(start, step);
         heat.set_contact_parts(given, step);
         if !heat.open {
-            heat.build_partitions(key);
+            heat.take_partitions(key);
         }
         heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
@@ -66,12 +66,12 @@ impl ThermalCoupling {
         Prepared(heat)
     }
 
-    /// Builds the heat partitions of this key with the rounded parts in contact, unless they are the last.
-    fn build_partitions(&mut self, key: PartitionKey) {
+    /// Takes the heat partitions of this key with the rounded parts in contact, from the cache or built.
+    fn take_partitions(&mut self, key: PartitionKey) {
         let ThermalCoupling { partitions, bodies, rounded_parts, frozen, .. } = self;
         let (step, velocity, _) = key;
         let on = |side: usize, exchange| frozen.step(side, step, [velocity; 2], exchange);
-        if !partitions.iter().all(|partition| partition.is_of_step(key)) {
+        if !partitions.take(key) {
             for (side, body) in bodies.iter_mut().enumerate() {
                 body.iter_mut().for_each(|own| own.prepare(&on(side, Exchange::Whole)));
             }

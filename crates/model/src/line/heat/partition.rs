@@ -137,9 +137,11 @@ impl HeatPartition {
         }
     }
 
-    /// Whether the operators were built for this key, whatever the parts in contact.
-    pub(crate) fn is_of_step(&self, key: PartitionKey) -> bool {
-        self.key == Some(key)
+    /// Workspace for another heat partition of these cells.
+    pub(crate) fn like(&self) -> HeatPartition {
+        let conductance = self.resistance.map_or(0.0, f64::recip);
+        let partition = HeatPartition { resistance: self.resistance, ..HeatPartition::new(&self.ratio, conductance) };
+        if self.of_whole.is_some() { partition.with_parts() } else { partition }
     }
 
     /// Whether the operators were built for this key and these parts in contact.
@@ -380,6 +382,13 @@ impl HeatPartition {
     /// Current thermal compliance, by columns, m/Pa.
     pub(crate) fn thermal_compliance_values(&self) -> &[f64] {
         self.thermal_compliance.as_slice()
+    }
+
+    /// Partition matrix Y on all cells, by columns: fraction of the friction heat that enters the punch where both bodies
+    /// conduct.
+    #[cfg(test)]
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.operators.shares
     }
 
     /// Current thermal compliance, m/Pa.
