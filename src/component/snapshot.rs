@@ -26,15 +26,17 @@ impl Component {
     /// Saves the component into `into`, reusing its memory.
     pub fn snapshot(&self, into: &mut Snapshot) {
         into.changed.clear();
-        for index in FIRST_PARAMETER..COUNT {
-            if self.values[index].to_bits() != self.starts[index].to_bits() {
-                into.changed.push((index as u16, self.values[index]));
+        let parts =
+            self.values[FIRST_PARAMETER..].chunks(TOGETHER).zip(self.starts[FIRST_PARAMETER..].chunks(TOGETHER));
+        for (first, (values, starts)) in (FIRST_PARAMETER..).step_by(TOGETHER).zip(parts) {
+            if different_bits(values, starts) != 0 {
+                let pairs = (first..).zip(values.iter().zip(starts));
+                let changed = pairs.filter(|(_, (value, start))| value.to_bits() != start.to_bits());
+                into.changed.extend(changed.map(|(index, (value, _))| (index as u16, *value)));
             }
         }
         into.inputs = inputs_of(&self.values).to_array();
         into.run = self.run.clone();
-        into.state = None;
-        into.run_error = SavedRunError::default();
         if let Some(model) = &self.model
             && let Some(prepared) = &self.prepared
             && self.run.phase == Phase::Running
@@ -42,6 +44,8 @@ impl Component {
             into.built = Tunables::of(&prepared.requested).to_array();
             into.state = Some(model.save());
             into.run_error = self.run_error.as_ref().map(RunError::save).unwrap_or_default();
+        } else {
+            (into.state, into.run_error) = (None, SavedRunError::default());
         }
     }
 
@@ -128,6 +132,9 @@ impl Component {
         Ok(())
     }
 }
+
+/// Parameters compared at once when a state is saved: few of them differ from the start values.
+const TOGETHER: usize = 32;
 
 /// Bits in which any number differs from its partner.
 fn different_bits(mine: &[f64], saved: &[f64]) -> u64 {

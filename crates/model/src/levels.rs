@@ -262,6 +262,7 @@ impl Model {
     }
 
     /// Copy of the whole state.
+    #[inline]
     pub fn save(&self) -> ModelState {
         match self {
             Model::Lumped(model) => ModelState { mean: model.state().clone(), line: None },

@@ -15,6 +15,8 @@ pub mod units;
 
 use crate::message;
 pub use rows::TABLE;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 use types::RealType;
 use units::Unit;
 
@@ -295,19 +297,19 @@ pub fn find(name: &str) -> Option<ValueReference> {
         Some((base, index)) => (base, Some(index.parse::<u32>().ok()?)),
         None => (name, None),
     };
-    let mut reference = 0;
-    for row in TABLE {
-        if row.name == base {
-            return match (row.elements, element) {
-                (0, None) => Some(reference),
-                (count, Some(index)) if (1..=count).contains(&index) => Some(reference + index - 1),
-                _ => None,
-            };
-        }
-        reference += row.count();
+    let (first, elements) = *ROWS.get(base)?;
+    match (elements, element) {
+        (0, None) => Some(first),
+        (count, Some(index)) if (1..=count).contains(&index) => Some(first + index - 1),
+        _ => None,
     }
-    None
 }
+
+/// Value reference of the first element and number of elements of every row, by name.
+static ROWS: LazyLock<HashMap<&str, (ValueReference, u32)>> = LazyLock::new(|| {
+    let firsts = TABLE.iter().scan(0, |next, row| Some(std::mem::replace(next, *next + row.count())));
+    TABLE.iter().zip(firsts).map(|(row, first)| (row.name, (first, row.elements))).collect()
+});
 
 /// Reason for refusing a value; `Display` names the variable, the value and the limit.
 #[derive(Clone, PartialEq, Debug)]
