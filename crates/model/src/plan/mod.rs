@@ -35,8 +35,8 @@ const CELLS_BESIDE_LUMPED: usize = 9;
 const TOLERANCE_OF_COMPANION: f64 = 2.0;
 const REDUCTION_OF_COMPANION: f64 = 0.1;
 
-/// Fewest cells of a companion, as of a contact line.
-const FEWEST_CELLS: usize = 5;
+/// Fewest cells of a companion.
+const FEWEST_COMPANION_CELLS: usize = 5;
 
 /// A level with its discretisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -183,7 +183,7 @@ fn companion_of(operators: &ModelOperators, chosen: bool) -> Option<Scene> {
     }
     let cells = match operators {
         ModelOperators::Lumped(_) => CELLS_BESIDE_LUMPED,
-        ModelOperators::Line(line) => Some(line.count().div_ceil(2)).filter(|half| *half >= FEWEST_CELLS)?,
+        ModelOperators::Line(line) => Some(line.count().div_ceil(2)).filter(|half| *half >= FEWEST_COMPANION_CELLS)?,
     };
     let mut companion = ModelLevel::Line(cells).apply(scene);
     companion.tolerance *= TOLERANCE_OF_COMPANION;
