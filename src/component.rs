@@ -56,11 +56,11 @@ const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
 /// Relative difference up to which steps have one length. Importers compute lengths as differences of times, and operators are found
 /// again by the bits of the length. What is left is carried on, and made up for when it exceeds this.
-const SAME_LENGTH: f64 = 1e-9;
+const SAME_STEP: f64 = 1e-9;
 
 /// Whether a step counts as long as another one.
 fn is_as_long(step: f64, other: f64) -> bool {
-    (step - other).abs() <= SAME_LENGTH * other
+    (step - other).abs() <= SAME_STEP * other
 }
 
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
@@ -87,7 +87,7 @@ struct Run {
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
     last_step: f64,
-    /// Time by which the model is behind the importer, s: see [`SAME_LENGTH`].
+    /// Time by which the model is behind the importer, s: see [`SAME_STEP`].
     behind: f64,
 }
 

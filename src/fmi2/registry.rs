@@ -28,6 +28,7 @@ use core::ptr;
 use core::sync::atomic::{AtomicPtr, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+/// Bits of the parts of a handle: see the module.
 const TAG_BITS: u32 = 3;
 const INDEX_BITS: u32 = if usize::BITS >= 64 { 29 } else { 14 };
 const GENERATION_SHIFT: u32 = TAG_BITS + INDEX_BITS;
@@ -39,6 +40,7 @@ const LAST_GENERATION: u32 = {
 /// Slots of the first chunk; chunk `k` has `FIRST << k`.
 const FIRST: usize = 32;
 const CHUNKS: usize = (INDEX_BITS - FIRST.trailing_zeros()) as usize;
+/// Bit of the word of a slot that is taken.
 const TAKEN: u32 = 1;
 /// Word of a slot without a value: taken, of generation 0.
 const VACANT: u32 = TAKEN;

@@ -24,6 +24,7 @@ use super::registry::Registry;
 use crate::component::Snapshot;
 use scene::fnv::Fnv;
 
+/// Start of every state, and the version of the layout: see the module.
 const MAGIC: [u8; 4] = *b"SCfs";
 const VERSION: u16 = 11;
 /// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
@@ -35,6 +36,7 @@ pub(crate) const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;
 /// Payload before the snapshot.
 const FRAME: usize = 2 + 3 * 8;
+/// Flags of the payload.
 const HAS_STOP: u8 = 1;
 const HAS_TOLERANCE: u8 = 2;
 

@@ -7,7 +7,6 @@
 //!
 //! Theory: docs/theory.md, section 4.1.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod flash;
@@ -16,6 +15,7 @@ pub mod line;
 pub mod moving_source;
 pub mod properties;
 pub mod reduced;
+mod shares;
 pub mod slab;
 mod trial_functions;
 

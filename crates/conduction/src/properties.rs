@@ -60,6 +60,15 @@ const PART_OVER_TOLERANCE: f64 = 10.0;
 /// Distance from the ends of a part within which rounding decides to which of both a temperature belongs, K.
 const WITHIN: f64 = 1e-6;
 
+/// Most by which the temperature in the middle of a step is extrapolated from that at its start, K.
+const FARTHEST: f64 = 50.0;
+
+/// Temperature in the middle of a step of `step` (s) from `start` (K), by the rate of the last one `trend` (K/s).
+#[inline]
+pub fn middle_of_step(start: f64, trend: f64, step: f64) -> f64 {
+    start + (0.5 * step * trend).clamp(-FARTHEST, FARTHEST)
+}
+
 impl Properties {
     /// Of a body with a table in a scene of this `tolerance`; `None` for constants, and for an insulator.
     pub fn of(body: &Body, tolerance: f64) -> Option<Properties> {

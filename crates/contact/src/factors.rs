@@ -12,6 +12,7 @@ use numerics::dense;
 /// two step sizes, and some alternating contact sets.
 const MEMO_NUMBERS: usize = 600_000;
 const LEAST_ENTRIES: usize = 4;
+/// Largest number of entries, however few cells.
 const MOST_ENTRIES: usize = 12;
 /// Number of signed friction values whose compliance is cached.
 const COMPOSITIONS: usize = 2;

@@ -34,6 +34,7 @@ pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> 
 
 /// Largest number of free unknowns beside the complementary ones.
 const FREE_UNKNOWNS: usize = 2;
+/// Largest order of the block that is solved with a pivot: they and their conditions.
 const BLOCK: usize = 2 * FREE_UNKNOWNS;
 
 /// Workspace of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.

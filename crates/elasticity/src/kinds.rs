@@ -7,7 +7,7 @@
 use crate::block::{Block, BlockProperties, Discretization, LARGEST_FLATNESS, LARGEST_SLENDERNESS};
 use crate::body_error::BodyReason;
 use crate::half_plane::{mean_across_to_depth, scale_columns, tangential_to_depth};
-use crate::strip::FLATTEST;
+use crate::strip::FLATTEST_ELASTIC;
 use crate::strip_shear::layer_difference;
 use crate::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, StripKernel, Winkler,
@@ -88,7 +88,7 @@ pub(crate) fn is_pressed_as_block(scene: &Scene) -> bool {
 fn check_proportions(scene: &Scene, body: &Body, punch: bool) -> Result<(), BodyReason> {
     let is_block = punch && scene.geometry != Geometry::Periodic;
     let (least, largest) =
-        if is_block { (1.0 / LARGEST_FLATNESS, LARGEST_SLENDERNESS) } else { (1.0 / FLATTEST, f64::INFINITY) };
+        if is_block { (1.0 / LARGEST_FLATNESS, LARGEST_SLENDERNESS) } else { (1.0 / FLATTEST_ELASTIC, f64::INFINITY) };
     let (height, width) = (body.height, scene.width);
     if (least * width..=largest * width).contains(&height) {
         return Ok(());
@@ -215,7 +215,7 @@ pub(crate) fn mean_tangential_compliance(scene: &Scene, body: &Body, punch: bool
     let is_block = punch && !periodic && body.mechanical == MechanicalBody::Elastic;
     let [least, largest] = match body.mechanical {
         MechanicalBody::Elastic if is_block => [MEAN_PROPORTIONS[0], LARGEST_SLENDERNESS],
-        MechanicalBody::Elastic => [1.0 / FLATTEST, f64::INFINITY],
+        MechanicalBody::Elastic => [1.0 / FLATTEST_ELASTIC, f64::INFINITY],
         _ => [0.0, f64::INFINITY],
     };
     let height = body.height.clamp(least * scene.width, largest * scene.width);
@@ -263,7 +263,7 @@ fn across_layer(width: f64, height: f64) -> f64 {
 /// sideways, or by a column under uniaxial stress: beyond, its edges and its held top do not interact.
 pub fn mean_compliance(scene: &Scene, body: &Body, punch: bool) -> f64 {
     let is_block = punch && scene.geometry != Geometry::Periodic && body.mechanical == MechanicalBody::Elastic;
-    let [least, largest] = if is_block { MEAN_PROPORTIONS } else { [1.0 / FLATTEST, f64::INFINITY] };
+    let [least, largest] = if is_block { MEAN_PROPORTIONS } else { [1.0 / FLATTEST_ELASTIC, f64::INFINITY] };
     let height = body.height.clamp(least * scene.width, largest * scene.width);
     let resolved = Body { height, ..body.clone() };
     let cell = Cells::uniform(0.5 * scene.width, 1).expect("a scene has a width");

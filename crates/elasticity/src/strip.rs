@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 3.3.
 
-use super::block::lobatto::gauss_legendre;
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};
 use nalgebra::DMatrix;
+use numerics::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 
 /// Length of the strip along the sliding direction.
@@ -45,7 +45,7 @@ pub struct Strip {
 }
 
 /// Largest contact width over the height; below it the strip needs a hundred thousand Fourier modes.
-pub(super) const FLATTEST: f64 = 2e4;
+pub(super) const FLATTEST_ELASTIC: f64 = 2e4;
 /// Fourier modes taken together in one matrix product.
 const MODES_AT_ONCE: usize = 512;
 
@@ -64,7 +64,7 @@ impl Strip {
     pub(crate) fn try_compliance(&self, cells: &Cells) -> Result<Compliance, OutOfRange> {
         let width = 2.0 * cells.half_width();
         OutOfRange::unless(
-            self.height * FLATTEST >= width,
+            self.height * FLATTEST_ELASTIC >= width,
             "strip height",
             self.height,
             "at least a twenty thousandth of the contact's width",

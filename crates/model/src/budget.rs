@@ -20,7 +20,7 @@ const LEAST_SOLUTIONS: u64 = 1 << 14;
 
 /// Work counters of a communication step, and their limit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Budget {
+pub(crate) struct WorkBudget {
     /// Internal steps tried.
     pub steps: u32,
     /// Contact solutions with heat.
@@ -28,11 +28,11 @@ pub(crate) struct Budget {
     most: u64,
 }
 
-impl Budget {
+impl WorkBudget {
     /// Budget for a contact on `count` cells between bodies of `states` thermal states.
-    pub(crate) fn new(count: usize, states: usize) -> Budget {
+    pub(crate) fn new(count: usize, states: usize) -> WorkBudget {
         let cost = (count as u64).saturating_mul(count as u64).max(4 * states as u64).max(1);
-        Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / cost).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
+        WorkBudget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / cost).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
     }
 
     /// Resets the counters at the start of a communication step.
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_step_ends_at_its_limits_and_says_which() {
-        let mut budget = Budget::new(33, 200);
+        let mut budget = WorkBudget::new(33, 200);
         for _ in 0..MOST_STEPS {
             budget.spend(String::new).unwrap();
         }
@@ -96,7 +96,7 @@ mod tests {
         for (count, states, most) in
             [(1, 20, 1 << 20), (32, 200, 1 << 20), (5, 8192, 1 << 15), (256, 1000, 1 << 14), (1025, 0, 1 << 14)]
         {
-            assert_eq!(Budget::new(count, states).most, most);
+            assert_eq!(WorkBudget::new(count, states).most, most);
         }
     }
 }

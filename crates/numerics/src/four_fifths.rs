@@ -13,6 +13,7 @@
 
 /// Pieces per octave, by the leading bits of the fraction.
 const PIECES: usize = 32;
+/// Their number, bits of the fraction of a double, and the bias of its exponent.
 const PIECE_BITS: u32 = PIECES.trailing_zeros();
 const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 const BIAS: u64 = 1023;

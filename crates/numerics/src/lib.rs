@@ -1,6 +1,5 @@
 //! Numerical tools shared by all parts of the physics.
 
-#![warn(missing_docs)]
 #![cfg_attr(not(test), forbid(unsafe_code))]
 
 pub mod acceleration;
@@ -13,6 +12,7 @@ pub mod interruption;
 pub mod krylov;
 mod leading_bits;
 pub mod maximum;
+pub mod quadrature;
 pub mod scalar;
 pub mod sdirk;
 pub mod subnormal;

@@ -33,6 +33,7 @@ pub const NAME_CAPACITY: usize = 64;
 /// Largest admissible relative tolerance of a run.
 pub const LARGEST_TOLERANCE: f64 = 0.5;
 
+/// Version of the layout of the module, and places of its parts in bytes.
 const LAYOUT_VERSION: u32 = 1;
 const CHECKSUM_AT: usize = 24;
 const BODY_AT: usize = 32;

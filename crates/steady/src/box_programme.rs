@@ -62,6 +62,7 @@ enum BoundStatus {
     Upper,
 }
 
+/// Iterations that change many unknowns at once, after which pivots one at a time, which always end, take over.
 const ITERATION_LIMIT: usize = 40;
 /// Part of the largest pressure or gap that is rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;

@@ -75,6 +75,7 @@ struct CellState {
     sum_by_depth: f64,
 }
 
+/// Iterations after which a cycle counts as not found.
 const ITERATION_LIMIT: usize = 200;
 
 impl CycleProblem<'_> {

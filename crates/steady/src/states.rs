@@ -360,7 +360,7 @@ impl<'a> Contact<'a> {
                 return Err(SteadyError::RocksItselfRound { lever, limit, exponent });
             }
         }
-        let (pressures, shape) = if symmetric && exponent == 1.0 {
+        let (pressures, shape) = if symmetric && forward.rates[0].is_linear() {
             let problem = ReciprocatingProblem {
                 cells: self.cells,
                 punch,

@@ -134,6 +134,7 @@ pub fn hot_state(
 /// Change of a property in an iteration over itself at which the iteration has converged.
 const SAME_PROPERTIES: f64 = 1e-5;
 
+/// Iterations after which the properties count as not found.
 const MOST_ITERATIONS: usize = 50;
 
 /// [`hot_state`], and the scene with its conductivities and specific heats there as constants: those of the mean temperatures of both bodies,

@@ -21,7 +21,7 @@ use numerics::maximum::maximum;
 pub const PARTS: usize = 4;
 
 /// Least fraction in contact of one part of a cell in contact, with which heat enters a width that does not vanish.
-const LEAST: f64 = 1.0 / 16.0;
+const LEAST_FRACTION: f64 = 1.0 / 16.0;
 
 /// All of every part.
 const WHOLE: [f64; PARTS] = [1.0; PARTS];
@@ -62,10 +62,10 @@ impl ContactParts {
     }
 
     /// Sets the fractions in contact of the parts of a cell; a cell without contact counts as whole, the part of the most contact as at
-    /// least [`LEAST`] in contact.
+    /// least [`LEAST_FRACTION`] in contact.
     pub fn set(&mut self, cell: usize, fractions: [f64; PARTS]) {
         let most = fractions.iter().copied().fold(0.0, maximum);
-        let raised = |fraction: f64| if fraction == most { maximum(fraction, LEAST) } else { fraction };
+        let raised = |fraction: f64| if fraction == most { maximum(fraction, LEAST_FRACTION) } else { fraction };
         self.partial -= usize::from(self.is_partial(cell));
         self.fractions[cell] = if most == 0.0 { WHOLE } else { fractions.map(raised) };
         self.partial += usize::from(self.is_partial(cell));

@@ -30,7 +30,8 @@ enum Entry {
     Far,
 }
 
-const ENTRIES: usize = 5;
+/// Number of these entries.
+const ENTRIES: usize = Entry::Far as usize + 1;
 
 /// See the module.
 #[derive(Clone, Debug)]

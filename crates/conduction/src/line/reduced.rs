@@ -265,7 +265,8 @@ enum Tally {
     FarTemperature,
 }
 
-const TALLIES: usize = 4;
+/// Number of these entries.
+const TALLIES: usize = Tally::FarTemperature as usize + 1;
 
 impl ReducedOperators {
     fn states(&self) -> usize {

@@ -33,7 +33,7 @@ use contact::friction::FrictionLaw;
 use contact::wear::line::WearingContact;
 use contact::{ContactState, WorkCounter};
 use coupling::ThermalCoupling;
-use coupling::accept::LEAST_RISE;
+use coupling::accept::LEAST_LINE_RISE;
 use numerics::maximum::maximum;
 use operators::LineOperators;
 use scene::message::Number;
@@ -341,7 +341,7 @@ impl Line {
     ) -> Result<bool, StepFailure> {
         let operators = self.operators.clone();
         let bends = |mean: &Lumped, off: f64| {
-            let allowed = operators.budget.steps.whole * maximum(mean.state().peak_rise, LEAST_RISE);
+            let allowed = operators.budget.steps.whole * maximum(mean.state().peak_rise, LEAST_LINE_RISE);
             operators.follows_temperature() && share * off.abs() > allowed
         };
         // Load carried by the contact at the start. Where load, tables or a bristle follow the lumped level, a first pass of it at

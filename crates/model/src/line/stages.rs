@@ -6,7 +6,7 @@
 use super::operators::{LineOperators, StripWear};
 use super::state::LineState;
 use super::trajectory::StageConditions;
-use crate::budget::Budget;
+use crate::budget::WorkBudget;
 use crate::lumped::conditions::Tunables;
 use conduction::line::Stage;
 use contact::friction::FrictionLaw;
@@ -69,7 +69,7 @@ pub(crate) struct ContactStages {
     /// Load per depth, and the approach of the unworn bodies under it.
     reference_approach: (f64, f64),
     /// Work budget of the communication step under way.
-    pub budget: Budget,
+    pub budget: WorkBudget,
 }
 
 impl ContactStages {
@@ -96,7 +96,7 @@ impl ContactStages {
             rate: ContactRate::new(count),
             still: zeros(),
             reference_approach: (f64::NAN, 0.0),
-            budget: Budget::new(count, operators.heat.as_ref().map_or(0, |bodies| bodies.states.iter().sum())),
+            budget: WorkBudget::new(count, operators.heat.as_ref().map_or(0, |bodies| bodies.states.iter().sum())),
         }
     }
 

@@ -30,7 +30,7 @@ use std::fmt;
 const ORDER: u8 = 2;
 
 /// Error below which the step is doubled, with a margin for errors of the order 2.5.
-const DOUBLING: f64 = 0.12;
+const LINE_DOUBLING: f64 = 0.12;
 
 /// Number of steps before a step size rejected by the growth guard is tried again.
 const RETRY_DELAY: u8 = 32;
@@ -65,7 +65,7 @@ impl Line {
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.advance_without_wear(path, length);
         }
-        let mut control = StepController::new(length, self.state.refinement, DOUBLING);
+        let mut control = StepController::new(length, self.state.refinement, LINE_DOUBLING);
         let mut failures = 0;
         let of_work = path.error_of_work() / operators.budget.steps.whole;
         while !control.is_done() {

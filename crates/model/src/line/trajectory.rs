@@ -95,7 +95,7 @@ pub(crate) struct StageMotion {
 }
 
 /// Speed, relative to the highest so far, up to which the bodies are at rest: rounding of an input that is intended to be 0.
-const REST: f64 = 1e-12;
+const AT_REST: f64 = 1e-12;
 
 /// Input trajectory over a piece.
 #[derive(Clone, Debug)]
@@ -139,7 +139,7 @@ impl InputTrajectory {
         };
         // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
         let middle = path.velocity(0.5 * length);
-        let rests = middle.abs() <= REST * line.state.fastest;
+        let rests = middle.abs() <= AT_REST * line.state.fastest;
         path.direction = if rests { 0.0 } else { middle.signum() };
         path
     }

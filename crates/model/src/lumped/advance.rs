@@ -8,7 +8,7 @@ use super::property_step::{ATTEMPTS, PropertyStep};
 use super::state::LumpedState;
 use super::stepper::{Attempt, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
-use crate::budget::Budget;
+use crate::budget::WorkBudget;
 use crate::events::{edges, load_is_negative, load_on_contact};
 use crate::growth;
 use crate::step_control::{FINEST, StepController};
@@ -19,7 +19,7 @@ use scene::message::Number;
 use std::fmt;
 
 /// Error below which the step is doubled: it falls by about eight when the step is halved.
-const DOUBLING: f64 = 0.3;
+const LUMPED_DOUBLING: f64 = 0.3;
 
 /// Single-step attempt in the common form, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct SingleStepAttempt<'a, const CONSTANT: bool> {
@@ -166,7 +166,7 @@ impl Lumped {
         if load_is_negative(inputs, &inputs.after(slopes, step), self.operators.scene.nominal_load) {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
-        let mut budget = Budget::new(1, 0);
+        let mut budget = WorkBudget::new(1, 0);
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
         if count > 1 && backup.is_none() {
             *backup = Some(self.state.clone());
@@ -195,9 +195,9 @@ impl Lumped {
         length: f64,
         is_too_long: bool,
         backup: &mut Option<LumpedState>,
-        budget: &mut Budget,
+        budget: &mut WorkBudget,
     ) -> Result<(), StepFailure> {
-        let mut control = StepController::new(length, self.state.refinement + u8::from(is_too_long), DOUBLING);
+        let mut control = StepController::new(length, self.state.refinement + u8::from(is_too_long), LUMPED_DOUBLING);
         self.state.rejected += u64::from(is_too_long);
         // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
         let mut whole = None;

@@ -37,7 +37,7 @@ const DECADES: i32 = 5;
 
 /// Least factor of a tolerance: where f is large only at frequencies at which the contact's resistance dominates, the body's own
 /// impedance is already small.
-const LEAST: f64 = 0.1;
+const LEAST_WEIGHT: f64 = 0.1;
 
 /// Error weight of a body: ratio of the relative error of the contact temperature to that of the body's own rise.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -85,8 +85,8 @@ pub(crate) fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     std::array::from_fn(|side| {
         let factor = |share: f64| share.powi(2) * last[side] / rise;
         ErrorWeight {
-            tolerance: factor(largest[side]).recip().clamp(LEAST, 1.0),
-            accounted: factor(taken[side]).clamp(LEAST, 1.0),
+            tolerance: factor(largest[side]).recip().clamp(LEAST_WEIGHT, 1.0),
+            accounted: factor(taken[side]).clamp(LEAST_WEIGHT, 1.0),
         }
     })
 }

@@ -15,8 +15,8 @@ pub(crate) fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) 
     (state.peak_rise / (resistance * scale)).max(1.0)
 }
 
-/// Least temperature rise to which errors of the cooling are relative, K.
-pub(crate) const LEAST_RISE: f64 = 1e-3;
+/// Least temperature rise to which errors are relative, K: a slider that hardly warms is not computed finer.
+pub(crate) const LEAST_LUMPED_RISE: f64 = 1e-3;
 
 /// Error of the temperatures at the end of a step, K, by a flux into a cooled face that is not linear between the stages, from the
 /// `residual` of its law at the point 2/3, W/m2. `fall` is the decrease of the law with the temperature; `gains`, the temperatures of

@@ -16,7 +16,7 @@ pub(crate) struct Side<S> {
 
 /// Heat fluxes into both bodies and their surface temperatures.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct HeatPartition<S> {
+pub(crate) struct InterfaceFluxes<S> {
     /// Flux into the punch, W/m2.
     pub punch: S,
     /// Flux into the strip, W/m2.
@@ -31,7 +31,7 @@ pub(crate) struct HeatPartition<S> {
 /// (W/(m2 K)), with both temperatures as level + gain q_i. An insulator receives no heat; its surface temperature follows from
 /// the same second law, and without conductance is that of the other surface.
 #[inline]
-pub(crate) fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
+pub(crate) fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> InterfaceFluxes<S> {
     let none = S::from(0.0);
     let jump = || if conductance > 0.0 { q * (0.5 / conductance) } else { none };
     let (into_punch, into_strip) = match (punch.gain, strip.gain) {
@@ -53,18 +53,18 @@ pub(crate) fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conduct
         (None, Some(strip)) => (strip + jump(), strip),
         (None, None) => (punch.level, strip.level),
     };
-    HeatPartition { punch: into_punch, strip: into_strip, punch_temperature, strip_temperature }
+    InterfaceFluxes { punch: into_punch, strip: into_strip, punch_temperature, strip_temperature }
 }
 
 /// Heat partition of separated surfaces: no heat passes. The surface temperature of an insulator is that of the other surface.
 #[inline]
-pub(crate) fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
+pub(crate) fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> InterfaceFluxes<S> {
     let (punch_temperature, strip_temperature) = match (punch.gain, strip.gain) {
         (Some(_), None) => (punch.level, punch.level),
         (None, Some(_)) => (strip.level, strip.level),
         _ => (punch.level, strip.level),
     };
-    HeatPartition { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
+    InterfaceFluxes { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
 }
 
 /// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute, and `gain` >= 0 the

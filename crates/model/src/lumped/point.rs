@@ -5,7 +5,7 @@
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{HeatPartition, Side, agree, partition, separated};
+use super::interface::{InterfaceFluxes, Side, agree, partition, separated};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
 use conduction::properties::Scales;
@@ -96,7 +96,7 @@ pub(crate) struct Point<S = f64> {
     /// Friction heat flux, W/m2.
     pub flux: S,
     /// Heat partition and surface temperatures.
-    pub partition: HeatPartition<S>,
+    pub partition: InterfaceFluxes<S>,
     /// Mean of both surfaces.
     pub contact_temperature: S,
     /// Heat flow to ambient, all faces, W: punch, strip.
@@ -124,7 +124,7 @@ fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
 
 /// Cooling fluxes of a body at frozen states: the direct feedthrough from flux to face temperature is the static correction of
 /// truncated modes. The pair is the prescribed temperature of the far face and that of the neighbour.
-fn held_cooling<S: Scalar>(
+fn frozen_cooling<S: Scalar>(
     body: &BodyOperators,
     heat: &ReducedBody,
     frozen: &FrozenBody,
@@ -202,7 +202,7 @@ pub(crate) fn evaluate<S: Scalar>(
     let cooled = |side: usize, into: S| match &bodies[side].heat {
         Some(heat) => {
             let around = [far[side], neighbours[side]];
-            held_cooling(bodies[side], heat, &frozen_bodies[side], state.reference, conditions, around, into)
+            frozen_cooling(bodies[side], heat, &frozen_bodies[side], state.reference, conditions, around, into)
         }
         None => [S::from(0.0); FACES],
     };
@@ -225,7 +225,7 @@ pub(crate) fn evaluate<S: Scalar>(
     let solve = |flux: S| {
         if closed { partition(sides[0], sides[1], flux, scene.conductance) } else { separated(sides[0], sides[1]) }
     };
-    let mean = |partition: &HeatPartition<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
+    let mean = |partition: &InterfaceFluxes<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
     let reference = S::from(state.reference);
     let none = solve(S::from(0.0));
     let level = mean(&none) + reference;

@@ -12,17 +12,16 @@
 //!
 //! Theory: docs/theory.md, section 4.15.
 
+use super::estimate::LEAST_LUMPED_RISE;
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
-use conduction::properties::Scales;
+use crate::tolerance::enough_of_property;
+use conduction::properties::{Scales, middle_of_step};
 use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
 
 /// Attempts of a step with other temperatures in its middle.
 pub(crate) const ATTEMPTS: usize = 3;
-
-/// Most by which the temperature in the middle of a step is extrapolated from that at its start, K.
-const FARTHEST: f64 = 50.0;
 
 /// Bodies during a step.
 #[derive(Clone, Debug)]
@@ -69,7 +68,7 @@ impl PropertyStep {
             if let (Some(_), Some(heat)) = (&body.properties, &body.heat) {
                 let start = state.reference + body.mean_rise(heat, &own.heat, state.far[side]);
                 self.start[side] = start;
-                self.middle[side] = start + (0.5 * step * own.trend).clamp(-FARTHEST, FARTHEST);
+                self.middle[side] = middle_of_step(start, own.trend, step);
             }
         }
         self.freeze(operators)
@@ -111,14 +110,14 @@ impl PropertyStep {
             let found = 0.5 * (self.start[side] + ends[side]);
             self.found[side] = found;
             let deviation = (contact - found).abs();
-            let allowed = self.tolerance * maximum(peak_rise, deviation).max(1e-3);
+            let allowed = self.tolerance * maximum(peak_rise, deviation).max(LEAST_LUMPED_RISE);
             let [low, high] = self.within[side];
             let inside = |temperature: f64| low <= temperature && temperature < high;
             if inside(found) && inside(self.start[side]) && inside(ends[side]) {
                 // Within a part of the temperature properties are constants.
                 continue;
             }
-            let enough = 0.1 * allowed / deviation.max(1e-9);
+            let enough = enough_of_property(allowed, deviation);
             let miss = properties.change([self.middle[side], found], enough);
             if miss > enough && !inside(found) {
                 missed += miss * deviation / allowed;

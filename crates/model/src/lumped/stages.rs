@@ -471,7 +471,7 @@ impl<const COMMON: bool> Stages<COMMON> {
             // is weighted by duration. A release has the same heat in a part of any duration, and is displaced within it.
             let [transitions, released] = self.unevenness(stepper);
             defect += (bent.abs() + transitions + released / stepper.cut) / stepper.cut;
-            held = self.held_error(stepper, conditions[0].stribeck);
+            held = self.stuck_force_error(stepper, conditions[0].stribeck);
         } else {
             let heat = kinetic_coefficient * stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
@@ -503,7 +503,7 @@ impl<const COMMON: bool> Stages<COMMON> {
     /// Error of the force in which the bristle is left, in units of the tolerance: where it sticks before the end of the step, that force
     /// stays. The limit is a line through the stages, but the Stribeck factor, `start` at the start, is steep near standstill.
     #[inline(never)]
-    fn held_error(&self, stepper: &Stepper, start: f64) -> f64 {
+    fn stuck_force_error(&self, stepper: &Stepper, start: f64) -> f64 {
         let Some(bristle) = self.bristle.filter(|_| [start; 2] != self.stribeck) else { return 0.0 };
         let (operators, friction, step) = (stepper.operators, stepper.friction, stepper.propagators.step);
         let plain = [0, 1].map(|stage| self.limit(stepper, self.kinetic_coefficient[stage], 1.0, self.pressure[stage]));

@@ -12,7 +12,7 @@ mod tests;
 
 use super::air::{BESIDE, FAR};
 use super::conditions::Conditions;
-use super::estimate::LEAST_RISE;
+use super::estimate::LEAST_LUMPED_RISE;
 use super::operators::BodyOperators;
 use super::point::strip_entry;
 use super::stage::{Pair, Propagator, QUADRATURE, sum};
@@ -95,8 +95,8 @@ impl<'a> Stepper<'a> {
         let mut stages = Stages::<COMMON>::new(self, state, at);
         let cools = punch.cools() || strip.cools();
         let iteration = &operators.budget.iteration;
-        let enough =
-            if COMMON { iteration.lumped_radiation } else { iteration.lumped_stage } * (1e-3 + state.peak_rise);
+        let enough = if COMMON { iteration.lumped_radiation } else { iteration.lumped_stage }
+            * (LEAST_LUMPED_RISE + state.peak_rise);
         if cools {
             // Nearly all of the heat enters the better conductor.
             strip.flux[0] = stages.expected_heat();
@@ -154,7 +154,7 @@ impl<'a> Stepper<'a> {
             let at_start = (!constant).then(|| around_both(start, start));
             let at_start = |side: usize| at_start.as_ref().map(|around| &around[side]);
             let around = around_both(middle, middle);
-            let rise = state.peak_rise.max(LEAST_RISE).max(first.abs()).max(last.abs());
+            let rise = state.peak_rise.max(LEAST_LUMPED_RISE).max(first.abs()).max(last.abs());
             let mut of_cooling = 0.0;
             for relaxes in [constant, false] {
                 let of_punch = punch.cooling_error(&state.punch, reference, at_start(0), &around[0], relaxes);

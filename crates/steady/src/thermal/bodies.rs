@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 9.4.
 
 use crate::SteadyError;
-use conduction::STEFAN_BOLTZMANN;
+use model::line::heat::air::transfer;
 use scene::{Body, Geometry, InitialShape, Path, Scene, ThermalBoundary};
 
 /// Rejects scenes without a steady state because no heat leaves: friction heats the bodies without limit.
@@ -22,30 +22,25 @@ pub(super) fn heat_leaves(scene: &Scene, speed: f64) -> Result<(), SteadyError> 
     Err(SteadyError::NoHeatLeaves { closed })
 }
 
-/// Heat transfer coefficient to the ambient, including radiation at the ambient temperature.
-fn transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
-    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
-    body.convection + body.convection_forced * speed.powf(0.8) + radiation
-}
-
 fn through_far_face(body: &Body, scene: &Scene, speed: f64) -> bool {
     match body.far_thermal {
         ThermalBoundary::Held | ThermalBoundary::External => true,
-        ThermalBoundary::Convecting => transfer(body, scene, speed) > 0.0,
+        ThermalBoundary::Convecting => transfer(body.convection, body, scene, speed) > 0.0,
         ThermalBoundary::Insulated => false,
     }
 }
 
 fn leaves_punch(scene: &Scene, speed: f64) -> bool {
     let body = &scene.punch;
-    let by_sides = scene.punch_cooled_area() > 0.0 && transfer(body, scene, speed) > 0.0;
+    let by_sides = scene.punch_cooled_area() > 0.0 && transfer(body.convection, body, scene, speed) > 0.0;
     body.conductivity > 0.0 && (through_far_face(body, scene, speed) || by_sides)
 }
 
 fn leaves_strip(scene: &Scene, speed: f64) -> bool {
     let body = &scene.strip;
     let free = scene.geometry != Geometry::Periodic;
-    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || free && transfer(body, scene, speed) > 0.0)
+    body.conductivity > 0.0
+        && (through_far_face(body, scene, speed) || free && transfer(body.convection, body, scene, speed) > 0.0)
 }
 
 /// The scene with a nominal duration over which its reduced bodies are accurate until they are steady; without initial heat, and
@@ -59,7 +54,7 @@ pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
         }
         let diffusivity = body.diffusivity();
         let through = body.height * body.height / diffusivity;
-        let transfer = transfer(body, &scene, speed);
+        let transfer = transfer(body.convection, body, &scene, speed);
         let held = body.far_is_prescribed();
         if !leaves {
             let along = body.height + scene.width;

@@ -31,6 +31,7 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
+/// Iterations after which the state counts as not found.
 const MOST_ITERATIONS: usize = 200;
 
 /// Differences stored for the Anderson acceleration.

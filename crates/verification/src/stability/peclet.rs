@@ -22,7 +22,7 @@ pub(crate) const SUMMARY: &str =
 const MODES: (u32, u32) = (200, 200);
 const STEPS: i32 = 10;
 /// Position of Pe = 0 in the map.
-const REST: f64 = 1e-3;
+const AT_PECLET_0: f64 = 1e-3;
 
 /// A brake disc of 11 mm to its middle plane, at 10 m/s with steps of .1 s: 1.35 revolutions per step.
 pub const DISC: ClosedPath = ClosedPath {
@@ -77,7 +77,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Fallible<Map> {
             for (points, value) in points.iter_mut().zip([first, second, found[STEPS as usize - 1]]) {
                 let error = (value / known - 1.0).abs();
                 let verdict = if error <= AGREEMENT { Verdict::Right } else { Verdict::Inexact };
-                points.push(Point { x: peclet.max(REST), y: step, verdict, error });
+                points.push(Point { x: peclet.max(AT_PECLET_0), y: step, verdict, error });
             }
         }
         progress((index + 1) as f64 / step_sizes.len() as f64);

@@ -62,7 +62,7 @@ impl Resolution {
 const RESOLVED_HARMONICS: f64 = 4000.0;
 
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
-const FLATTEST: f64 = 2000.0;
+const FLATTEST_CONDUCTING: f64 = 2000.0;
 
 impl StripProperties {
     /// A strip that does not expand.
@@ -73,7 +73,7 @@ impl StripProperties {
     /// The slab with a convection of at most 18,000 K over the contact's `width` (m): the air is then as close to the surface as an
     /// eighteen-thousandth of that width of material. Stronger convection changes nothing, and would take waves as short.
     pub(super) fn cooled_slab(&self, width: f64) -> Slab {
-        let thinnest = Slab { height: width / FLATTEST, ..self.slab };
+        let thinnest = Slab { height: width / FLATTEST_CONDUCTING, ..self.slab };
         let most = 0.5 * self.slab.conductivity * thinnest.half_plane_from();
         Slab { surface_transfer: self.slab.surface_transfer.min(most), ..self.slab }
     }
@@ -88,7 +88,7 @@ impl StripProperties {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, requirement)?;
         }
         let requirement = "at least a two thousandth of the contact's width";
-        OutOfRange::unless(height * FLATTEST >= width, "strip height", height, requirement)?;
+        OutOfRange::unless(height * FLATTEST_CONDUCTING >= width, "strip height", height, requirement)?;
         OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
         match self.path {
             // Full periodic contact must be accepted despite rounding of the width.

@@ -187,6 +187,7 @@ fn sign(degree: usize) -> f64 {
     if degree.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
+/// Identity matrix.
 const IDENTITY: [[f64; RANK]; RANK] = {
     let mut matrix = [[0.0; RANK]; RANK];
     let mut i = 0;

@@ -116,6 +116,7 @@ impl CorrectionWorkspace {
     }
 }
 
+/// Distortion by flux of a strip that does not expand, m3/W.
 const NO_DISTORTION: Complex<f64> = Complex::new(0.0, 0.0);
 
 impl StaticCorrection {

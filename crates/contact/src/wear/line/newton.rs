@@ -22,6 +22,7 @@ use super::{Conditions, StageError, WearingContact};
 use crate::{ContactState, Normal, Tilt};
 use numerics::maximum::maximum;
 
+/// Iterations of Newton's method after which a stage has no solution and its step is halved.
 const NEWTON_LIMIT: usize = 60;
 /// Tolerance of Newton's method: the last change relative to the largest local displacement.
 const NEWTON_TOLERANCE: f64 = 1e-12;

@@ -101,7 +101,7 @@ impl CellRate {
     }
 
     /// Whether f is linear in p.
-    pub(crate) fn is_linear(&self) -> bool {
+    pub fn is_linear(&self) -> bool {
         self.terms.iter().all(|term| term.law.is_linear())
     }
 

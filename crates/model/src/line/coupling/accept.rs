@@ -17,7 +17,7 @@ use numerics::subnormal::flushed;
 
 /// Least temperature rise to which the error of the temperature is relative, K: a run begins with none, and slow pins rise by
 /// a tenth of a kelvin.
-pub(in crate::line) const LEAST_RISE: f64 = 0.1;
+pub(in crate::line) const LEAST_LINE_RISE: f64 = 0.1;
 
 /// Part of a jump of the flux through a cell at the start of a step that counts as its deviation at least: a transient between the bodies
 /// that has passed at the first stage does not show in the change between the stages. Without it the first step of random scenes missed
@@ -115,7 +115,7 @@ impl Solved<'_> {
         let width = 2.0 * operators.cells.half_width();
         let mut moved_square = 0.0;
         let mut temperature_error: f64 = 0.0;
-        let [mut rise, mut before] = [LEAST_RISE; 2];
+        let [mut rise, mut before] = [LEAST_LINE_RISE; 2];
         heat.iterate.sums[1].fill(0.0);
         let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         // A body alone takes all the heat at once.
@@ -155,7 +155,7 @@ impl Solved<'_> {
             !heat.open && heat.partitions[0].closed().iter().chain(heat.partitions[1].closed()).any(|closed| *closed);
         let [error, of_faces, moved] = heat.errors_of_faces(state, touch);
         let cells = heat.temperature[1].iter().map(|surface| largest(surface));
-        let rise = cells.fold(maximum(of_faces, LEAST_RISE), maximum);
+        let rise = cells.fold(maximum(of_faces, LEAST_LINE_RISE), maximum);
         maximum(moved / bound, error / (operators.budget.steps.whole * rise))
     }
 }
@@ -238,7 +238,7 @@ impl ThermalCoupling {
 const SMOOTH: f64 = 3.0;
 
 /// Least ratio of found to predicted rate: a rate of 0 is reserved for "none".
-const LEAST: f64 = 1e-3;
+const LEAST_RATIO: f64 = 1e-3;
 
 /// Rate of a flux over a step from the one before, from its values at the start, at the first stage and at the end, which are
 /// 1/`per_length` apart (1/s); 0 where a cell or face exchanges no heat, or has just begun to.
@@ -259,7 +259,7 @@ pub(super) fn slope_over_step(predicted: f64, [before, first, end]: [f64; 3], pe
 /// bit, so the order of convergence for smooth fluxes is preserved; beyond, the rate is reduced with the fourth power.
 fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
     let lasting = (SMOOTH * late / early).abs().min(1.0);
-    let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST, 1.0) };
+    let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST_RATIO, 1.0) };
     let square = (lasting * met).powi(2);
     square * square * late
 }

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 6.1, 6.4.
 
 use super::ThermalCoupling;
-use crate::line::heat::state::HeatState;
+use crate::line::heat::state::{CELL_LANES, HeatState};
 use conduction::line::{First, GAMMA, Stage};
 use contact::wear::line::StageError;
 use numerics::maximum::maximum;
@@ -350,17 +350,14 @@ fn follow_ambient(ambient: f64, [temperature, distortion]: [&mut [f64]; 2]) {
     distortion.fill(0.0);
 }
 
-/// Number of lanes of [`largest`].
-const LANES: usize = 8;
-
 /// Largest absolute value; NaN if a value is not finite.
 pub(super) fn largest(values: &[f64]) -> f64 {
     let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
-    let (groups, rest) = values.as_chunks::<LANES>();
+    let (groups, rest) = values.as_chunks::<CELL_LANES>();
     // A product with 0 is NaN where the comparison would pass over a number that is not finite.
-    let (mut most, mut nothing) = ([0.0; LANES], [0.0; LANES]);
+    let (mut most, mut nothing) = ([0.0; CELL_LANES], [0.0; CELL_LANES]);
     for group in groups {
-        for k in 0..LANES {
+        for k in 0..CELL_LANES {
             most[k] = more(most[k], group[k]);
             nothing[k] += 0.0 * group[k];
         }

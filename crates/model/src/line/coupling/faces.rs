@@ -13,7 +13,7 @@
 //! Theory: docs/theory.md, sections 4.11, 6.1, 7.1.
 
 use super::ThermalCoupling;
-use super::accept::{LEAST_RISE, deviation_from_line, slope_over_step};
+use super::accept::{LEAST_LINE_RISE, deviation_from_line, slope_over_step};
 use super::evaluation::largest;
 use crate::line::heat::air::cooling;
 use crate::line::heat::bodies::cooled_part;
@@ -302,7 +302,7 @@ impl ThermalCoupling {
         let change = faces.balance(s, &before);
         faces.temperature[s] = (Vector4::from(before) + faces.rise * Vector4::from(change)).into();
         faces.flux[s].iter_mut().zip(change).for_each(|(flux, change)| *flux += change);
-        let (mut moved, mut rise) = (0.0, maximum(LEAST_RISE, largest(&faces.temperature[s])));
+        let (mut moved, mut rise) = (0.0, maximum(LEAST_LINE_RISE, largest(&faces.temperature[s])));
         for (influence, change) in faces.influence[s].iter().zip(change) {
             let most = maximum(largest(&influence.temperature), largest(&influence.faces));
             moved = maximum(moved, (change * most).abs());

@@ -9,15 +9,13 @@
 use super::stage::{Solved, state_of};
 use super::{ThermalCoupling, evaluation::largest};
 use crate::line::stages::StepData;
+use crate::tolerance::enough_of_property;
 use conduction::line::{Exchange, GAMMA, Step, ThermalBody};
-use conduction::properties::Scales;
+use conduction::properties::{Scales, middle_of_step};
 use numerics::dense;
 use numerics::maximum::maximum;
 
-use super::accept::LEAST_RISE;
-
-/// Most by which the temperature in the middle of a step is extrapolated from that at its start, K.
-const FARTHEST: f64 = 50.0;
+use super::accept::LEAST_LINE_RISE;
 
 /// Properties of both bodies during the step under way.
 #[derive(Clone, Debug)]
@@ -59,7 +57,7 @@ impl ThermalCoupling {
         for (side, body) in [&mean.punch, &mean.strip].into_iter().enumerate() {
             if let (Some(_), Some(own)) = (&body.properties, &mut self.bodies[side]) {
                 let start = given.reference + own.mean_temperature(&state.bodies[side]);
-                let middle = start + (0.5 * step * state.trend[side]).clamp(-FARTHEST, FARTHEST);
+                let middle = middle_of_step(start, state.trend[side], step);
                 (self.frozen.start[side], self.frozen.middle[side]) = (start, middle);
                 self.frozen.scales[side] = own.scales_at(middle);
             }
@@ -84,8 +82,8 @@ impl Solved<'_> {
             let end = start + heat.step * (state.trend[side] + (flux - into(&state.flux[side])) / capacity);
             let hottest = largest(&heat.temperature[1][side]);
             let deviation = (hottest + given.reference - middle).abs();
-            let allowed = tolerance * maximum(hottest, maximum(deviation, LEAST_RISE));
-            let enough = 0.1 * allowed / deviation.max(1e-9);
+            let allowed = tolerance * maximum(hottest, maximum(deviation, LEAST_LINE_RISE));
+            let enough = enough_of_property(allowed, deviation);
             let missed = properties.change([middle, 0.5 * (start + end)], enough);
             let change = properties.change([start, end], enough.sqrt());
             error = maximum(error, maximum(missed, change * change / 12.0) * deviation / allowed);

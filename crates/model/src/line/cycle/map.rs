@@ -8,11 +8,11 @@ use super::records::{Extremes, Totals};
 use super::tangent::WearJacobian;
 use crate::Inputs;
 use crate::line::Line;
+use crate::line::heat::air::transfer;
 #[cfg(doc)]
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
-use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{FrozenState, GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};
 use std::sync::Arc;
@@ -415,9 +415,8 @@ impl CycleMap {
 
 /// Heat transfer coefficient of radiation and forced convection over the heat capacity per area, 1/s.
 fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
-    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
     let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
-    faces * (body.convection_forced * speed.powf(0.8) + radiation) / body.areal_capacity()
+    faces * transfer(0.0, body, scene, speed) / body.areal_capacity()
 }
 
 /// Inputs of steady sliding: ambient and external temperatures are the ambient temperature.

@@ -46,8 +46,8 @@ pub struct HeatState {
     pub start: [[f64; 4]; 2],
 }
 
-/// Number of lanes of [`HeatState::lowest`].
-const LANES: usize = 8;
+/// Cells compared at once for the largest or lowest value.
+pub(crate) const CELL_LANES: usize = 8;
 
 /// Linearization point of the operators reused from step to step, with its validity radius.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -201,11 +201,11 @@ impl HeatState {
     /// Lowest temperature of either surface; NaN where one is NaN.
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
-        let mut found = [f64::INFINITY; LANES];
+        let mut found = [f64::INFINITY; CELL_LANES];
         for side in &self.temperature {
-            let (groups, rest) = side.as_chunks::<LANES>();
+            let (groups, rest) = side.as_chunks::<CELL_LANES>();
             for group in groups {
-                for k in 0..LANES {
+                for k in 0..CELL_LANES {
                     found[k] = lower(found[k], group[k]);
                 }
             }

@@ -19,7 +19,7 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Modes per vector.
-const LANES: usize = 8;
+const MODE_LANES: usize = 8;
 
 /// Phase rotation of all modes over an interval.
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ pub(crate) struct PhaseRotation<'a> {
 }
 
 /// One value per lane.
-type Lanes = [f64; LANES];
+type Lanes = [f64; MODE_LANES];
 
 #[inline(always)]
 fn each(value: impl Fn(usize) -> f64) -> Lanes {
@@ -60,7 +60,7 @@ impl PhaseRotation<'_> {
         let begin = constant.max(numbers.partition_point(|number| number * turn < least));
         let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
         // The scalar form also serves fewer modes than lanes.
-        let enough = |range: Range<usize>| if range.len() < LANES { range.start..range.start } else { range };
+        let enough = |range: Range<usize>| if range.len() < MODE_LANES { range.start..range.start } else { range };
         let (constant, turning) = (enough(0..constant), enough(begin..end));
         let [a, b, c, d] = weights;
         Arch::new().dispatch(Abreast {
@@ -91,7 +91,11 @@ struct Abreast<'a> {
 /// Vectors that cover a range of at least their length, or of none; the last overlaps the one before.
 fn vectors(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
     let end = range.end;
-    range.clone().step_by(LANES).map(move |first| first.min(end - LANES)).map(|first| first..first + LANES)
+    range
+        .clone()
+        .step_by(MODE_LANES)
+        .map(move |first| first.min(end - MODE_LANES))
+        .map(|first| first..first + MODE_LANES)
 }
 
 /// States of some modes: propagation factor e^z and z.
@@ -114,7 +118,7 @@ impl Exponent {
     fn integrals(&self) -> [[Lanes; 2]; 2] {
         let (z, factor) = (self.z, self.factor);
         let near = each(|l| if z[0][l].abs() + z[1][l].abs() < NEAR { 1.0 } else { 0.0 });
-        let mut series = [[0.0; LANES]; 2];
+        let mut series = [[0.0; MODE_LANES]; 2];
         for coefficient in FALLING.iter().rev() {
             series = product(series, z);
             series[0] = each(|l| series[0][l] + coefficient);
@@ -148,7 +152,7 @@ impl WithSimd for Abreast<'_> {
             let [all, falling] = exponent(&at).integrals();
             for (part, [of_falling, of_rising]) in [[&mut *a, &mut *c], [&mut *b, &mut *d]].into_iter().enumerate() {
                 let (of_falling, of_rising) = (&mut of_falling[at.clone()], &mut of_rising[at.clone()]);
-                for l in 0..LANES {
+                for l in 0..MODE_LANES {
                     of_falling[l] = step * falling[part][l];
                     of_rising[l] = step * (all[part][l] - falling[part][l]);
                 }
@@ -165,7 +169,7 @@ impl WithSimd for Abreast<'_> {
             let mut upper = product(product(ends, square), inverse);
             let (mut all, mut tilt) = (lower, upper);
             let eta = each(|l| rotation.numbers[at.clone()][l] * change);
-            let mut weight = [[1.0; LANES], [0.0; LANES]];
+            let mut weight = [[1.0; MODE_LANES], [0.0; MODE_LANES]];
             let count = terms(drift * rotation.numbers[at.end - 1]);
             for m in 1..=count {
                 let multiple = 2.0 * (2 * m + 1) as f64;
@@ -182,7 +186,7 @@ impl WithSimd for Abreast<'_> {
             let tilt = product(tilt, z);
             for (part, [falling, rising]) in [[&mut *a, &mut *c], [&mut *b, &mut *d]].into_iter().enumerate() {
                 let (falling, rising) = (&mut falling[at.clone()], &mut rising[at.clone()]);
-                for l in 0..LANES {
+                for l in 0..MODE_LANES {
                     falling[l] = 0.5 * step * (all[part][l] + tilt[part][l]);
                     rising[l] = 0.5 * step * (all[part][l] - tilt[part][l]);
                 }
