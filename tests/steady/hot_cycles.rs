@@ -297,7 +297,7 @@ fn jumps_end_where_every_cycle_ends() {
         jumps.carry_to(f64::from(cycles), |jump| last = Some(jump.clone())).unwrap();
         let last = last.unwrap();
         let error: Vec<f64> = last.memory.iter().zip(&memory).map(|(jumped, exact)| jumped - exact).collect();
-        let [shape, warmth] = map.size_of(&error, &memory);
+        let [shape, warmth] = map.sizes(&error, &memory, false);
         let widths = map.operators().cells.widths();
         let mean = |values: &[f64]| values.iter().zip(widths).map(|(v, c)| v * c).sum::<f64>();
         let wear = mean(&error[punch.clone()]) / mean(&memory[punch]);

@@ -66,14 +66,8 @@ impl PerturbationGrowth {
         PerturbationGrowth { critical, friction, slowest, rates }
     }
 
-    /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s); 0 up to the critical speed. Friction
-    /// and speed count by their product, which heats.
-    pub fn rate(&self, friction: f64, speed: f64) -> f64 {
-        let critical = if self.critical.may_be_exceeded(friction, speed) { self.critical.at(friction) } else { 0.0 };
-        self.rate_beyond(critical, friction, speed)
-    }
-
-    /// [`PerturbationGrowth::rate`] at the critical speed `critical` (m/s) of this friction coefficient; 0: nothing grows.
+    /// Upper bound of the growth rate (1/s) at this friction coefficient and sliding speed (m/s), whose critical speed is `critical`
+    /// (m/s); 0 up to that, or where it is 0. Friction and speed count by their product, which heats.
     fn rate_beyond(&self, critical: f64, friction: f64, speed: f64) -> f64 {
         if self.rates.is_empty() || critical == 0.0 || speed <= critical {
             return 0.0;

@@ -34,10 +34,6 @@ pub struct BoxSolution {
     pub values: DVector<f64>,
     /// Multipliers of the constraints: `Q d + c = B multipliers` where d is between its bounds.
     pub multipliers: DVector<f64>,
-    /// Active sets tried.
-    pub iterations: usize,
-    /// Whether complementary pivoting was needed.
-    pub fallback: bool,
 }
 
 /// Reason for which a programme has no solution.
@@ -76,7 +72,7 @@ impl BoxProgramme {
         while let Some((values, multipliers)) = self.solve_on(&statuses) {
             let next = self.next(&statuses, &values, &multipliers);
             if next == statuses {
-                return Ok(BoxSolution { values, multipliers, iterations: tried.len() + 1, fallback: false });
+                return Ok(BoxSolution { values, multipliers });
             }
             tried.push(std::mem::replace(&mut statuses, next));
             if tried.len() == ITERATION_LIMIT || tried.contains(&statuses) {
@@ -85,7 +81,7 @@ impl BoxProgramme {
         }
         let statuses = self.pivoted()?;
         let (values, multipliers) = self.solve_on(&statuses).ok_or(ProgrammeError::Infeasible)?;
-        Ok(BoxSolution { values, multipliers, iterations: tried.len(), fallback: true })
+        Ok(BoxSolution { values, multipliers })
     }
 
     fn solve_on(&self, statuses: &[BoundStatus]) -> Option<(DVector<f64>, DVector<f64>)> {

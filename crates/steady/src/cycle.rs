@@ -50,8 +50,6 @@ pub struct Cycle {
     pub sinking: f64,
     /// Rotation by which it tilts in a cycle, in rad.
     pub tilting: f64,
-    /// Newton iterations.
-    pub iterations: usize,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -111,7 +109,7 @@ impl CycleProblem<'_> {
         let mut places = vec![Touching::Both; count];
         let mut depth = [self.durations.iter().sum::<f64>() * self.rate.rate(0, mean), 0.0];
         let mut jump = [0.0, 0.0];
-        for iterations in 1..=ITERATION_LIMIT {
+        for _ in 0..ITERATION_LIMIT {
             let depth_at = |i: usize| depth[0] + depth[1] * shift(1, i);
             let states: Vec<CellState> =
                 (0..count).map(|i| self.cell(i, places[i], difference[i], depth_at(i))).collect();
@@ -201,7 +199,7 @@ impl CycleProblem<'_> {
                 }
             }
             if !changed && share == 1.0 && step < ROUNDING && size < ROUNDING {
-                return Ok(self.cycle(&states, depth, jump, elastic, &normal, &shear, iterations));
+                return Ok(self.cycle(&states, depth, jump, elastic, &normal, &shear));
             }
         }
         Err(self.not_found())
@@ -293,7 +291,6 @@ impl CycleProblem<'_> {
         q
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the end of one long solution, split off for length")]
     fn cycle(
         &self,
         states: &[CellState],
@@ -302,7 +299,6 @@ impl CycleProblem<'_> {
         elastic: f64,
         normal: &DMatrix<f64>,
         shear: &DMatrix<f64>,
-        iterations: usize,
     ) -> Cycle {
         let (x, half_width) = (self.cells.centres(), self.cells.half_width());
         let forward = DVector::from_iterator(states.len(), states.iter().map(|s| s.forward));
@@ -322,7 +318,6 @@ impl CycleProblem<'_> {
             tilt_jump: jump[1] * elastic / half_width,
             sinking: depth[0],
             tilting: depth[1] / half_width,
-            iterations,
         }
     }
 }

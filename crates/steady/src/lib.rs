@@ -156,23 +156,6 @@ impl fmt::Display for SteadyError {
 
 impl std::error::Error for SteadyError {}
 
-/// Whether reciprocating sliding can run in at all, by which bodies wear.
-///
-/// A strip that wears on a straight track of this `stroke` (m) never runs in under a contact of this `width` (m): the ends of the track are
-/// rarely in contact. On a closed path its wear is
-/// uniform along the path and does not reshape the contact, so the punch has to wear.
-pub fn can_run_in_reciprocating(
-    punch_wears: bool,
-    strip_wears: bool,
-    closed_path: bool,
-    [stroke, width]: [f64; 2],
-) -> Result<(), SteadyError> {
-    if strip_wears && !closed_path {
-        return Err(SteadyError::WearingStripReciprocating { stroke, width });
-    }
-    if punch_wears { Ok(()) } else { Err(SteadyError::NothingWears) }
-}
-
 /// Checks that a value is finite and positive.
 fn positive(quantity: &'static str, value: f64) -> Result<(), SteadyError> {
     if value.is_finite() && value > 0.0 {

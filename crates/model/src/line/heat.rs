@@ -3,7 +3,6 @@
 //!
 //! Theory: docs/theory.md, sections 6.1, 6.2.
 
-pub mod air;
 pub mod bodies;
 pub(crate) mod edges;
 pub mod partition;

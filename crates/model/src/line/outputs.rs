@@ -217,7 +217,7 @@ impl Line {
         let (scene, count) = (&operators.scene, operators.count());
         // Friction per load in dual numbers: it rotates the punch and shifts the pressure.
         let duals = inputs.zip(seed, |value, derivative| Dual { value, derivative });
-        let point = self.mean.dual_point(&duals);
+        let point = self.mean.evaluate(&duals).0;
         let full = operators.mean.scene.faces * operators.mean.power_factor;
         let load = load_on_contact(inputs.normal_load, scene.nominal_load);
         let load_rate = if load > 0.0 { seed.normal_load } else { 0.0 };
@@ -262,7 +262,7 @@ impl Line {
         self.write_heat_rates(inputs, seed, derivatives);
         let (pressure, rate) = (&self.shown.1.pressure, &self.stages.rate);
         let duals = loaded.zip(&seeds, |value, derivative| Dual { value, derivative });
-        let loaded_point = self.mean.dual_point(&duals);
+        let loaded_point = self.mean.evaluate(&duals).0;
         let total: f64 = operators.weights.iter().sum();
         let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(|i| operators.weights[i] * of(i)).sum::<f64>();
         let highest = (0..count).max_by(|&i, &j| pressure[i].total_cmp(&pressure[j])).unwrap_or(0);

@@ -11,7 +11,7 @@ pub(crate) use conduction::line::{BESIDE, FACES, FAR};
 use conduction::properties::Scales;
 use conduction::reduced::Port;
 use numerics::scalar::Scalar;
-use scene::{Body, ThermalBoundary};
+use scene::{Body, Scene, ThermalBoundary};
 
 /// Ports of the heat fluxes through the faces.
 pub(crate) const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];
@@ -37,7 +37,7 @@ pub struct Air {
 impl Air {
     /// Fluxes of the faces of `body`, whose states have the heat transfer coefficient `within` (H0), with the reference area `area`
     /// (m2, all faces); the free surface beside the contact is `part` of it.
-    pub(crate) fn of(body: &Body, within: f64, part: f64, area: f64) -> [Air; FACES] {
+    pub fn of(body: &Body, within: f64, part: f64, area: f64) -> [Air; FACES] {
         let over = |part: f64| match body.conductivity > 0.0 && part > 0.0 {
             true => Air {
                 forced: body.convection_forced * part,
@@ -117,7 +117,7 @@ impl Air {
 
     /// [`Air::flux`], and its decrease with the temperature of the face, W/(m2 K), for implicit solutions.
     #[inline]
-    pub(crate) fn law(&self, reference: f64, t: f64, ambient: f64, forced: f64, neighbour: f64) -> [f64; 2] {
+    pub fn law(&self, reference: f64, t: f64, ambient: f64, forced: f64, neighbour: f64) -> [f64; 2] {
         let mut by_air = forced * self.forced + self.rest;
         if self.emissivity > 0.0 {
             by_air += 4.0 * STEFAN_BOLTZMANN * self.emissivity * (t + reference).max(0.0).powi(3);
@@ -132,4 +132,10 @@ impl Air {
         let radiation = (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * self.emissivity);
         forced * self.forced + S::from(self.rest) + radiation
     }
+}
+
+/// Heat transfer coefficient (W/(m2 K)) to the ambient at `speed` (m/s): `convection`, the forced one, and radiation at the ambient temperature.
+pub fn transfer(convection: f64, body: &Body, scene: &Scene, speed: f64) -> f64 {
+    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
+    convection + body.convection_forced * speed.powf(0.8) + radiation
 }

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 8.1.
 
 mod advance;
-pub(crate) mod air;
+pub mod air;
 pub(crate) mod bristle;
 pub mod conditions;
 pub(crate) mod error_weights;
@@ -28,7 +28,7 @@ use bristle::Line;
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
-use numerics::scalar::{Dual, Scalar};
+use numerics::scalar::Scalar;
 use operators::LumpedOperators;
 use point::{Frozen, Point};
 use property_step::PropertyStep;
@@ -246,11 +246,6 @@ impl Lumped {
     fn point_at<S: Scalar>(&mut self, conditions: &Conditions<S>) -> Point<S> {
         let frozen = self.frozen.get_or_insert_with(|| Frozen::new(&self.operators, &self.state));
         point::evaluate(&self.operators, &self.friction, &self.state, frozen, &self.tunables, conditions)
-    }
-
-    /// Contact in dual numbers at frozen states.
-    pub(crate) fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
-        self.evaluate(inputs).0
     }
 
     /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 9.4.
 
 use crate::SteadyError;
-use model::line::heat::air::transfer;
+use model::lumped::air::transfer;
 use scene::{Body, Geometry, InitialShape, Path, Scene, ThermalBoundary};
 
 /// Rejects scenes without a steady state because no heat leaves: friction heats the bodies without limit.

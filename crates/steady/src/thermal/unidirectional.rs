@@ -22,9 +22,9 @@ use contact::{ContactSolver, Normal};
 use elasticity::discretization::relative_radii;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
-use model::line::heat::air::cooling;
 use model::line::heat::bodies::cooled_part;
 use model::line::hottest::Hottest;
+use model::lumped::air::Air;
 use nalgebra::{DMatrix, DVector};
 use numerics::acceleration::Anderson;
 use numerics::factorization;
@@ -285,21 +285,10 @@ impl Problem<'_> {
     fn cooling(&self, side: usize, face: usize, t: f64) -> [f64; 2] {
         let scene = self.scene();
         let body = if side == 0 { &scene.punch } else { &scene.strip };
-        let part = match (side, face) {
-            (_, FAR) if body.far_thermal != ThermalBoundary::Convecting => 0.0,
-            (1, BESIDE) => cooled_part(scene),
-            _ => 1.0,
-        };
-        let forced = self.velocity().abs().powf(0.8);
-        let [flux, fall] = cooling(body, scene.ambient_temperature, t, 0.0, forced).map(|value| part * value);
+        let beside = if side == 0 { 1.0 } else { cooled_part(scene) };
+        let air = Air::of(body, body.convection, beside, scene.far_areas()[side])[face];
         // Neighbours have the ambient temperature.
-        match body.external_conductance {
-            conductance if face == FAR && conductance > 0.0 => {
-                let path = conductance / scene.far_areas()[side];
-                [flux - path * t, fall + path]
-            }
-            _ => [flux, fall],
-        }
+        air.law(scene.ambient_temperature, t, 0.0, self.velocity().abs().powf(0.8), 0.0)
     }
 
     /// Ambient, far-face temperatures and cooling; `cooled` are the temperatures of the cooled faces, punch first.

@@ -15,9 +15,9 @@
 use super::ThermalCoupling;
 use super::accept::{LEAST_LINE_RISE, deviation_from_line, slope_over_step};
 use super::evaluation::largest;
-use crate::line::heat::air::cooling;
 use crate::line::heat::bodies::cooled_part;
 use crate::line::heat::state::HeatState;
+use crate::lumped::air::Air;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::LumpedOperators;
 use conduction::line::{BESIDE, FACES, FAR, FaceInfluence, GAMMA, Stage};
@@ -25,7 +25,6 @@ use conduction::properties::Scales;
 use nalgebra::{Matrix4, Vector4};
 use numerics::maximum::maximum;
 use numerics::{dense, factorization};
-use scene::Body;
 
 /// Largest number of cooled faces: of both bodies.
 const MOST: usize = 2 * FACES;
@@ -41,35 +40,13 @@ struct Face {
     /// Body (0: punch, 1: strip), and face of it.
     side: usize,
     face: usize,
-    body: Body,
-    /// Cooled area over the area of the face; 0 where no air passes.
-    part: f64,
-    /// Conductance of the heat path, W/(m2 K).
-    path: f64,
-    /// Heat transfer coefficient within the states (H0), and the part of H that is not, W/(m2 K): see [`crate::lumped::air`].
-    within: f64,
-    rest: f64,
+    air: Air,
 }
 
 impl Face {
-    /// Flux by the air at the temperature `t`, and its decrease with t.
-    fn by_air(&self, reference: f64, t: f64, at: &Conditions) -> [f64; 2] {
-        match self.part {
-            0.0 => [0.0; 2],
-            part => {
-                let [flux, fall] = cooling(&self.body, reference, t, at.ambient, at.forced);
-                [part * (flux + self.rest * (at.ambient - t)), part * (fall + self.rest)]
-            }
-        }
-    }
-
-    /// The whole flux at the temperature `t`, and its decrease with t.
+    /// [`Air::law`] under the conditions `at`.
     fn law(&self, reference: f64, t: f64, at: &Conditions) -> [f64; 2] {
-        let [flux, fall] = self.by_air(reference, t, at);
-        match self.path {
-            0.0 => [flux, fall],
-            path => [flux + path * (at.neighbours[self.side] - t), fall + path],
-        }
+        self.air.law(reference, t, at.ambient, at.forced, at.neighbours[self.side])
     }
 }
 
@@ -108,13 +85,14 @@ impl Faces {
         let bodies = [(&mean.punch, &scene.punch, 1.0), (&mean.strip, &scene.strip, cooled_part(scene))];
         let mut faces = Vec::new();
         for (side, (operators, body, beside)) in bodies.into_iter().enumerate() {
-            for (face, air) in operators.air.iter().enumerate().filter(|(_, air)| air.acts()) {
-                let area = if face == BESIDE { beside } else { 1.0 };
-                let part = if air.is_cooled() { area } else { 0.0 };
-                let within = operators.convection_within;
-                let rest = body.convection - within;
-                faces.push(Face { side, face, body: body.clone(), part, path: air.path, within, rest });
-            }
+            let own =
+                Air::of(body, operators.convection_within, beside, 1.0).into_iter().zip(&operators.air).enumerate();
+            let acting = own.filter(|(_, (_, of_mean))| of_mean.acts());
+            faces.extend(acting.map(|(face, (air, of_mean))| Face {
+                side,
+                face,
+                air: Air { path: of_mean.path, ..air },
+            }));
         }
         Faces {
             reference: 0.0,
@@ -140,8 +118,8 @@ impl Faces {
 
     /// Sets the conditions at both stages of a step, with temperatures relative to `reference`, K, and the properties of the bodies.
     pub(crate) fn set_conditions(&mut self, conditions: [Conditions; 2], reference: f64, scales: [Scales; 2]) {
-        for face in self.faces.iter_mut().filter(|face| face.body.properties.is_some()) {
-            face.rest = face.within * (1.0 - 1.0 / scales[face.side].flux) + (face.body.convection - face.within);
+        for face in &mut self.faces {
+            face.air = face.air.at(scales[face.side]);
         }
         (self.conditions, self.reference) = (conditions.map(Some), reference);
     }
@@ -351,10 +329,11 @@ impl ThermalCoupling {
                 [&mut state.cooling, &mut state.cooling_slope].map(|of| &mut of[face.side][face.face]);
             *slope = slope_over_step(*slope, [*before, flux[0][k], flux[1][k]], per_length);
             *before = flux[1][k];
-            if face.face == FAR && face.path > 0.0 {
+            if face.face == FAR && face.air.path > 0.0 {
                 let by_path = [0, 1].map(|s| {
-                    let air =
-                        conditions[s].as_ref().map_or(0.0, |at| face.by_air(*reference, temperature[s][k], at)[0]);
+                    let air = conditions[s]
+                        .as_ref()
+                        .map_or(0.0, |at| face.air.flux_by_air(*reference, temperature[s][k], at.ambient, at.forced));
                     air - flux[s][k]
                 });
                 let [flow, heat] = &mut state.external[face.side];

@@ -21,6 +21,7 @@
 
 use super::error::CycleError;
 use super::map::{CycleMap, Passage};
+use super::newton::sum;
 use super::records::Totals;
 use super::solve::{Equation, SolveOptions};
 use conduction::line::GAMMA;
@@ -170,18 +171,15 @@ impl<'a> Jumps<'a> {
         let cycles = GAMMA * length - 0.5;
         let slope = self.slope.clone().unwrap_or_else(|| vec![0.0; self.memory.len()]);
         let begin = self.memory.clone();
-        let ahead = |from: &[f64], slope: &[f64], cycles: f64| -> Vec<f64> {
-            from.iter().zip(slope).map(|(z, slope)| z + cycles * slope).collect()
-        };
         let per_cycle = |to: &[f64], from: &[f64]| -> Vec<f64> {
             to.iter().zip(from).map(|(y, base)| (y - base) / cycles).collect()
         };
         let Some(first) = self.stage(&begin, &begin, cycles)? else { return Ok(None) };
         let first_slope = per_cycle(&first.memory, &begin);
-        let base = ahead(&begin, &first_slope, (1.0 - GAMMA) * length);
+        let base = sum(&begin, (1.0 - GAMMA) * length, &first_slope);
         let Some(end) = self.stage(&first.memory, &base, cycles)? else { return Ok(None) };
         let end_slope = per_cycle(&end.memory, &base);
-        let memory = ahead(&end.memory, &end_slope, 0.5);
+        let memory = sum(&end.memory, 0.5, &end_slope);
         let error: Vec<f64> =
             first_slope.iter().zip(&end_slope).map(|(k1, k2)| (0.5 - GAMMA) * length * (k1 - k2)).collect();
         let estimate = self.error_of(&error, &memory, &end_slope, length);
@@ -226,7 +224,7 @@ impl<'a> Jumps<'a> {
     /// Size of an error of the state: of the gap without its mean over the elastic displacement, of the heat over the heat, of
     /// the mean wear over that of `length` cycles.
     fn error_of(&self, error: &[f64], memory: &[f64], slope: &[f64], length: f64) -> f64 {
-        let [shape, heat] = self.map.size_of(error, memory);
+        let [shape, heat] = self.map.sizes(error, memory, false);
         let widths = self.map.operators().cells.widths();
         let mut wear: f64 = 0.0;
         for range in self.map.worn_ranges() {

@@ -8,10 +8,10 @@ use super::records::{Extremes, Totals};
 use super::tangent::WearJacobian;
 use crate::Inputs;
 use crate::line::Line;
-use crate::line::heat::air::transfer;
 #[cfg(doc)]
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
+use crate::lumped::air::transfer;
 use crate::lumped::conditions::Tunables;
 use conduction::line::{FrozenState, GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, ThermalBoundary};

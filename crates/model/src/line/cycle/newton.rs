@@ -172,6 +172,7 @@ impl CycleMap {
     }
 }
 
-fn sum(values: &[f64], factor: f64, others: &[f64]) -> Vec<f64> {
+/// The values plus `factor` times the others.
+pub(super) fn sum(values: &[f64], factor: f64, others: &[f64]) -> Vec<f64> {
     values.iter().zip(others).map(|(value, other)| value + factor * other).collect()
 }

@@ -155,7 +155,7 @@ impl CycleMap {
                 continue;
             }
             if anderson.is_clear() {
-                weights = self.weights(&memory);
+                weights = self.weights_of_both(&memory, &memory);
             }
             anderson.begin(&[&memory]);
             memory.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
@@ -276,19 +276,10 @@ impl CycleMap {
         operators.displacement_scale * mean
     }
 
-    /// Weights for entries of the state: of heat by its size, of depths by the elastic displacement.
-    fn weights(&self, memory: &[f64]) -> Vec<f64> {
-        let mut weights = vec![1.0 / self.shape_scale(); memory.len()];
-        for range in self.heat_ranges() {
-            let size = norm(&memory[range.clone()]);
-            weights[range].fill(if size > 0.0 { 1.0 / size } else { 0.0 });
-        }
-        weights
-    }
-
-    /// Weights by the larger of the heat in a state and in a change of it, since the initial heat may be zero.
+    /// Weights for entries of the state: of heat by the larger of that in a state and in a change of it, since the initial heat may be
+    /// zero; of depths by the elastic displacement.
     pub(super) fn weights_of_both(&self, memory: &[f64], change: &[f64]) -> Vec<f64> {
-        let mut weights = self.weights(memory);
+        let mut weights = vec![1.0 / self.shape_scale(); memory.len()];
         for range in self.heat_ranges() {
             let size = norm(&memory[range.clone()]).max(norm(&change[range.clone()]));
             weights[range].fill(if size > 0.0 { 1.0 / size } else { 0.0 });
@@ -298,7 +289,7 @@ impl CycleMap {
 
     /// Size of a change of the state: of the gap without its rigid motion (the tilt where `tilts`) over the elastic displacement,
     /// and of the heat over the heat of `memory`.
-    pub(super) fn sizes(&self, change: &[f64], memory: &[f64], tilts: bool) -> [f64; 2] {
+    pub fn sizes(&self, change: &[f64], memory: &[f64], tilts: bool) -> [f64; 2] {
         let cells = &self.operators().cells;
         let mut gap = vec![0.0; cells.count()];
         self.displacement(&change[..self.heat_entries()], &mut gap);
@@ -316,12 +307,6 @@ impl CycleMap {
             }
         }
         [shape, heat]
-    }
-
-    /// Size of an error of the state: of the gap without its mean over the elastic displacement under the mean pressure, and of
-    /// the heat over that of `memory`.
-    pub fn size_of(&self, error: &[f64], memory: &[f64]) -> [f64; 2] {
-        self.sizes(error, memory, false)
     }
 
     /// Nominal speed over the critical speed of thermoelastic instability at the nominal friction; 0: no instability.
