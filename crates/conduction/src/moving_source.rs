@@ -20,6 +20,7 @@
 use super::lateral::{Lateral, spread};
 use super::slab::Slab;
 use nalgebra::Complex;
+use numerics::quadrature::GAUSS_5;
 use scene::FarBoundary;
 use std::f64::consts::PI;
 
@@ -64,15 +65,6 @@ pub struct MovingSource {
 fn sinc_squared(x: f64) -> f64 {
     if x.abs() < 1e-4 { 1.0 - x * x / 3.0 } else { (x.sin() / x).powi(2) }
 }
-
-/// Five-point Gauss-Legendre rule on [-1, 1].
-const GAUSS_5: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.0, 0.568_888_888_888_888_9),
-    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-];
 
 /// Number of zeros of sinc(q a) over which the sum extends; beyond, its mean square is integrated.
 const ZEROS: f64 = 20.0;

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 4.2.
 
-use elasticity::block::lobatto::gauss_legendre;
+use numerics::quadrature::gauss_legendre;
 
 /// Points of every panel of the quadrature.
 const PANEL: usize = 10;

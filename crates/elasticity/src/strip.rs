@@ -2,10 +2,10 @@
 //!
 //! Theory: docs/theory.md, section 3.3.
 
-use super::block::lobatto::gauss_legendre;
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};
 use nalgebra::DMatrix;
+use numerics::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 
 /// Length of the strip along the sliding direction.

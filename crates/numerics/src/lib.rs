@@ -13,6 +13,7 @@ pub mod interruption;
 pub mod krylov;
 mod leading_bits;
 pub mod maximum;
+pub mod quadrature;
 pub mod scalar;
 pub mod sdirk;
 pub mod subnormal;

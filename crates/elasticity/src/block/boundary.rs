@@ -3,9 +3,10 @@
 //! Theory: docs/theory.md, section 3.4.
 
 use super::BlockError;
-use super::lobatto::{gauss_legendre, shape_derivatives, shape_values};
+use super::lobatto::{shape_derivatives, shape_values};
 use super::mesh::Mesh;
 use faer::Mat;
+use numerics::quadrature::gauss_legendre;
 use std::cmp::Ordering;
 
 /// Quadrature points beyond the order of the shape functions: the half-plane's fields are analytic on every element of

@@ -13,12 +13,13 @@
 
 use super::boundary::{are_symmetric, contact_cells, contact_integrals};
 use super::element::{Shape, dilatation, local_functions};
-use super::lobatto::{ReferenceMatrices, gauss_legendre, shape_derivatives, shape_values};
+use super::lobatto::{ReferenceMatrices, shape_derivatives, shape_values};
 use super::mechanical::Block;
 use super::thermal::ThermalBlock;
 use super::{BlockError, check_same_mesh};
 use faer::Mat;
 use nalgebra::DMatrix;
+use numerics::quadrature::gauss_legendre;
 
 /// A quadrature point through the height.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -144,8 +144,8 @@ fn logarithm_integral(observed: (f64, f64), loaded: (f64, f64), scale: f64) -> f
 
 #[cfg(test)]
 mod tests {
-    use super::super::lobatto::gauss_legendre;
     use super::*;
+    use numerics::quadrature::gauss_legendre;
 
     const BODY: HalfPlane = HalfPlane { poissons_ratio: 0.3, scale: 2.0 };
     const CELL: (f64, f64) = (-0.4, 0.1);

@@ -1,5 +1,4 @@
-//! Hierarchical shape functions of one variable on the reference interval [-1, 1], their exact integrals, and Gauss
-//! quadrature.
+//! Hierarchical shape functions of one variable on the reference interval [-1, 1], and their exact integrals.
 //!
 //! The functions are the two linear vertex functions and the integrated Legendre polynomials (Lobatto functions)
 //!
@@ -111,32 +110,4 @@ pub(crate) fn shape_derivatives(xi: f64, values: &mut [f64]) {
         let (degree, coefficient) = derivative_term(k);
         *value = coefficient * polynomials[degree];
     }
-}
-
-/// Points and weights of Gauss-Legendre quadrature on [-1, 1], exact for polynomials of degree 2 `count` - 1; points
-/// ascending. Newton's iteration on P_count from Tricomi's estimate of its zeros.
-pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    let n = count as f64;
-    let mut rule = vec![(0.0, 0.0); count];
-    for i in 0..count.div_ceil(2) {
-        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..100 {
-            let (mut before, mut current) = (1.0, x);
-            for k in 2..=count {
-                let k = k as f64;
-                (before, current) = (current, ((2.0 * k - 1.0) * x * current - (k - 1.0) * before) / k);
-            }
-            slope = n * (x * current - before) / (x * x - 1.0);
-            let change = current / slope;
-            x -= change;
-            if change.abs() <= 4.0 * f64::EPSILON {
-                break;
-            }
-        }
-        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
-        rule[i] = (-x, weight);
-        rule[count - 1 - i] = (x, weight);
-    }
-    rule
 }

@@ -6,11 +6,12 @@ use super::boundary::{are_symmetric, contact_cells, contact_integrals, side_load
 use super::condense::{Factor, FactorizationError, Pattern};
 use super::element::{CondensedElement, Shape, condense, elastic_stiffness, local_functions};
 use super::half_plane::HalfPlane;
-use super::lobatto::{ReferenceMatrices, gauss_legendre, shape_values};
+use super::lobatto::{ReferenceMatrices, shape_values};
 use super::mesh::{Grid, Mesh};
 use super::{BlockError, Discretization, check_dimensions, check_positive};
 use faer::Mat;
 use nalgebra::DMatrix;
+use numerics::quadrature::gauss_legendre;
 
 /// Shape and elasticity of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -30,7 +30,7 @@ pub(crate) mod condense;
 pub(crate) mod distortion;
 pub(crate) mod element;
 pub(crate) mod half_plane;
-pub mod lobatto;
+mod lobatto;
 pub(crate) mod mechanical;
 pub(crate) mod mesh;
 pub(crate) mod tangential;

@@ -201,7 +201,7 @@ mod tests {
                 if !depth.has_steady_state(decay) {
                     continue;
                 }
-                let rule = elasticity::block::lobatto::gauss_legendre(40);
+                let rule = numerics::quadrature::gauss_legendre(40);
                 let edges = [0.0, 1e-4, 1e-3, 0.01, 0.05, 0.1];
                 let integral = |f: &dyn Fn(f64) -> f64| -> f64 {
                     (edges.windows(2))

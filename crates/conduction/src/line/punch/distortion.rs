@@ -83,7 +83,7 @@ impl<'a> Distortion<'a> {
         if let Kind::Layer { .. } | Kind::OnBase(_) = self.kind {
             let mut edges = towards_face(1.0 / steepest, self.height, 2.0);
             edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * self.height));
-            let rule = elasticity::block::lobatto::gauss_legendre(12);
+            let rule = numerics::quadrature::gauss_legendre(12);
             self.points = (edges.windows(2))
                 .flat_map(|pair| {
                     let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));

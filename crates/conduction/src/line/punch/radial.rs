@@ -40,7 +40,7 @@ pub(super) struct RadialMode {
     mean: f64,
 }
 
-/// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half.
+/// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half, unlike those of [`numerics::quadrature::GAUSS_4`] all to rounding.
 const GAUSS: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
 

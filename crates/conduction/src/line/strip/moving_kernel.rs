@@ -20,6 +20,7 @@
 //! Theory: docs/theory.md, sections 4.3, 4.5.
 
 use elasticity::{Cells, mean_logarithm};
+use numerics::quadrature::GAUSS_4;
 
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
@@ -124,14 +125,6 @@ fn less_logarithm(u: f64) -> f64 {
     let (k0, _) = scaled_bessel_k(x);
     (if u > 0.0 { (-2.0 * u).exp() * k0 } else { k0 }) + x.ln()
 }
-
-/// Four-point Gauss-Legendre rule on [-1, 1].
-const GAUSS_4: [(f64, f64); 4] = [
-    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
-    (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-    (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
-];
 
 /// Mean of `exp(-c r) K0(c |r|)` over x in a cell of half-width `alpha` and s in a cell of half-width `beta`, r = x - s
 /// with the mean `distance`; c > 0.

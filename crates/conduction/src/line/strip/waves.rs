@@ -10,9 +10,9 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use elasticity::Cells;
-use elasticity::block::lobatto::gauss_legendre;
 use nalgebra::DMatrix;
 use numerics::factorization;
+use numerics::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 
 /// A wave number, or a quadrature node that represents several.
