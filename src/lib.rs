@@ -2,8 +2,6 @@
 //!
 //! docs/architecture.md has the layers, the invariants and one step; docs/theory.md the equations.
 
-#![warn(missing_docs)]
-
 pub mod component;
 pub mod fmi2;
 mod panics;

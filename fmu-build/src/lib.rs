@@ -3,7 +3,6 @@
 //! This package depends on no crate of the model: what `cargo fmu package` and `run` need compiles in seconds, and the
 //! model itself once, for the library in the FMU.
 
-#![warn(missing_docs)]
 // Everything is printed by `output`, which bears that nobody reads it to the end.
 #![deny(clippy::print_stdout)]
 

@@ -1,7 +1,6 @@
 //! Analyses of a scene: simulation along inputs, steady state, cycles, plan. `cargo fmu` prints and draws their results, the Python
 //! package returns them; neither computes anything itself.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod convergence;

@@ -7,7 +7,6 @@
 //!
 //! Theory: docs/theory.md, section 4.1.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod flash;

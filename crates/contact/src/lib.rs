@@ -2,7 +2,6 @@
 //!
 //! Theory: docs/theory.md, sections 2.1, 6.6.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod complementarity;

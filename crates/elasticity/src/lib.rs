@@ -6,7 +6,6 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod antisymmetric;

@@ -5,7 +5,6 @@
 //!
 //! Theory: docs/theory.md, section 10.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod cyclic;

@@ -3,8 +3,6 @@
 //! `cargo fmu package` compiles the library and packs it; the Python package has FMUs of the shipped scenes and fills the library in
 //! one of them anew. Both write these files here.
 
-#![warn(missing_docs)]
-
 pub mod archive;
 pub mod description;
 pub mod documentation;

@@ -6,7 +6,6 @@
 //!
 //! Theory: docs/theory.md, sections 1.3, 8.1.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub(crate) mod budget;

@@ -1,6 +1,5 @@
 //! Numerical tools shared by all parts of the physics.
 
-#![warn(missing_docs)]
 #![cfg_attr(not(test), forbid(unsafe_code))]
 
 pub mod acceleration;

@@ -25,7 +25,6 @@
 //! dotted names are TOML's own tables. A variable that the file does not set keeps the start value of the table.
 //! Rules that join parameters are not checked here but by the scene itself.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod assignment;

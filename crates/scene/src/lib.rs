@@ -1,7 +1,5 @@
 //! A scene: the parameters of the physical model, built from the values of the variable table.
 
-#![warn(missing_docs)]
-
 mod fade;
 pub mod fnv;
 mod friction_table;

@@ -6,7 +6,6 @@
 //!
 //! Theory: docs/theory.md, section 9.
 
-#![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod box_programme;

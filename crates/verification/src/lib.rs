@@ -6,8 +6,6 @@
 //!
 //! Theory: docs/theory.md, section 10.
 
-#![warn(missing_docs)]
-
 mod annulus;
 mod bodies;
 pub mod clock;

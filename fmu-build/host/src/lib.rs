@@ -10,8 +10,6 @@
 //!
 //! The C interface of the same is in [`c_interface`].
 
-#![warn(missing_docs)]
-
 pub mod c_interface;
 mod description;
 mod error;

@@ -17,8 +17,6 @@
 //! `control` the part that is done, and end the work within about a second by setting `stop`; it may be NULL. Functions may be called from
 //! any number of threads; an answer must not be freed while another thread reads it.
 
-#![warn(missing_docs)]
-
 mod request;
 
 pub use fmu_host::c_interface;

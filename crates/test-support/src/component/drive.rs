@@ -14,6 +14,7 @@ impl Drive {
         Drive::from_starts(&STARTS, changes)
     }
 
+    /// At the lumped level, unless `starts` (SI units) or the changes say otherwise; panics where the scene is refused.
     pub fn from_starts(starts: &Values, changes: &[(&str, f64)]) -> Drive {
         Drive::attempt(starts, changes).unwrap()
     }
@@ -49,20 +50,24 @@ impl Drive {
         first
     }
 
+    /// Value of a variable, in SI units.
     pub fn get(&mut self, name: &str) -> f64 {
         self.0.get(reference(name))
     }
 
+    /// Sets an input, in SI units.
     pub fn set(&mut self, name: &str, value: f64) -> &mut Drive {
         self.0.set_input(reference(name), value);
         self
     }
 
+    /// Sets the time derivative of an input, per s.
     pub fn slope(&mut self, name: &str, slope: f64) -> &mut Drive {
         self.0.set_input_derivative(reference(name), slope);
         self
     }
 
+    /// One communication step, s.
     pub fn step(&mut self, step: f64) -> &mut Drive {
         self.0.step(step).unwrap();
         self

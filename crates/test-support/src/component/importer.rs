@@ -17,13 +17,19 @@ use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment
 /// A phase of the state machine, and how an importer gets there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Stage {
+    /// Instantiated or reset.
     Instantiated,
+    /// Initialization mode.
     Initialization,
+    /// After initialization.
     Stepping,
+    /// After `fmi2Terminate`.
     Terminated,
+    /// After a step that ended in an error.
     Failed,
 }
 
+/// Phases and their letters in tables of calls.
 pub const STAGES: [(Stage, char); 5] = [
     (Stage::Instantiated, 'i'),
     (Stage::Initialization, 'n'),
@@ -35,7 +41,9 @@ pub const STAGES: [(Stage, char); 5] = [
 /// A message: status, category, text.
 pub type Entry = (Status, String, String);
 
+/// One instance and its log.
 pub struct Importer {
+    /// Handle of the instance.
     pub component: *mut c_void,
     log: Box<Mutex<Vec<Entry>>>,
 }
@@ -80,14 +88,17 @@ pub fn logger() -> Logger {
     as_logger(note)
 }
 
+/// Value reference of a name.
 pub fn reference(name: &str) -> u32 {
     variables::find(name).unwrap_or_else(|| panic!("no variable {name}"))
 }
 
+/// Value references of names.
 pub fn references(names: &[&str]) -> Vec<u32> {
     names.iter().map(|name| reference(name)).collect()
 }
 
+/// GUID of this library.
 pub fn guid() -> CString {
     CString::new(slot::current().unwrap().guid()).unwrap()
 }
@@ -122,10 +133,12 @@ impl Default for Importer {
 }
 
 impl Importer {
+    /// An instance without debug logging.
     pub fn new() -> Importer {
         Importer::with_logging(false)
     }
 
+    /// An instance, with debug logging or without.
     pub fn with_logging(debug: bool) -> Importer {
         let log = Box::new(Mutex::new(Vec::new()));
         let component = instantiate(&log, debug);
@@ -168,10 +181,12 @@ impl Importer {
         }
     }
 
+    /// Messages since the last call.
     pub fn take_log(&self) -> Vec<Entry> {
         std::mem::take(&mut self.log.lock().unwrap())
     }
 
+    /// `fmi2SetupExperiment`; times in s.
     pub fn setup(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         let (has_tolerance, has_stop) = (tolerance.is_some().into(), stop.is_some().into());
         let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
@@ -179,51 +194,61 @@ impl Importer {
         unsafe { fmi2SetupExperiment(self.component, has_tolerance, tolerance, start, has_stop, stop) }
     }
 
+    /// `fmi2EnterInitializationMode`.
     pub fn enter(&self) -> Status {
         // SAFETY: no pointers, here and below.
         unsafe { fmi2EnterInitializationMode(self.component) }
     }
 
+    /// `fmi2ExitInitializationMode`.
     pub fn exit(&self) -> Status {
         // SAFETY: as above.
         unsafe { fmi2ExitInitializationMode(self.component) }
     }
 
+    /// `fmi2Terminate`.
     pub fn terminate(&self) -> Status {
         // SAFETY: as above.
         unsafe { fmi2Terminate(self.component) }
     }
 
+    /// `fmi2Reset`.
     pub fn reset(&self) -> Status {
         // SAFETY: as above.
         unsafe { fmi2Reset(self.component) }
     }
 
+    /// `fmi2DoStep`, s.
     pub fn step(&self, from: f64, step: f64) -> Status {
         // SAFETY: as above.
         unsafe { fmi2DoStep(self.component, from, step, 1) }
     }
 
+    /// `fmi2SetReal` by names, SI units.
     pub fn set_real(&self, names: &[&str], values: &[f64]) -> Status {
         self.set_reals(&references(names), values)
     }
 
+    /// `fmi2SetReal`, SI units.
     pub fn set_reals(&self, references: &[u32], values: &[f64]) -> Status {
         assert_eq!(references.len(), values.len());
         // SAFETY: the arrays are as long as told, here and below.
         unsafe { fmi2SetReal(self.component, references.as_ptr(), references.len(), values.as_ptr()) }
     }
 
+    /// `fmi2SetInteger`.
     pub fn set_integer(&self, name: &str, value: i32) -> Status {
         // SAFETY: as above.
         unsafe { fmi2SetInteger(self.component, &reference(name), 1, &value) }
     }
 
+    /// `fmi2SetBoolean`.
     pub fn set_boolean(&self, name: &str, value: i32) -> Status {
         // SAFETY: as above.
         unsafe { fmi2SetBoolean(self.component, &reference(name), 1, &value) }
     }
 
+    /// `fmi2GetReal`, SI units.
     pub fn get_reals(&self, references: &[u32]) -> Result<Vec<f64>, Status> {
         let mut values = vec![f64::NAN; references.len()];
         // SAFETY: as above.
@@ -231,10 +256,12 @@ impl Importer {
         if status == Status::Ok { Ok(values) } else { Err(status) }
     }
 
+    /// Value of a variable, SI units; panics where it is refused.
     pub fn get_real(&self, name: &str) -> f64 {
         self.get_reals(&[reference(name)]).unwrap()[0]
     }
 
+    /// `fmi2GetInteger`.
     pub fn get_integer(&self, name: &str) -> Result<i32, Status> {
         let mut value = -1;
         // SAFETY: as above.
@@ -242,6 +269,7 @@ impl Importer {
         if status == Status::Ok { Ok(value) } else { Err(status) }
     }
 
+    /// `fmi2GetBoolean`.
     pub fn get_boolean(&self, name: &str) -> Result<i32, Status> {
         let mut value = -1;
         // SAFETY: as above.
@@ -249,17 +277,20 @@ impl Importer {
         if status == Status::Ok { Ok(value) } else { Err(status) }
     }
 
+    /// `fmi2SetRealInputDerivatives`, per s.
     pub fn set_derivative(&self, name: &str, order: i32, value: f64) -> Status {
         // SAFETY: as above.
         unsafe { fmi2SetRealInputDerivatives(self.component, &reference(name), 1, &order, &value) }
     }
 
+    /// `fmi2GetRealOutputDerivatives`.
     pub fn output_derivative(&self, name: &str, order: i32) -> Status {
         let mut value = 0.0;
         // SAFETY: as above.
         unsafe { fmi2GetRealOutputDerivatives(self.component, &reference(name), 1, &order, &mut value) }
     }
 
+    /// `fmi2GetDirectionalDerivative`.
     pub fn directional_derivative(&self, unknown: &str, known: &str, seed: f64) -> Result<f64, Status> {
         let mut result = f64::NAN;
         // SAFETY: as above.
@@ -277,27 +308,32 @@ impl Importer {
         if status == Status::Ok { Ok(result) } else { Err(status) }
     }
 
+    /// `fmi2SetDebugLogging`.
     pub fn debug(&self, on: bool, categories: &[&CStr]) -> Status {
         let names: Vec<_> = categories.iter().map(|name| name.as_ptr()).collect();
         // SAFETY: as above.
         unsafe { fmi2SetDebugLogging(self.component, on.into(), names.len(), names.as_ptr()) }
     }
 
+    /// `fmi2GetFMUstate`.
     pub fn save(&self, state: &mut FmuState) -> Status {
         // SAFETY: the place is there, here and below.
         unsafe { fmi2GetFMUstate(self.component, state) }
     }
 
+    /// `fmi2SetFMUstate`.
     pub fn restore(&self, state: FmuState) -> Status {
         // SAFETY: as above.
         unsafe { fmi2SetFMUstate(self.component, state) }
     }
 
+    /// `fmi2FreeFMUstate`.
     pub fn free(&self, state: &mut FmuState) -> Status {
         // SAFETY: as above.
         unsafe { fmi2FreeFMUstate(self.component, state) }
     }
 
+    /// `fmi2SerializeFMUstate`.
     pub fn serialize(&self, state: FmuState) -> Result<Vec<u8>, Status> {
         let mut size = 0;
         // SAFETY: as above.
@@ -311,6 +347,7 @@ impl Importer {
         if status == Status::Ok { Ok(bytes) } else { Err(status) }
     }
 
+    /// `fmi2DeSerializeFMUstate`.
     pub fn deserialize(&self, bytes: &[u8]) -> Result<FmuState, Status> {
         let mut state = ptr::null_mut();
         // SAFETY: the array is as long as told, the place is there.
