@@ -15,6 +15,7 @@ pub mod line;
 pub mod moving_source;
 pub mod properties;
 pub mod reduced;
+mod shares;
 pub mod slab;
 mod trial_functions;
 

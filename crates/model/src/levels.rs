@@ -6,6 +6,7 @@ use super::line::operators::{RunIn, Shared};
 use super::line::{self, Line};
 use super::lumped::conditions::Tunables;
 use super::lumped::{self, Lumped};
+use super::tolerance::ToleranceBudget;
 use super::{Inputs, StepFailure};
 use contact::WorkCounter;
 use scene::variables::COUNT;
@@ -204,8 +205,7 @@ impl ModelOperators {
         }
         let lost = self.mean().deformation_at_reversal();
         let share = lost / scene.nominal_stroke;
-        // Part of the tolerance up to which neglected elastic slip is not stated.
-        (share > 0.1 * scene.tolerance).then_some((share, lost))
+        (share > ToleranceBudget::of(scene).unstated_slip).then_some((share, lost))
     }
 
     /// Warnings about the scene, before it runs.

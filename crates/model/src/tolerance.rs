@@ -16,6 +16,8 @@ pub struct ToleranceBudget {
     pub steps: Steps,
     /// Remaining errors of the iterations of a stage.
     pub iteration: Iterations,
+    /// Neglected elastic slip that is not stated, over a nominal stroke.
+    pub unstated_slip: f64,
 }
 
 /// See [`ToleranceBudget::reduction`].
@@ -82,6 +84,21 @@ impl ToleranceBudget {
                 lumped_stage: 1e-6 * tolerance,
                 lumped_radiation: 1e-3 * tolerance,
             },
+            unstated_slip: 0.1 * tolerance,
         }
     }
+}
+
+/// Gives the companion with the scene of a run twice its tolerance, and a tenth of it for reductions. With the same ones
+/// both would share the errors of time steps and reductions, and their difference would not show them. The error of a reduction falls by
+/// whole states, so twice its tolerance is often the same one.
+pub(crate) fn set_companion(scene: &mut Scene) {
+    scene.tolerance *= 2.0;
+    scene.reduction_share = 0.1 / 2.0;
+}
+
+/// Change of a property up to which its bound is enough: at this `deviation` (K) of the contact from the mean, a tenth of the error that a step
+/// is `allowed` (K).
+pub(crate) fn enough_of_property(allowed: f64, deviation: f64) -> f64 {
+    0.1 * allowed / deviation.max(1e-9)
 }

@@ -5,6 +5,7 @@
 
 use super::{BASE_SHIFTS, BaseField, CoolingPort, Slab};
 use crate::reduced::{MAX_SLAB_STATES, PORTS, Port, ReducedBody};
+use crate::shares;
 use crate::trial_functions::{Function, Points};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
@@ -44,11 +45,11 @@ impl Slab {
             if best.as_ref().is_none_or(|(known, ..)| error < *known) {
                 best = Some((error, basis, eigen));
             }
-            if error <= 0.1 * tolerance {
+            if error <= shares::SLAB * tolerance {
                 break;
             }
             // Spaces that cannot meet the tolerance are skipped; the last is always tried.
-            let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
+            let falls = (error / (shares::SLAB * tolerance)).log(LARGEST_FALL) as usize;
             next = (next + falls.max(1)).min(end - 1).max(open);
         }
         let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");

@@ -15,6 +15,7 @@
 use super::estimate::LEAST_LUMPED_RISE;
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
+use crate::tolerance::enough_of_property;
 use conduction::properties::{Scales, middle_of_step};
 use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
@@ -116,7 +117,7 @@ impl PropertyStep {
                 // Within a part of the temperature properties are constants.
                 continue;
             }
-            let enough = 0.1 * allowed / deviation.max(1e-9);
+            let enough = enough_of_property(allowed, deviation);
             let miss = properties.change([self.middle[side], found], enough);
             if miss > enough && !inside(found) {
                 missed += miss * deviation / allowed;

@@ -19,6 +19,7 @@ pub(crate) mod nominal;
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::can_be_resolved;
 use crate::line::operators::{RunIn, Shared};
+use crate::tolerance::set_companion;
 use comparison::{Comparison, compare};
 use scene::message::Number;
 use scene::{ErrorEstimate, Fidelity, HeatResolution, Scene};
@@ -29,11 +30,6 @@ pub(crate) const UNKNOWN: f64 = 1.0;
 
 /// Cells of the companion of a lumped run.
 const CELLS_BESIDE_LUMPED: usize = 9;
-
-/// Tolerances of a companion over those of its run: with the same ones both would share the errors of time steps and reductions, and
-/// their difference would not show them. The error of a reduction falls by whole states, so twice its tolerance is often the same one.
-const TOLERANCE_OF_COMPANION: f64 = 2.0;
-const REDUCTION_OF_COMPANION: f64 = 0.1;
 
 /// Fewest cells of a companion.
 const FEWEST_COMPANION_CELLS: usize = 5;
@@ -186,8 +182,7 @@ fn companion_of(operators: &ModelOperators, chosen: bool) -> Option<Scene> {
         ModelOperators::Line(line) => Some(line.count().div_ceil(2)).filter(|half| *half >= FEWEST_COMPANION_CELLS)?,
     };
     let mut companion = ModelLevel::Line(cells).apply(scene);
-    companion.tolerance *= TOLERANCE_OF_COMPANION;
-    companion.reduction_share = REDUCTION_OF_COMPANION / TOLERANCE_OF_COMPANION;
+    set_companion(&mut companion);
     if can_be_resolved(scene) {
         companion.heat_resolution = HeatResolution::Resolved;
     }

@@ -23,9 +23,7 @@
 use super::AMBIENT;
 use super::assembly::Assembly;
 use crate::line::reduced::{ModeStates, ReducedOperators};
-
-/// Largest error of a band over the tolerance. The errors of bands of ratio q in rate sum to at most (e^2/4)/ln q of one: 2 at q = 2.5.
-const SHARE: f64 = 0.1;
+use crate::shares::PUNCH_BAND;
 
 /// Least part of the heat of a uniform temperature that counts.
 const LEAST_HEAT: f64 = 1e-6;
@@ -64,7 +62,7 @@ impl Spread {
     pub(crate) fn is_one(&self, tolerance: f64) -> bool {
         let [heat, first, second] = self.moments;
         let spread = second - first * first / heat.max(f64::MIN_POSITIVE);
-        2.0 * spread <= SHARE * tolerance * (std::f64::consts::E * self.slowest).powi(2)
+        2.0 * spread <= PUNCH_BAND * tolerance * (std::f64::consts::E * self.slowest).powi(2)
     }
 }
 

@@ -7,6 +7,7 @@ use super::error_sweep::ErrorSweep;
 use super::properties::{Resolution, StripProperties};
 use super::waves::{Wave, harmonics};
 use crate::reduced::ReducedBody;
+use crate::shares::STRIP_MODES;
 use crate::slab::Slab;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -122,8 +123,7 @@ impl Layer<'_> {
                 let layers = layers.iter().step_by(step);
                 layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
             };
-            // Fraction of the tolerance available to the reduction of the modes.
-            let good = |error: f64| error <= 0.2 * tolerance;
+            let good = |error: f64| error <= STRIP_MODES * tolerance;
             // Errors of neighbouring modes are similar; the last ratio is accepted without the test.
             let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
             if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {

@@ -9,6 +9,7 @@
 use super::stage::{Solved, state_of};
 use super::{ThermalCoupling, evaluation::largest};
 use crate::line::stages::StepData;
+use crate::tolerance::enough_of_property;
 use conduction::line::{Exchange, GAMMA, Step, ThermalBody};
 use conduction::properties::{Scales, middle_of_step};
 use numerics::dense;
@@ -82,7 +83,7 @@ impl Solved<'_> {
             let hottest = largest(&heat.temperature[1][side]);
             let deviation = (hottest + given.reference - middle).abs();
             let allowed = tolerance * maximum(hottest, maximum(deviation, LEAST_LINE_RISE));
-            let enough = 0.1 * allowed / deviation.max(1e-9);
+            let enough = enough_of_property(allowed, deviation);
             let missed = properties.change([middle, 0.5 * (start + end)], enough);
             let change = properties.change([start, end], enough.sqrt());
             error = maximum(error, maximum(missed, change * change / 12.0) * deviation / allowed);
