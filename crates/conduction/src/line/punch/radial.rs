@@ -16,7 +16,6 @@
 
 use super::cylinder::Cylinder;
 use nalgebra::Complex;
-use numerics::quadrature::GAUSS_4;
 use std::f64::consts::PI;
 
 /// Radii of a ring, with the heat loss of its sides.
@@ -40,6 +39,10 @@ pub(super) struct RadialMode {
     second: f64,
     mean: f64,
 }
+
+/// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half, unlike those of [`numerics::quadrature::GAUSS_4`] all to rounding.
+const GAUSS: [(f64, f64); 2] =
+    [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
 
 impl Radii {
     /// Mode number `m` in ascending order of the wave numbers.
@@ -143,8 +146,8 @@ impl RadialMode {
             if half * self.wave_number < 0.2 {
                 last = None;
                 let at = |x: f64| ratio(x) * self.value(x);
-                let sum = |&(node, weight): &(f64, f64)| weight * (at(middle - half * node) + at(middle + half * node));
-                integrals.push(half * GAUSS_4[2..].iter().map(sum).sum::<f64>());
+                let sum = |(node, weight): (f64, f64)| weight * (at(middle - half * node) + at(middle + half * node));
+                integrals.push(half * GAUSS.into_iter().map(sum).sum::<f64>());
                 continue;
             }
             let before = last.unwrap_or_else(|| primitive(pair[0]));
