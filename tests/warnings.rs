@@ -32,7 +32,7 @@ fn at_start(starts: Values) -> Vec<String> {
     warnings(&mut component)
 }
 
-/// Warnings of steps of .1 s with these inputs and their slopes, begun with these parameters.
+/// Warnings of steps of 0.1 s with these inputs and their slopes, begun with these parameters.
 fn in_steps(starts: Values, inputs: Values, slopes: Values, steps: usize) -> Vec<String> {
     let mut component = component(starts);
     component.initialise(None).unwrap();

@@ -3,7 +3,7 @@
 use exact::{FlatPunch, HertzLine, friction_exponent};
 use test_support::{Drive, initial_gap};
 
-/// Rigid punch, 60 mm wide and 10 mm deep, on a half-plane of E = 200 GPa, nu = .3; friction .25, no heat feeds back.
+/// Rigid punch, 60 mm wide and 10 mm deep, on a half-plane of E = 200 GPa, nu = 0.3; friction 0.25, no heat feeds back.
 pub const BASE: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     // Pressure and wear alone.

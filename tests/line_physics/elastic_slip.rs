@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 use test_support::{Drive, LUMPED, scene};
 
-/// Scene of a published fretting test: two half-planes of 200 GPa, 6 and 10 mm high, a cylinder of 6 mm, 185 N on 10 mm, mu = .9.
+/// Scene of a published fretting test: two half-planes of 200 GPa, 6 and 10 mm high, a cylinder of 6 mm, 185 N on
+/// 10 mm, mu = 0.9.
 fn fretting(changes: &[(&str, f64)]) -> Drive {
     let elastic = [("contact.tangential_compliance", 2.0)];
     let mut drive = Drive::from_starts(&scene("published/fretting"), &[&elastic, changes].concat());

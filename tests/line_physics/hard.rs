@@ -110,7 +110,7 @@ fn a_ring_without_edges() {
 
 #[test]
 fn a_tilt_that_grows_without_bound_is_reported_and_runs() {
-    // mu H = .55 a: between a/2 and a.
+    // mu H = 0.55 a: between a/2 and a.
     let changes =
         [("solver.cells", 17.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.066), ("nominal.stroke", 3e-3)];
     let mut drive = line(&changes);
@@ -161,8 +161,8 @@ fn memory() -> f64 {
     line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 1024.0
 }
 
-/// Wear proportional to p^.785, with infinite slope where a cell of a parabola has just touched, friction that falls with
-/// temperature, and thermal distortion that opens the cells at the edge.
+/// Wear proportional to p^0.785, with infinite slope where a cell of a parabola has just touched, friction that falls
+/// with temperature, and thermal distortion that opens the cells at the edge.
 #[test]
 fn a_parabola_whose_edge_wears_steeply_and_fades() {
     let mut lowest: f64 = 1.0;

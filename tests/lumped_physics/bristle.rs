@@ -105,7 +105,8 @@ const STIFFNESS: f64 = 5e6;
 const RATIO: f64 = 1.15;
 const STRIBECK: f64 = 0.05;
 
-/// Force (N) of the bristle at the end of a stop from 12 m/s in .35 s under the kinetic friction force `kinetic` (N), by small steps.
+/// Force (N) of the bristle at the end of a stop from 12 m/s in 0.35 s under the kinetic friction force `kinetic` (N),
+/// by small steps.
 fn held(kinetic: f64, damping: f64) -> f64 {
     let (deceleration, step) = (12.0 / 0.35, 1e-7);
     let mut z = kinetic / STIFFNESS;

@@ -66,7 +66,7 @@ fn step_once(
 
 #[test]
 fn direct_cycle_equals_time_stepping() {
-    // Implicit Euler, one step per half-stroke, to convergence; k half-stroke = .7 of the compliance's scale.
+    // Implicit Euler, one step per half-stroke, to convergence; k half-stroke = 0.7 of the compliance's scale.
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, friction, wear_per_stroke) = (Rigid.compliance(&cells), 0.3, 0.7);
     for strip in [half_plane(&cells), layer(&cells)] {

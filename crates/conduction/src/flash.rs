@@ -114,8 +114,9 @@ pub struct Flash {
 }
 
 impl Flash {
-    /// Reduces `source` on decay rates from .3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in [`MAX_FLASH_STATES`] states: steps take
-    /// that many abreast, so that fewer would save nothing. Fewer remain where the rates are too close to each other.
+    /// Reduces `source` on decay rates from 0.3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in [`MAX_FLASH_STATES`]
+    /// states: steps take that many abreast, so that fewer would save nothing. Fewer remain where the rates are too
+    /// close to each other.
     pub fn new(source: &MovingSource, duration: f64, tolerance: f64) -> Flash {
         let [conductivity, capacity] = source.slab().spreading();
         let diffusivity = conductivity / capacity;

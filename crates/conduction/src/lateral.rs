@@ -19,15 +19,15 @@
 //! ```
 //!
 //! again a sum of decays. Both limits follow: the plane response where b is large against the diffusion length of the
-//! contact's transit time, and that of a rectangle on a half-space for small b and slow sliding, .9464 q a/K in the mean of
-//! a square at rest.
+//! contact's transit time, and that of a rectangle on a half-space for small b and slow sliding, 0.9464 q a/K in the
+//! mean of a square at rest.
 //!
 //! Only local heating, the deviation from the mean along the path, spreads; the mean is that of a track as deep as the
 //! contact.
 //!
-//! Quadrature: two Gauss nodes in x on each of the intervals between 0, .1, .4, 1.5, 5 and 20, and the rest at 20 sqrt 3.
-//! Error of the mean temperature of a square, and of rectangles half and four times as deep as wide, against the integral:
-//! 2.4e-3 for Peclet numbers from .1 (V a/(2 kd)), 6e-3 from .01.
+//! Quadrature: two Gauss nodes in x on each of the intervals between 0, 0.1, 0.4, 1.5, 5 and 20, and the rest at
+//! 20 sqrt 3. Error of the mean temperature of a square, and of rectangles half and four times as deep as wide, against
+//! the integral: 2.4e-3 for Peclet numbers from 0.1 (V a/(2 kd)), 6e-3 from 0.01.
 //!
 //! Theory: docs/theory.md, section 4.4.
 
@@ -193,7 +193,7 @@ mod tests {
         // V a/kd = 0.1: a band is 2.727 times as hot, by numerical integration of the history of a moving square and a band.
         let [band, square] = [1e3, 1.0].map(|b| spread_source(1e3, Path::Endless, b).resistance(0.1));
         assert!((band / square / 2.727 - 1.0).abs() < 0.01, "{}", band / square);
-        // A square at rest on a half-space: .9464 q a/K.
+        // A square at rest on a half-space: 0.9464 q a/K.
         let path = Path::Closed(2000.0);
         let source = spread_source(1e3, path, 1.0);
         let rest = source.resistance(1e-6) + mean_along(&source, path);

@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 /// `-(2/pi) iint P_m P_n ln|x - t| = (16/pi)/[(1 - (m-n)^2)(m+n)(m+n+2)]` for even m + n > 0, else 0 (from
 /// `PV int P_n/(x-t) dt = 2 Q_n` and the integrals of `P_m Q_n`). The mean constraint leaves out P_0. Eigenfunctions
 /// have `r ln r` terms at the edges, so eigenvalues converge like order^-6 or so; the relaxed pressure at
-/// `tau >= .1` to 1e-6 with 150 even polynomials.
+/// `tau >= 0.1` to 1e-6 with 150 even polynomials.
 ///
 /// Source of the problem: L. A. Galin, I. G. Goryacheva, Axisymmetric contact problem of the theory of elasticity in
 /// the presence of wear, J. Appl. Math. Mech. 41 (1977); this plane case by the same argument.

@@ -16,7 +16,7 @@
 //! For `m -> infinity` the left side grows like `K m^2 (Z + rho)`, so waves shorter than some length decay at any speed. The rate
 //! is bounded, and the instability is a well-posed problem without a smallest length:
 //!
-//! - insulating mate: `lambda (lambda + m) = G m/K`, fastest `.0902 kd (G/K)^2` at `lambda/m = 1.618`;
+//! - insulating mate: `lambda (lambda + m) = G m/K`, fastest `0.0902 kd (G/K)^2` at `lambda/m = 1.618`;
 //! - mate that absorbs all heat (Z = 0): nothing grows below `G = 4 h_c`, at any wave number; above, all waves longer than
 //!   `2 pi K/(h_c (G/(4 h_c) - 1))` grow, none at a rate above the order of `kd (h_c/K)^2`.
 //!
@@ -247,7 +247,7 @@ mod tests {
             let twice = growth.of_body(0, friction, 2.0 * limit(friction));
             let unit = 1.2 / LINING.capacity * (conductance / 1.2_f64).powi(2);
             assert!(slightly > 0.0 && slightly < 1e-3 * unit, "{slightly} {unit}");
-            // The largest y^2 (z^2 - 1) with (1 + y z)(1 + z) = 4 is .2236, at y = .56.
+            // The largest y^2 (z^2 - 1) with (1 + y z)(1 + z) = 4 is 0.2236, at y = 0.56.
             assert!(twice / unit <= 0.2237 && twice / unit > 0.21, "{twice} {unit}");
         }
     }

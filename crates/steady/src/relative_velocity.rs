@@ -31,7 +31,7 @@ pub struct ElasticVelocity {
     pub strain: Vec<Vec<f64>>,
     /// Mean of its absolute value over contact and cycle.
     pub mean_strain: f64,
-    /// Largest absolute value at |x| < .9 a: at the edges of a uniform traction it has a logarithmic singularity.
+    /// Largest absolute value at |x| < 0.9 a: at the edges of a uniform traction it has a logarithmic singularity.
     pub largest_strain: f64,
     /// Mean elastic displacement along x of one surface relative to the other that is reversed at a reversal, over the mean
     /// length of a half-stroke: the fraction of the stroke in which the surfaces deform instead of sliding. 0 in unidirectional

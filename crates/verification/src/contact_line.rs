@@ -106,7 +106,7 @@ fn pressure(cells: &Cells, signed_friction: f64, gap: &[f64]) -> Fallible<Vec<f6
     Ok(state.pressure)
 }
 
-/// Largest deviation of cell means within .9 of the contact half-width, relative to `scale`.
+/// Largest deviation of cell means within 0.9 of the contact half-width, relative to `scale`.
 fn largest_error(cells: &Cells, pressure: &[f64], carried: impl Fn(f64) -> f64, half_width: f64, scale: f64) -> f64 {
     let exact = cells.means_from_primitive(carried);
     (0..cells.count())

@@ -25,7 +25,7 @@ pub(super) fn problems(all: &mut Vec<Problem>) {
     block_table(all);
 }
 
-/// Cycle of a rigid punch on a half-plane, E* = 1, nu = .3, a = 1.
+/// Cycle of a rigid punch on a half-plane, E* = 1, nu = 0.3, a = 1.
 fn cycle(cells: &Cells, friction: f64, pivot_height: Option<f64>, wear_per_stroke: f64) -> Fallible<Reciprocating> {
     let (punch, strip) = (Rigid.compliance(cells), half_plane()?.compliance(cells));
     let problem = ReciprocatingProblem {
@@ -210,9 +210,9 @@ fn even_wear(all: &mut Vec<Problem>) {
     }
 }
 
-/// p+/pm in tenths of the width from the trailing edge; width 2, height 2, nu = .3, held at the top, translating on a rigid
-/// strip, mu = .25. By biquadratic finite elements for the whole field, 120 x 60 of them graded to the edges, with one
-/// pressure per element: 40 to 120 of them agree to 1e-4 from two tenths on.
+/// p+/pm in tenths of the width from the trailing edge; width 2, height 2, nu = 0.3, held at the top, translating on a
+/// rigid strip, mu = 0.25. By biquadratic finite elements for the whole field, 120 x 60 of them graded to the edges,
+/// with one pressure per element: 40 to 120 of them agree to 1e-4 from two tenths on.
 const BLOCK_PRESSURES: [f64; 9] = [0.4340, 0.7023, 0.8403, 0.9299, 1.0, 1.0701, 1.1597, 1.2977, 1.5660];
 /// Clipped width at either edge, over a.
 const BLOCK_CLIPPED: f64 = 0.112;

@@ -134,7 +134,8 @@ fn winkler(all: &mut Vec<Problem>) {
     }
 }
 
-/// Largest error of p/pm over tau = .1, .5, 1, 3 at the station nearest to x = `part` a: its mean over the station's interval.
+/// Largest error of p/pm over tau = 0.1, 0.5, 1, 3 at the station nearest to x = `part` a: its mean over the station's
+/// interval.
 fn galin_error(count: usize, part: f64, tolerance: f64) -> Fallible<f64> {
     let exact = GalinRelaxation::new(150);
     let mut driven = wearing(HALF_PLANE, 1.0, &[("solver.cells", count as f64), ("solver.tolerance", tolerance)])?;

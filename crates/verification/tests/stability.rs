@@ -98,7 +98,7 @@ fn a_nearly_incompressible_bonded_layer_is_squeezed_like_a_film() {
 
 #[test]
 fn nearly_incompressible_bodies_do_not_lock() {
-    // From nu = .4999 on nothing much changes, for layers and for the block; a layer of any height is the half-plane's
+    // From nu = 0.4999 on nothing much changes, for layers and for the block; a layer of any height is the half-plane's
     // neighbour: softer than rigid, stiffer than the half-plane.
     let cells = Cells::graded(1.0, 33).unwrap();
     let pressure = |normal: DMatrix<f64>| {

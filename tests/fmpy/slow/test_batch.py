@@ -198,7 +198,8 @@ def test_a_batch_in_which_every_scene_fails_fails(tmp_path):
 
 
 def test_inputs_are_linear_between_their_rows_as_in_simulate(tmp_path):
-    # Speed falling from 10 m/s, load rising to 5 kN on two faces, friction coefficient .4: held rows would carry no load.
+    # Speed falling from 10 m/s, load rising to 5 kN on two faces, friction coefficient 0.4: held rows would carry no
+    # load.
     done, rows = batch(tmp_path, "time [s],sliding_velocity [m/s],normal_load [N]\n0,10,0\n1,0,5000\n", "punch.width [mm]\n95\n")
     assert done.returncode == 0
     assert float(rows[0]["dissipated_energy [J]"]) == pytest.approx(2 * 0.4 * 5e4 / 6, rel=0.01)

@@ -9,11 +9,11 @@
 /// L = 1/(1 + sqrt(2 I)),   I = integral_0^1 [(1-y)^q + (1+y)^q]^(1/q) dy,   q = b/(b-1)
 /// ```
 ///
-/// .5505 at b = .5. From force, moment and uniform wear alone: with `u = p+(x) = p-(-x)` and `w = p-(x)`, x > 0, wear is uniform
-/// where `u^b + w^b = c`, and the lever `integral x (u - w)/integral (u + w)` is largest where every x maximises
-/// `(x - L) u - (x + L) w` on that curve: u alone beyond L; within it, for b >= 1, u alone again (the curve is concave to the
-/// origin), for b < 1 the minimum of `(L - x) u + (L + x) w`, by Hoelder's inequality. The sum of these maxima is 0:
-/// `(1 - L)^2/2 = L^2 I`.
+/// 0.5505 at b = 0.5. From force, moment and uniform wear alone: with `u = p+(x) = p-(-x)` and `w = p-(x)`, x > 0, wear
+/// is uniform where `u^b + w^b = c`, and the lever `integral x (u - w)/integral (u + w)` is largest where every x
+/// maximises `(x - L) u - (x + L) w` on that curve: u alone beyond L; within it, for b >= 1, u alone again (the curve
+/// is concave to the origin), for b < 1 the minimum of `(L - x) u + (L + x) w`, by Hoelder's inequality. The sum of
+/// these maxima is 0: `(1 - L)^2/2 = L^2 I`.
 ///
 /// At this lever no cycle exists for any pair of bodies. Below it, and above 1/2 where b < 1, existence depends on the elasticity
 /// of the bodies, which has to permit both pressures on one shape.

@@ -29,7 +29,7 @@ fn power_rate(exponent: f64) -> CellRate {
 
 #[test]
 fn steps_of_any_length_end_in_uniform_wear() {
-    // 10,000 times the explicit limit and more, exponents from .3 to 3, friction, edges that unload.
+    // 10,000 times the explicit limit and more, exponents from 0.3 to 3, friction, edges that unload.
     let cells = Cells::graded(1.0, 33).unwrap();
     for exponent in [0.3, 0.5, 1.0, 2.0, 3.0] {
         let conditions = unidirectional(2.0, Tilt::Fixed(0.0), power_rate(exponent));

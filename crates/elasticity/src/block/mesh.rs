@@ -4,7 +4,7 @@
 //! Reentrant or mixed corners make the solution behave like r^lambda, and polynomials of higher order alone then
 //! converge only algebraically. With element sizes that shrink by a constant factor towards the corner, the error falls
 //! exponentially with the order and the number of layers. The corners between the held top and the free sides are the
-//! worst (lambda = .71 at a Poisson's ratio of .3).
+//! worst (lambda = 0.71 at a Poisson's ratio of 0.3).
 //!
 //! Vertices, edges and interiors are called entities. Interiors are condensed out element by element, so only vertices
 //! and edges (the skeleton) are numbered: by nested dissection of the grid, which keeps the Cholesky factor sparse

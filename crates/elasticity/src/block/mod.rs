@@ -163,11 +163,12 @@ impl Discretization {
     }
 
     /// Order and layers for contact pressures on the cells between `boundaries` to `tolerance`, relative to the mean
-    /// pressure, under a flat rigid partner with friction .25.
+    /// pressure, under a flat rigid partner with friction 0.25.
     ///
-    /// Measured with 5 to 129 cells, `height` from width/20 to 5/3 `width` and nu <= .45: the pressure's error is at most 1e-3 at
-    /// order 5 up to 33 cells, beyond 2.7e-5 per cell (2.5 times that at a `height` of 8 `width`, 5 times near nu = .5), and falls by 3.5
-    /// with each order. That of C is five times smaller relative to its largest entry. Order 8, the highest taken, gives about 5e-5.
+    /// Measured with 5 to 129 cells, `height` from width/20 to 5/3 `width` and nu <= 0.45: the pressure's error is at
+    /// most 1e-3 at order 5 up to 33 cells, beyond 2.7e-5 per cell (2.5 times that at a `height` of 8 `width`, 5 times
+    /// near nu = 0.5), and falls by 3.5 with each order. That of C is five times smaller relative to its largest entry.
+    /// Order 8, the highest taken, gives about 5e-5.
     ///
     /// Elements span at most half as many cells as their order, which resolves temperature fields that vary from cell to cell
     /// ([`distortion`]): the distortion by cos(q x) exp(-q z) is off by at most 3e-4 of its amplitude at a wavelength of 8 cells, 8e-3

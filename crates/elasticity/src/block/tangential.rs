@@ -43,7 +43,7 @@ mod tests {
         let matrix = block.tangential_by_shear(&boundaries).unwrap();
         assert!((&matrix - matrix.transpose()).amax() < 1e-10 * matrix.amax());
         let sway = (&matrix * DVector::repeat(16, 1.0)).mean();
-        // Timoshenko with E* = 1, I = 1/12, G = .35, shear factor 5/6; the held end is a little stiffer.
+        // Timoshenko with E* = 1, I = 1/12, G = 0.35, shear factor 5/6; the held end is a little stiffer.
         let beam = 12.0f64.powi(3) * 12.0 / 3.0 + 12.0 / (5.0 / 6.0 * 0.35);
         assert!((sway / beam - 1.0).abs() < 5e-3, "{sway} {beam}");
     }

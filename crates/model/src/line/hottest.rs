@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_peak_is_found_wherever_it_lies() {
-        // One cell of .9 of the length among cold ones, and one on either side of the seam.
+        // One cell of 0.9 of the length among cold ones, and one on either side of the seam.
         let count = 257;
         let cells = Cells::uniform(1.0, count).unwrap();
         let length = 2.0 / 32.0;

@@ -78,7 +78,8 @@ fn largest<S: Simd>(simd: S, values: &[f64]) -> f64 {
 /// Replaces the n x n matrix by its factors `P A = L U`, L with a unit diagonal, U with the reciprocals of its diagonal in
 /// place of that. `exchanged[k]` is the row that row k was exchanged for at step k.
 ///
-/// Threshold pivoting with .1: growth stays bounded, and the nearly symmetric matrices of contact are hardly ever permuted.
+/// Threshold pivoting with 0.1: growth stays bounded, and the nearly symmetric matrices of contact are hardly ever
+/// permuted.
 /// `false` where a pivot is 0 or infinite; a NaN propagates to the solution.
 pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool {
     struct Factorise<'a>(&'a mut [f64], usize, &'a mut [usize]);

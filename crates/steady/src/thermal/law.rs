@@ -52,7 +52,7 @@ const RESOLUTION: MapResolution = MapResolution { levels: 5, parts: 4 };
 /// Differences of the half-strokes' mean pressures, with heat less without: root mean squares over the mean pressure.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Differences {
-    /// Root mean square within .7 of the half-width.
+    /// Root mean square within 0.7 of the half-width.
     pub inside: f64,
     /// Root mean square over all of the contact.
     pub everywhere: f64,

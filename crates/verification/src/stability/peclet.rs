@@ -24,7 +24,7 @@ const STEPS: i32 = 10;
 /// Position of Pe = 0 in the map.
 const AT_PECLET_0: f64 = 1e-3;
 
-/// A brake disc of 11 mm to its middle plane, at 10 m/s with steps of .1 s: 1.35 revolutions per step.
+/// A brake disc of 11 mm to its middle plane, at 10 m/s with steps of 0.1 s: 1.35 revolutions per step.
 pub const DISC: ClosedPath = ClosedPath {
     length: 0.74,
     half_length: 0.0475,

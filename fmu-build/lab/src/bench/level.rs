@@ -245,7 +245,7 @@ fn states(costs: &mut Vec<Cost>) -> Result<()> {
     Ok(())
 }
 
-/// From the flat punch's singular pressure to tau = k s E*/a = 1 in one doStep, within 1e-3 at |x| < .9 a.
+/// From the flat punch's singular pressure to tau = k s E*/a = 1 in one doStep, within 1e-3 at |x| < 0.9 a.
 fn relaxation(costs: &mut Vec<Cost>) -> Result<()> {
     let changes = [
         ("solver.cells", 33.0),

@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn the_ring_beside_the_contacts_is_cooled() {
-        // Two pads over .1 m each of the mean circumference of 2 pi .0945 = .593761 m: .393761 m of it are free.
+        // Two pads over 0.1 m each of the mean circumference of 2 pi 0.0945 = 0.593761 m: 0.393761 m of it are free.
         let free = cooled_length(&scene(&[]));
         assert!((free - 0.393_761 * 0.039 / 0.2).abs() < 1e-7, "{free}");
         let one = cooled_length(&scene(&[("punch.count", 1.0)]));

@@ -16,9 +16,10 @@
 //! and `X_1 phi = tau X_0 phi`, `phi' X_0 phi = 1` gives N shapes, each with one state that follows the flux with its own
 //! time constant. Steady responses are exact. The temperature follows through the same shapes, although its time constant is
 //! only 2/3 of that of the distortion: `1/(1 + 3/2 x)` for `1/sqrt(1 + 2 x)`, x = s times its own time constant, differs by
-//! .29 of the steady response at most. One third as a direct feedthrough and the rest through the shapes would have the
-//! exact first moment, but differs by .33, and the feedthrough part would exclude the long modes, whose states follow with
-//! their own time constants: after a jump of the flux on few cells, the other cells would cool below their surroundings.
+//! 0.29 of the steady response at most. One third as a direct feedthrough and the rest through the shapes would have
+//! the exact first moment, but differs by 0.33, and the feedthrough part would exclude the long modes, whose states
+//! follow with their own time constants: after a jump of the flux on few cells, the other cells would cool below their
+//! surroundings.
 //!
 //! Theory: docs/theory.md, section 4.10.
 

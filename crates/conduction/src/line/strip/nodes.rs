@@ -50,8 +50,8 @@ impl InterpolationNodes {
         response: &mut StageResponse,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        // Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for that mode, and
-        // decreases with the fourth power of the wave number for longer ones.
+        // Phase change of the shortest mode from node to node, rad: the error of the cubic is 0.023 of its fourth power
+        // for that mode, and decreases with the fourth power of the wave number for longer ones.
         let spacing = 0.25 / (shortest * length);
         let base = (velocity / spacing).floor() as i64;
         let places: [usize; 4] = std::array::from_fn(|k| {

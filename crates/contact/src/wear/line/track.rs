@@ -48,7 +48,7 @@
 //!
 //! For strokes up to [`AVERAGED_STROKE`] half-widths the mean over a cycle is used instead: one constant operator, and steps
 //! of any length. The neglected effect is the correlation of pressure and position within a stroke. The error of the mean
-//! pressure over a cycle is at most 0.4 % of the mean pressure on a half-plane at |x| < .8 a (0.06 % on a Winkler
+//! pressure over a cycle is at most 0.4 % of the mean pressure on a half-plane at |x| < 0.8 a (0.06 % on a Winkler
 //! foundation); within a stroke of the edges, where the contact rides up the ends of its own groove, tens of percent of the
 //! local peak. [`LineTrack::resolved`] never averages.
 //!

@@ -254,9 +254,10 @@ pub(super) fn slope_over_step(predicted: f64, [before, first, end]: [f64; 3], pe
 ///
 /// A flux that settles within a step does not continue at its last rate: a first stage linear at that rate would start from a
 /// transient that has long decayed, and the next rate would be an artefact of this start. The error of a settled flux then decays
-/// as `.06^n` instead of `.0008^n` in steps of ten times the mode's time constant. There are two indicators: the rate drops to a
-/// fraction within the step, or the predicted rate is not met. Where neither holds the rate is returned unchanged, to the last
-/// bit, so the order of convergence for smooth fluxes is preserved; beyond, the rate is reduced with the fourth power.
+/// as `0.06^n` instead of `0.0008^n` in steps of ten times the mode's time constant. There are two indicators: the rate
+/// drops to a fraction within the step, or the predicted rate is not met. Where neither holds the rate is returned
+/// unchanged, to the last bit, so the order of convergence for smooth fluxes is preserved; beyond, the rate is reduced
+/// with the fourth power.
 fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
     let lasting = (SMOOTH * late / early).abs().min(1.0);
     let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST_RATIO, 1.0) };
