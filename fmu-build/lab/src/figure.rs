@@ -26,7 +26,7 @@ pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
     let python = python::environment().with_context(|| format!("the environment with matplotlib, for {option}"))?;
     let mut command = Command::new(python);
     command
-        .args(["-m", "sliding_contact._figure"])
+        .args(["-m", "sliding_contact._content"])
         .arg(path)
         .arg(kind)
         .env("PYTHONPATH", project::root().join("python"))
