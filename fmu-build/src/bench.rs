@@ -7,11 +7,11 @@
 use crate::output::print_line;
 use crate::{package, project, scenes};
 use anyhow::{Context, Result, bail};
+use fmu_file::archive;
 use fmu_host::timing::{Component, Instance, Variables};
 use std::ffi::OsString;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
@@ -269,16 +269,14 @@ impl Drive {
 
 /// Takes library and GUID out of an .fmu.
 pub(crate) fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
-    let context = || format!("reading {}", fmu.display());
-    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
-    let mut library = Vec::new();
-    archive.by_name("binaries/linux64/SlidingContact.so").with_context(context)?.read_to_end(&mut library)?;
+    let library = archive::entry(fmu, "binaries/linux64/SlidingContact.so")?;
     let path = folder.join("SlidingContact.so");
     // Put in place as a whole: a run that has loaded the one before keeps it.
     let partial = folder.join(format!("SlidingContact.so.{}", std::process::id()));
-    fs::write(&partial, library).and_then(|()| fs::rename(&partial, &path)).with_context(context)?;
-    let mut description = String::new();
-    archive.by_name("modelDescription.xml").with_context(context)?.read_to_string(&mut description)?;
+    fs::write(&partial, library)
+        .and_then(|()| fs::rename(&partial, &path))
+        .with_context(|| format!("writing {}", path.display()))?;
+    let description = String::from_utf8(archive::entry(fmu, "modelDescription.xml")?)?;
     let guid = description
         .split_once("guid=\"")
         .and_then(|(_, rest)| rest.split_once('"'))

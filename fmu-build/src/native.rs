@@ -1,6 +1,5 @@
 //! Commands that compute with the model natively: `fmu-lab` has them, and is compiled when one is first called.
 
-use crate::output::Heartbeat;
 use crate::project;
 use anyhow::{Context, Result, bail};
 use std::ffi::{OsStr, OsString};
@@ -73,12 +72,7 @@ fn program() -> Result<Command> {
         return Ok(Command::new(program));
     }
     if !project::target().join("release").join(format!("fmu-lab{}", std::env::consts::EXE_SUFFIX)).is_file() {
-        let mut build = cargo("build", &project::root());
-        let _beat = Heartbeat::start("Compiling fmu-lab");
-        let status = build.stdout(Stdio::null()).status().context("starting cargo")?;
-        if !status.success() {
-            bail!("building fmu-lab failed ({status})");
-        }
+        project::compile(cargo("build", &project::root()).stdout(Stdio::null()), "fmu-lab")?;
     }
     let mut run = cargo("run", &project::root());
     run.args(["--quiet", "--"]);

@@ -1,12 +1,13 @@
 //! Locations of the project's files.
 
 use std::fs;
+use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio, exit};
+use std::process::{Command, ExitStatus, Output, Stdio, exit};
 use std::sync::Arc;
 
-use crate::output::INTERRUPTED;
+use crate::output::{Heartbeat, INTERRUPTED};
 use anyhow::{Context, Result, bail, ensure};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
@@ -63,6 +64,26 @@ pub(crate) fn printed(command: &mut Command, starting: &str, fault: &str) -> Res
     let output = command.stdin(Stdio::null()).output().with_context(|| format!("starting {starting}"))?;
     ensure!(output.status.success(), "{fault}{}", String::from_utf8_lossy(&output.stderr).trim());
     Ok(String::from_utf8(output.stdout)?)
+}
+
+/// How a command ended that was given `input`, and what it wrote. One that ends before it has read all has told why.
+pub fn fed(command: &mut Command, starting: &str, input: &[u8]) -> Result<Output> {
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().with_context(|| format!("starting {starting}"))?;
+    let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(input));
+    let output = child.wait_with_output()?;
+    if output.status.success() {
+        sent.with_context(|| format!("writing to {starting}"))?;
+    }
+    Ok(output)
+}
+
+/// Has cargo compile what is told; it shows its own progress.
+pub(crate) fn compile(command: &mut Command, what: &str) -> Result<()> {
+    let _beat = Heartbeat::start(&format!("Compiling {what}"));
+    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    ensure!(status.success(), "compiling {what} failed ({status})");
+    Ok(())
 }
 
 /// Leaves Ctrl-C to the program that this process waits for: what it keeps and tells comes before the end of this process.

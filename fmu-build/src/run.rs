@@ -259,19 +259,3 @@ fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command
     command.arg("--fmu").arg(fmu).arg("--output").arg(output);
     command
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::ValueEnum;
-
-    #[test]
-    fn every_example_has_its_script_and_its_scene() {
-        for example in Example::value_variants() {
-            let folder = project::root().join("examples");
-            assert!(folder.join(example.folder()).join("drive.py").is_file(), "{example:?}");
-            assert!(folder.join(example.scene()).join("scene.toml").is_file(), "{example:?}");
-            assert_eq!(example.to_possible_value().unwrap().get_name(), example.folder());
-        }
-    }
-}

@@ -20,7 +20,7 @@ const FUZZED: &str = "60";
 ///
 /// --fast is what to run between edits: formatting, lints, the unit tests of every layer, the golden scenes, and the calls in
 /// every order that FMI allows or forbids. --slow adds what takes
-/// long: random calls, soak, batches, the examples' numbers, the release folder, the Python package with its wheel, the site.
+/// long: random calls, soak, batches, the examples, the release folder, the Python package with its wheel, the site.
 /// Continuous integration runs the usual tests, the slow ones and the importers on every change.
 ///
 /// Ends with what was skipped and why, and with one line that counts everything.

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence
 
 import numpy as np
 
-from ._errors import Error, Interrupted, meant
+from ._errors import Error, Interrupted
+from ._native import meant
 from ._tables import tell
 from ._units import converted, literal, quantity, split, with_unit
 from .results import Simulation

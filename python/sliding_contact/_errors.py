@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Iterable, Iterator, Union
+from typing import Any, Iterator, Union
 
 
 class Error(ValueError):
@@ -27,13 +27,6 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, reason: str, result: Any, has: str = "") -> None:
         super().__init__(f"{reason}; `result` has {has}" if has else reason)
         self.reason, self.result = reason, result
-
-
-def meant(name: str, names: Iterable[str], where: str) -> str:
-    """The end of a message about an unknown name: those like it, else `where` all are."""
-    from . import _native
-
-    return _native.ask({"analysis": "nearest", "name": name, "names": sorted(set(names))}).record or f"; `{where}` has the names"
 
 
 @contextmanager

@@ -1,15 +1,11 @@
 """Draws the figures of simulations, steady states and cycles, for the package and for `cargo fmu`.
 
-    python -m sliding_contact._figure FILE FORMAT < content.json
-
 Of a simulation: panels over the time in two columns, panels over the contact in a row below. They come with their labels and curves from
 crates/analyses/src/simulation/figure.rs; nothing is computed here but the range of curves with hundreds of strokes.
 """
 
 from __future__ import annotations
 
-import json
-import sys
 import textwrap
 from typing import Any
 
@@ -331,28 +327,3 @@ def save(figure: Figure, path: str, kind: str) -> None:
     metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}[kind]
     with plt.rc_context(STYLE):
         figure.savefig(path, format=kind, dpi=200, metadata=metadata)
-
-
-def drawn(kind: str, content: dict[str, Any]) -> Figure:
-    """The figure of a content of `cargo fmu`."""
-    from .results import Cycles, SteadyState
-
-    if kind == "simulation":
-        return figure_of(content)
-    record = content | {"table": ""}
-    return steady(SteadyState(record)) if kind == "steady" else cycles(Cycles(record))
-
-
-def main() -> None:
-    path, kind = sys.argv[1:3]
-    plt.switch_backend("Agg")
-    given = json.load(sys.stdin)
-    with plt.rc_context(STYLE):
-        save(drawn(given["kind"], given["content"]), path, kind)
-
-
-if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"{error}")

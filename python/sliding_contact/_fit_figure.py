@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from scipy import stats
 
-from . import fit
 from ._figure import COLOURS, WIDTH
+from ._records import VOLUME, Records, is_exponent
 
 BLUE, RED, GREEN, ORANGE = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[4]
 
@@ -21,7 +21,7 @@ SHOWN = {"K": (1.0, -273.15, "°C"), "m": (1e6, 0.0, "µm"), "m3": (1e9, 0.0, "m
 
 def figure_of(found: Any) -> Figure:
     names = list(dict.fromkeys(own.name for own in found.model.series))
-    is_law = names == [fit.VOLUME] and all(own.relative for own in found.model.series)
+    is_law = names == [VOLUME] and all(own.relative for own in found.model.series)
     shown = [None] if is_law else names
     panels = len(shown) + (1 if len(found.names) > 1 else 0)
     columns = min(panels, 2)
@@ -73,7 +73,7 @@ def law(axis: Axes, found: Any) -> None:
         axis.plot(loads[own], 1e9 * volumes[own], "o", ms=4, mfc="none", color=colour)
         load = np.geomspace(loads.min() / 1.2, 1.2 * loads.max(), 12)
         one = np.ones(load.size)
-        volume = 1e9 * fit.Model(model.scene, fit.Records(load, speed * one, distance * one, one)).predict(found.parameters())
+        volume = 1e9 * type(model)(model.scene, Records(load, speed * one, distance * one, one)).predict(found.parameters())
         axis.plot(load, volume, color=colour, linewidth=1.1, label=f"{distance:,.0f} m at {speed:g} m/s")
     axis.set_xscale("log")
     axis.set_yscale("log")
@@ -104,7 +104,7 @@ def region(axis: Axes, found: Any) -> None:
         scale = f"$10^{{{power}}}$ " if power else ""
         labels.append(name + (f" ({scale}{shown})" if scale or shown else ""))
     curve = [
-        units[at] * (found.values[at] + outline[at] if fit.is_exponent(name) else found.values[at] * np.exp(outline[at]))
+        units[at] * (found.values[at] + outline[at] if is_exponent(name) else found.values[at] * np.exp(outline[at]))
         for at, name in enumerate(found.names[:2])
     ]
     axis.fill(*curve, color=BLUE, alpha=0.25, label=f"joint {percent} region")

@@ -10,7 +10,7 @@ import threading
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Optional, TypeVar
+from typing import Any, Callable, Iterable, Optional, TypeVar
 
 import numpy as np
 
@@ -161,3 +161,8 @@ def ask(
     if answer.status == REFUSED:
         raise Error(answer.text)
     return answer
+
+
+def meant(name: str, names: Iterable[str], where: str) -> str:
+    """The end of a message about an unknown name: those like it, else `where` all are."""
+    return ask({"analysis": "nearest", "name": name, "names": sorted(set(names))}).record or f"; `{where}` has the names"

@@ -97,3 +97,8 @@ def tests_of(records: Any, columns: Optional[Columns] = None, strict: bool = Fal
         return Records._of(found).tests()
     measured = {name: (answer.array(2 * at), answer.array(2 * at + 1)) for at, name in enumerate(found["outputs"])}
     return [Test(records, measured, found["name"], columns)]
+
+
+def is_exponent(name: str) -> bool:
+    """Whether a parameter is fitted as it is, and not by its logarithm."""
+    return "exponent" in name

@@ -25,7 +25,7 @@ from ._numbers import number
 from ._records import VOLUME as VOLUME
 from ._records import Records as Records
 from ._records import Test as Test
-from ._records import tests_of
+from ._records import is_exponent, tests_of
 from ._tables import source
 from .results import StepFailed
 
@@ -245,11 +245,6 @@ class Fit:
         from . import _fit_figure
 
         return drawn(lambda _: _fit_figure.figure_of(self), path)
-
-
-def is_exponent(name: str) -> bool:
-    """Whether a parameter is fitted as it is, and not by its logarithm."""
-    return "exponent" in name
 
 
 def fit(

@@ -11,7 +11,8 @@ import numpy as np
 
 from . import _native
 from ._drawing import drawn
-from ._errors import Error, meant
+from ._errors import Error
+from ._native import meant
 from ._tables import Columns, Table, source, tell
 from ._units import converted, split
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from . import _native
 from ._batch import Batch, batch
-from ._errors import Error, Interrupted, SceneWarning, meant, writing
+from ._errors import Error, Interrupted, SceneWarning, writing
+from ._native import meant
 from ._numbers import flag, number, plain
 from ._records import tests_of
 from ._tables import Columns, Table, source, tell

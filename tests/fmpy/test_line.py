@@ -1,10 +1,10 @@
-"""The level of the contact line through fmpy: load balance, state, run-in start, derivatives."""
+"""The level of the contact line through fmpy: state, run-in start."""
 
 import time
 
 import numpy as np
 import pytest
-from component import ERROR, OK, Component, status_of
+from component import ERROR, OK, Component
 
 LOAD = 1e4
 STATIONS = 33
@@ -47,66 +47,24 @@ def reciprocating(count):
     return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.13 * phase), 0.0)])
 
 
-def trapezoid(values, x):
-    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(x)))
-
-
-@pytest.mark.parametrize("cells", [9, 33, 34, 129])
-def test_the_trapezoid_sum_of_the_pressure_is_the_load(line, cells):
-    rotating = {"holder.constraint": "translate_and_rotate", "holder.pivot_height": 0.03}
-    component = line({"solver.cells": cells, "wear_acceleration": 1000.0, **rotating})
-    x, depth = component.get(*stations("x")), component.fmu.start("depth")
-    shapes = []
-    for velocity, load in reciprocating(40):
-        component.set(sliding_velocity=velocity, normal_load=load)
-        component.step(0.05)
-        pressure = component.get(*PRESSURE)
-        assert abs(depth * trapezoid(pressure, x) - load) <= 1e-12 * LOAD
-        assert pressure.min() >= 0.0
-        shapes.append(pressure / max(load, 1.0))
-    # It is not the same pressure all the time.
-    assert np.ptp(shapes, axis=0).max() > 10.0
-
-
-def test_replay_of_a_serialised_state_is_bit_identical(line):
-    values = {"solver.cells": 129, "wear_acceleration": 100.0}
-    component = line(values)
+def test_a_state_restored_into_other_parameters_replays_to_the_bit(line):
+    component = line({"solver.cells": 129, "wear_acceleration": 100.0})
     inputs = reciprocating(60)
     component.run(inputs[:30], 0.05, CHECKED)
     state = component.slave.getFMUstate()
     data = component.slave.serializeFMUstate(state)
+    component.slave.freeFMUstate(state)
     assert len(data) <= 256 * 1024
     kept = component.time
     first = component.run(inputs[30:], 0.05, CHECKED)
     assert np.all(np.ptp(first[:, :STATIONS], axis=0) > 0.0)
-
-    component.slave.setFMUstate(state)
-    component.slave.freeFMUstate(state)
-    component.time = kept
-    np.testing.assert_array_equal(component.run(inputs[30:], 0.05, CHECKED), first)
-
-    # Restored into an instance with other parameters: another number of cells, another holder.
+    # Another number of cells, another holder.
     other = line({"solver.cells": 17, "holder.constraint": "translate_and_rotate", "holder.pivot_height": 0.03})
     copy = other.slave.deSerializeFMUstate(data)
     other.slave.setFMUstate(copy)
     other.slave.freeFMUstate(copy)
     other.time = kept
     np.testing.assert_array_equal(other.run(inputs[30:], 0.05, CHECKED), first)
-
-
-def test_a_damaged_state_is_refused_and_changes_nothing(line):
-    component = line({"solver.cells": 33})
-    component.step(0.1)
-    state = component.slave.getFMUstate()
-    data = bytearray(component.slave.serializeFMUstate(state))
-    component.slave.freeFMUstate(state)
-    before = component.get(*CHECKED)
-    for place in (0, len(data) // 2, len(data) - 1):
-        data[place] ^= 1
-        assert status_of(component.slave.deSerializeFMUstate, bytes(data)) == ERROR
-        data[place] ^= 1
-    np.testing.assert_array_equal(component.get(*CHECKED), before)
-    assert component.try_step(0.1) == OK
 
 
 def test_keeping_and_restoring_a_state_takes_well_under_a_millisecond(line):
@@ -149,32 +107,3 @@ def test_a_run_in_start_has_the_steady_pressure_and_no_wear(line):
     np.testing.assert_allclose(pressure[1][[0, -1]] / mean, [0.0, 2.0], atol=1e-6)
     assert run_in.get("wear_depth") == 0.0
     np.testing.assert_array_equal(run_in.get(*stations("wear_punch")), 0.0)
-
-
-@pytest.mark.parametrize("shape", ["flat", "run_in"])
-@pytest.mark.parametrize("holder", ["translate", "translate_and_rotate"])
-def test_directional_derivatives_agree_with_differences(line, holder, shape):
-    outputs = ("pressure_max", "pressure_mean", "approach", "tilt", "friction_force", "contact_fraction")
-    values = {"solver.cells": 33, "holder.constraint": holder, "contact.initial_shape": shape}
-    if holder != "translate":
-        values["holder.pivot_height"] = 0.03
-    # Away from the load of the run-in shape, at which the highest pressure is that of many cells: a kink.
-    component = line(values, load=0.8 * LOAD)
-    component.step(0.5)
-    references = [component.fmu.variables[name].valueReference for name in outputs]
-    # The run-in trailing edge lifts off: under another load another part of the shape is in contact.
-    assert (component.get("contact_fraction") < 1.0) == (shape == "run_in")
-    for known in ("normal_load", "sliding_velocity"):
-        reference = component.fmu.variables[known].valueReference
-        exact = np.array(component.slave.getDirectionalDerivative(references, [reference], [1.0]))
-        at = component.get(known)
-        step, around = 1e-5 * at, []
-        for sign in (1.0, -1.0):
-            component.set({known: at + sign * step})
-            around.append(component.get(*outputs))
-        component.set({known: at})
-        differences = (around[0] - around[1]) / (2.0 * step)
-        rounding = 1e-7 * np.abs(component.get(*outputs)) / at
-        assert np.all(np.abs(exact - differences) <= 1e-5 * np.abs(exact) + rounding), (exact, differences)
-        if known == "normal_load":
-            assert np.all(exact[:3] > 0.0)

@@ -1,10 +1,7 @@
-"""Saving, restoring and transferring the state of an instance; fresh instances; several instances side by side."""
-
-import threading
+"""States of other scenes, reset and recovery, scenes side by side; replay, damage and threads are tested in Rust."""
 
 import numpy as np
-import pytest
-from component import DISCARD, ERROR, OK, Component, status_of
+from component import ERROR, Component, status_of
 from drive_inputs import STEP, udds
 
 CHECKED = ("wear_depth", "contact_temperature", "friction_force", "stored_heat", "dissipated_energy", "estimated_error")
@@ -12,66 +9,6 @@ CHECKED = ("wear_depth", "contact_temperature", "friction_force", "stored_heat",
 
 def drive(component, inputs):
     return component.run(inputs, STEP, CHECKED)
-
-
-def test_replay_after_rollback_is_bit_identical(stock, component):
-    _, inputs = udds(stock, 300)
-    component.initialise()
-    drive(component, inputs[:1500])
-    state, kept = component.slave.getFMUstate(), component.time
-    first = drive(component, inputs[1500:])
-    component.slave.setFMUstate(state)
-    component.time = kept
-    again = drive(component, inputs[1500:])
-    component.slave.freeFMUstate(state)
-    assert np.ptp(first[:, 0]) > 0.0
-    np.testing.assert_array_equal(first, again)
-
-
-def test_state_holds_inputs_and_parameters(component):
-    component.initialise(sliding_velocity=3.0, normal_load=1000.0)
-    state = component.slave.getFMUstate()
-    before = component.outputs()
-    component.set({"contact.friction_coefficient": 0.2, "sliding_velocity": -1.0, "normal_load": 10.0})
-    assert component.outputs() != before
-    component.slave.setFMUstate(state)
-    assert component.outputs() == before
-    component.slave.freeFMUstate(state)
-
-
-def test_serialised_state_goes_to_another_instance(stock, component):
-    _, inputs = udds(stock, 200)
-    component.initialise()
-    drive(component, inputs[:1200])
-    state = component.slave.getFMUstate()
-    data = component.slave.serializeFMUstate(state)
-    component.slave.freeFMUstate(state)
-    assert len(data) <= 2048
-    here = drive(component, inputs[1200:])
-    with Component(stock, name="other") as other:
-        other.initialise({"punch.height": 0.02})
-        copy = other.slave.deSerializeFMUstate(data)
-        other.slave.setFMUstate(copy)
-        other.slave.freeFMUstate(copy)
-        other.time = 1200 * STEP
-        there = drive(other, inputs[1200:])
-    np.testing.assert_array_equal(here, there)
-
-
-@pytest.mark.parametrize("damage", ["first byte", "middle byte", "last byte", "short", "long", "empty", "other"])
-def test_damaged_bytes_are_refused_and_change_nothing(component, damage):
-    component.initialise(sliding_velocity=3.0, normal_load=1000.0)
-    component.step(1.0)
-    state = component.slave.getFMUstate()
-    data = bytearray(component.slave.serializeFMUstate(state))
-    component.slave.freeFMUstate(state)
-    if damage.endswith("byte"):
-        data[{"first": 0, "middle": len(data) // 2, "last": -1}[damage.split()[0]]] ^= 1
-    data = {"short": data[:-1], "long": data + b"\0", "empty": b"", "other": b"FMU state" * 20}.get(damage, data)
-    before = component.outputs()
-    assert status_of(component.slave.deSerializeFMUstate, bytes(data)) == ERROR
-    assert component.outputs() == before
-    assert component.try_step(0.1) == OK
 
 
 def test_state_of_another_scene_is_refused(fmus):
@@ -142,30 +79,3 @@ def test_scenes_in_one_process_do_not_disturb_each_other(fmus):
     for scene in scenes:
         np.testing.assert_array_equal(np.array(turns[scene]), expected[scene])
     assert len({tuple(rows[-1]) for rows in expected.values()}) == len(scenes)
-
-
-def test_instances_in_threads_give_the_results_of_one(stock):
-    _, inputs = udds(stock, 150)
-    with Component(stock) as component:
-        expected = drive(component.initialise(), inputs)
-    found = [None] * 4
-
-    def work(index):
-        with Component(stock, name=f"thread {index}") as component:
-            found[index] = drive(component.initialise(), inputs)
-
-    threads = [threading.Thread(target=work, args=(index,)) for index in range(len(found))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    for rows in found:
-        np.testing.assert_array_equal(rows, expected)
-
-
-def test_discard_leaves_the_instance_usable(component):
-    assert component.try_set("punch.height", -1.0) == DISCARD
-    assert "punch.height" in component.log() and "-1" in component.log()
-    component.initialise(sliding_velocity=1.0, normal_load=100.0)
-    component.step(0.1)
-    assert component.get("punch.height") == component.fmu.start("punch.height")

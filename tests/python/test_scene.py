@@ -6,8 +6,7 @@ import re
 import numpy as np
 import pytest
 
-import sliding_contact
-from conftest import ROOT, STOP
+from conftest import STOP
 from sliding_contact import Error, Scene, fit, fmu, host
 
 pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
@@ -141,7 +140,3 @@ def test_a_simulation_stays_in_its_process():
         pickle.dumps(Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate())
     again = pickle.loads(pickle.dumps(Scene.load("disc_brake").set({"punch.width": 0.08})))
     assert again["punch.width"] == 0.08
-
-
-def test_the_version_is_that_of_the_sources():
-    assert f'version = "{sliding_contact.__version__}"' in (ROOT / "Cargo.toml").read_text()

@@ -1,6 +1,5 @@
-"""The descent of examples/ventilated_disc: its page, and two lumped masses that share no code with the package."""
+"""The descent of examples/ventilated_disc beside two lumped masses that share no code with the package."""
 
-import re
 import sys
 
 import numpy as np
@@ -47,14 +46,11 @@ def two_masses(height, convection, forced, emissivity, channel, conductance, sha
 
 
 def test_both_discs_reach_the_temperatures_of_two_lumped_masses(descents):
-    page = (FOLDER / "README.md").read_text(encoding="utf-8")
-    told = dict(zip(descents, map(float, re.search(r"reach (\d+) °C and (\d+) °C\.", page).groups())))
     for name, given in (("solid", (0.011, 10.0, 8.0, 0.55, False, 0.0)), ("ventilated", (0.0097, 13.2, 10.6, 0.36, True, 3.5))):
         own = descents[name]
         share = float(own.result["heat_received_strip"].max() / own.result["dissipated_energy"][-1])
         disc, hub = two_masses(*given, share)
         assert own.result["strip.mean_temperature [degC]"].max() == pytest.approx(disc, rel=0.02), name
-        assert disc == pytest.approx(told[name], abs=1.0), name
         foot = int(np.searchsorted(own.time, 900.0))
         assert own.hub[foot] - 273.15 == pytest.approx(hub, rel=0.03), name
 
@@ -79,16 +75,3 @@ def test_a_cooling_curve_gives_the_convection(descents):
     assert found.names == ("strip.convection_forced",) and "changes the records as strip.convection_forced" in found.undetermined["strip.convection"]
     low, high = found.intervals[:, 0]
     assert low < scene["strip.convection_forced"] < high < 1.05 * low
-
-
-def test_the_page_has_the_numbers_of_the_command(descents):
-    page = (FOLDER / "README.md").read_text(encoding="utf-8")
-    for name, own in descents.items():
-        row = next(line for line in page.splitlines() if line.startswith(f"| {name}"))
-        told = [float(number) for number in re.findall(r"\| ([0-9.]+)", row)]
-        result = own.result
-        disc = result["strip.mean_temperature [degC]"]
-        hub = [own.hub.max() - 273.15] if name == "ventilated" else []
-        computed = [disc.max(), result["contact_temperature_max [degC]"].max(), *hub, result["friction_coefficient"].min(),
-                    1e-6 * result["pressure_mean"].max(), 1e6 * result["wear_depth_punch"][-1], disc[-1]]  # fmt: skip
-        assert told == pytest.approx(computed, rel=0.02), name

@@ -1,7 +1,9 @@
 //! The .fmu as a zip file whose bytes depend on its content alone.
 
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::{Cursor, Read, Write};
+use std::path::Path;
 
 use anyhow::{Context, Result};
 use zip::write::SimpleFileOptions;
@@ -29,6 +31,18 @@ pub fn pack(files: &Files) -> Result<Vec<u8>> {
         zip.write_all(bytes).with_context(|| format!("packing {path}"))?;
     }
     Ok(zip.finish().context("packing")?.into_inner())
+}
+
+/// Bytes of one file of an .fmu.
+///
+/// # Errors
+/// Where it cannot be read, is no zip file, or has no such file.
+pub fn entry(fmu: &Path, path: &str) -> Result<Vec<u8>> {
+    let context = || format!("reading {path} in {}", fmu.display());
+    let mut archive = ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
+    let mut bytes = Vec::new();
+    archive.by_name(path).with_context(context)?.read_to_end(&mut bytes).with_context(context)?;
+    Ok(bytes)
 }
 
 /// Files of an archive; entries that are folders are left out.

@@ -8,6 +8,7 @@ use conduction::line::reduced::ReducedHeat;
 use conduction::line::{GAMMA, Observed, SingleStep, Stage, Step, Surroundings, ThermalBody};
 use elasticity::Cells;
 use exact::unreduced_punch::Unreduced;
+use numerics::maximum::{largest, maximum};
 use scene::Scene;
 use scene::variables::{STARTS, changed};
 use std::f64::consts::PI;
@@ -65,10 +66,6 @@ impl Reduced {
     }
 }
 
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |largest, value| value.abs().max(largest))
-}
-
 /// For a flux over the contact times `factor` of the time: largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the
 /// ends of runs of 40 steps each.
 fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Fallible<[f64; 2]> {
@@ -80,7 +77,7 @@ fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Fallible<[f64; 2]> {
     let (mut reduced, mut unreduced) = (Reduced::new(&scene, &cells)?, Unreduced::new(&scene, &cells)?);
     let mut scale = Reduced::new(&scene, &cells)?;
     scale.step(DURATION, &[1.0; CELLS], &[1.0; CELLS]);
-    let scale = [largest(scale.temperature.iter().copied()), largest(scale.distortion.iter().copied())];
+    let scale = [&scale.temperature, &scale.distortion].map(|values| largest(values.iter().map(|value| value.abs())));
     let (mut time, mut worst) = (0.0, [0.0_f64; 2]);
     for &step in steps {
         unreduced.run(time, step, 40, &flux)?;
@@ -91,8 +88,8 @@ fn differences(factor: fn(f64) -> f64, steps: &[f64]) -> Fallible<[f64; 2]> {
         time += 40.0 * step;
         let expected = [unreduced.temperature(&flux(time))?, unreduced.distortion()?];
         for (quantity, own) in [&reduced.temperature, &reduced.distortion].into_iter().enumerate() {
-            let difference = largest(own.iter().zip(&expected[quantity]).map(|(own, other)| own - other));
-            worst[quantity] = worst[quantity].max(difference / scale[quantity]);
+            let difference = largest(own.iter().zip(&expected[quantity]).map(|(own, other)| (own - other).abs()));
+            worst[quantity] = maximum(worst[quantity], difference / scale[quantity]);
         }
     }
     Ok(worst)
@@ -112,7 +109,7 @@ pub(super) fn problems() -> Vec<Problem> {
             quantity: "largest difference of temperature and distortion, relative",
             exact: known(0.0),
             scale: Some(1.0),
-            compute: Box::new(move || differences(factor, steps).map(|[warm, moved]| warm.max(moved))),
+            compute: Box::new(move || differences(factor, steps).map(|[warm, moved]| maximum(warm, moved))),
             bound: TOLERANCE,
             reason: "tolerance of the reduction",
         });

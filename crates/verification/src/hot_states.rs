@@ -10,6 +10,7 @@ use exact::reference::{ClosedPath, LayerBase};
 use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, MapResolution};
 use model::line::operators::LineOperators;
+use numerics::maximum::{largest, maximum};
 use scene::Scene;
 use scene::variables::changed;
 use sliding_contact::component::Values;
@@ -54,10 +55,6 @@ fn hot(changes: &[(&str, f64)]) -> Fallible<HotState> {
     let cells = cells_for(&scene, scene.cells)?;
     let bodies = compliances(&scene, &cells)?;
     Ok(hot_state(&scene, &cells, &bodies, &Sliding::nominal(&scene))?)
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, f64::max)
 }
 
 pub(super) fn problems(all: &mut Vec<Problem>) {
@@ -151,7 +148,7 @@ fn reciprocating(all: &mut Vec<Problem>) {
             exact: Box::new(move || {
                 let mut driven = Driven::of(small(&[("solver.cells", 9.0), ("solver.tolerance", 1e-4)])?)?;
                 driven.set("normal_load", 1e3)?;
-                let mut hottest: f64 = 0.0;
+                let mut hottest = 0.0;
                 for cycle in 0..300 {
                     let steps = if cycle == 299 { 40 } else { 10 };
                     for velocity in [0.01, -0.01] {
@@ -159,7 +156,7 @@ fn reciprocating(all: &mut Vec<Problem>) {
                         for _ in 0..steps {
                             driven.steps(0.1 / f64::from(steps), 1)?;
                             if cycle == 299 {
-                                hottest = hottest.max(driven.get("contact_temperature")?);
+                                hottest = maximum(hottest, driven.get("contact_temperature")?);
                             }
                         }
                     }
@@ -170,7 +167,7 @@ fn reciprocating(all: &mut Vec<Problem>) {
             compute: Box::new(move || {
                 let state = hot(&[("solver.cells", 9.0)])?;
                 Ok(if pressure {
-                    largest(&state.heat.strokes[1].pressure_at[1])
+                    largest(state.heat.strokes[1].pressure_at[1].iter().copied())
                 } else {
                     state.heat.contact_temperature[2]
                 })

@@ -22,8 +22,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use verification::drives::{self, DriveProblem, Sample};
 
-/// Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes.
-///
 /// Every level, tolerance, number of cells, order of the inputs and communication step, and peers where they can do
 /// the scene. Writes one SVG and one CSV per scene, and those of the cost per step; prints what reaches 1 %.
 #[derive(clap::Args, Debug)]

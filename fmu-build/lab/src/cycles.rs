@@ -8,8 +8,6 @@ use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
 use std::path::PathBuf;
 
-/// Advance a reciprocating scene over many cycles at nominal load and speed.
-///
 /// Cycles are computed one by one only where the contact changes from one to the next; elsewhere implicit cycle jumps with an
 /// error estimate each skip many cycles. On a straight track that wears, without heat, a jump is a cycle with many times the wear.
 /// Prints the jumps, and the worn depths and contact temperature at the end.

@@ -4,9 +4,8 @@ use crate::output::Interrupted;
 use crate::{output, project, python};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Formats, by the ending of the file.
 const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
@@ -25,22 +24,16 @@ pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
     let kind = format(option, path)?;
     output::make_above(path)?;
     let python = python::environment().with_context(|| format!("the environment with matplotlib, for {option}"))?;
-    let mut child = Command::new(python)
-        .args(["-m", "sliding_contact._figure"])
+    let mut command = Command::new(python);
+    command
+        .args(["-m", "sliding_contact._content"])
         .arg(path)
         .arg(kind)
         .env("PYTHONPATH", project::root().join("python"))
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
         .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .context("starting Python")?;
-    let text = serde_json::to_vec(drawn)?;
-    // A script that ends early has told why on its error stream.
-    let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(&text));
-    let output = child.wait_with_output()?;
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = project::fed(&mut command, "Python", &serde_json::to_vec(drawn)?)?;
     if project::interrupted(output.status) {
         bail!(Interrupted(format!("interrupted before {} was drawn", path.display())));
     }
@@ -48,7 +41,7 @@ pub(crate) fn write(drawn: &Drawn, option: &str, path: &Path) -> Result<()> {
         let told = String::from_utf8_lossy(&output.stderr);
         bail!("drawing {}: {}", path.display(), told.trim().lines().last().unwrap_or("Python failed"));
     }
-    sent.with_context(|| format!("drawing {}", path.display()))
+    Ok(())
 }
 
 /// Format of a figure's file; SVG where it has no ending.

@@ -39,8 +39,6 @@ use crate::output::print_line;
 /// Result of an execution: what was found.
 pub(crate) type Verdict = Result<(), String>;
 
-/// Call the library, its states, scene files and batch inputs with random values and sequences, and report what breaks
-///
 /// Found are crashes, panics, calls that take longer than --limit, outputs that are not finite after fmi2OK, invariants that
 /// do not hold (worn volumes that decrease, pressures below zero, heat that is lost), states that a failed call changed or that
 /// do not replay to the bit, and refusals without a message. Each is printed with its target and seed; --target and --seed

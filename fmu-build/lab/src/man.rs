@@ -14,7 +14,6 @@ const SHELLS: [Shell; 3] = [Shell::Bash, Shell::Zsh, Shell::Fish];
 /// Name under which `cargo fmu` has its pages and completions.
 const NAME: &str = "cargo-fmu";
 
-/// Write man pages and completions of bash, zsh and fish for all commands to a folder.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Folder to write to.

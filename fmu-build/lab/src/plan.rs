@@ -10,7 +10,6 @@ use crate::arguments;
 use crate::output::{print_line, print_text};
 use crate::scenes;
 
-/// Print the level that `solver.fidelity = auto` takes for a scene, and the effects that it includes or leaves out.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Scene file, or name of a folder in `examples`; by default the stock scene.

@@ -15,8 +15,6 @@ use fmu_build::progress::Progress;
 use scene_file::shipped;
 use std::path::{Path, PathBuf};
 
-/// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
-///
 /// Drives the component that the FMU contains. Without --inputs: nominal load and velocity for the nominal duration, over the
 /// nominal stroke where the scene has one.
 #[derive(clap::Args, Debug)]

@@ -11,8 +11,6 @@ use std::fs;
 use std::path::PathBuf;
 use verification::stability::{self, Definition, Grid, Map, Verdict};
 
-/// Compute stability maps: where each method is accurate, oscillates, grows or is refused, with the theoretical bound.
-///
 /// Writes one SVG and one CSV per map and prints the number of runs of each verdict.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {

@@ -16,8 +16,6 @@ use crate::{arguments, scenes};
 /// Default number of cells for the law, which computes many states.
 const LAW_CELLS: usize = 33;
 
-/// Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it.
-///
 /// Pressure of both directions, worn shape, wear rate, wear dissipation power; and the magnitude of the relative velocity
 /// beyond the rigid motion. First without heat, then with it: temperatures and their range in a cycle,
 /// heat flows, pressure and shape. Ends with an error that gives the reason where there is no steady state; where there is

@@ -9,9 +9,6 @@ use model::lumped::operators::{BodyOperators, LumpedOperators};
 use scene::Scene;
 use serde_json::{Value, json};
 
-/// Print the tables of a scene's lumped level as JSON: decay rates, residues and static corrections of both bodies and of the
-/// moving source, and the rate that sliding adds to its decay rates.
-///
 /// Temperatures in K above ambient, fluxes in W/m2; the equations stand in tests/fmpy/slow/quadrature.py.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {

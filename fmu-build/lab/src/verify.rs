@@ -6,8 +6,6 @@ use fmu_build::progress::bar;
 use serde_json::{Value, json};
 use verification::{Row, problems};
 
-/// Solve problems with a known solution and compare: exact and computed value, error, bound and cost.
-///
 /// Errors are relative to the exact value, those of temperatures to the peak rise. Ends with an error
 /// where one exceeds its bound.
 #[derive(clap::Args, Debug)]

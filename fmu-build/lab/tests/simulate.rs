@@ -414,52 +414,6 @@ fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() 
 }
 
 #[test]
-fn a_wrong_argument_is_refused_with_what_is_accepted() {
-    let folder = Folder::new("arguments");
-    folder.file("in.csv", STOP).file("later.csv", "time [s],wear_depth [um]\n10,1\n").file("time.csv", "time [s]\n0\n");
-    folder.file("out.profiles.csv", "time [s],wear_depth [um]\n1,1\n");
-    folder.file("near.csv", "time [s],wear_dept [um]\n0,1\n").file("scene.toml", "name = \"own\"\npunch.widht = 1\n");
-    let cases: &[(&[&str], &[&str])] = &[
-        (&["disc_break"], &["no scene \"disc_break\"", "disc_brake"]),
-        (&["none.toml"], &["none.toml cannot be read", "no such file"]),
-        (&["scen.toml"], &["scen.toml cannot be read", "did you mean scene.toml?"]),
-        (&["scene.toml"], &["scene.toml", "line 2", "punch.widht", "did you mean punch.width?"]),
-        (&[], &["SCENE"]),
-        (&["disc_brake", "--set", "punch.widht=1"], &["punch.widht", "did you mean punch.width?"]),
-        (&["disc_brake", "--set", "punch.width"], &["KEY=VALUE"]),
-        (&["disc_brake", "--set", "punch.width=-.5"], &["punch.width", "-0.5 m"]),
-        (&["disc_brake", "--set", "punch.width=-3 mm"], &["punch.width", "-3 mm", "from 0.001 mm to 10000 mm"]),
-        (&["disc_brake", "--set", "punch.width=3 kN"], &["punch.width", "\"kN\"", "accepted are m, mm"]),
-        (&["disc_brake", "--set", "solver.fidelity=fine"], &["solver.fidelity", "\"fine\"", "lumped"]),
-        (&["disc_brake", "--set", "wear_depth=1"], &["wear_depth", "calculated by the FMU"]),
-        (&["disc_brake", "--set", "nominal.duration=0"], &["nominal.duration", "0"]),
-        (&["disc_brake", "--step", "0"], &["--step", "above 0 s"]),
-        (&["disc_brake", "--step", "-1"], &["--step", "-1 s must be above 0 s"]),
-        (&["disc_brake", "-i", "in.csv", "--at", "-1"], &["at = -1 s", "0 s to 2.5 s"]),
-        (&["disc_brake", "--step", "nan"], &["--step", "finite"]),
-        (&["disc_brake", "--step", "1 km"], &["--step", "accepted are s, min, h, ms"]),
-        (&["disc_brake", "--step", "1 ns"], &["--step"]),
-        (&["disc_brake", "--step", "1e-9"], &["9.300e10 communication steps", "2e6"]),
-        (&["disc_brake", "-i", "in.csv", "--at", "3"], &["at = 3 s", "0 s to 2.5 s"]),
-        (&["disc_brake", "-i", "in.csv", "--at", "soon"], &["--at", "soon"]),
-        (&["disc_brake", "-o", "out.xlsx"], &[".csv or .parquet is written, not .xlsx"]),
-        (&["disc_brake", "-o", "in.csv/out.csv"], &["--output in.csv/out.csv", "in.csv is no folder"]),
-        (&["disc_brake", "-o", "."], &["is no regular file"]),
-        (&["disc_brake", "-i", "in.csv", "-o", "in.csv"], &["in.csv would replace a file that is read"]),
-        (&["disc_brake", "-m", "out.profiles.csv", "-o", "out.csv"], &["out.profiles.csv would replace a file"]),
-        (&["disc_brake", "--plot", "out.jpg"], &[".svg, .pdf, .png are drawn, not .jpg"]),
-        (&["disc_brake", "-i", "in.csv", "-m", "later.csv"], &["later.csv", "10 s", "0 s to 2.5 s"]),
-        (&["disc_brake", "-i", "in.csv", "-m", "time.csv"], &["time.csv", "time only", "wear_depth [um]"]),
-        (&["disc_brake", "-i", "in.csv", "-m", "near.csv"], &["near.csv", "column 2", "did you mean wear_depth?"]),
-        (&["disc_brake", "-i", "in.csv", "-m", "none.csv"], &["reading none.csv"]),
-    ];
-    for (arguments, parts) in cases {
-        let told = folder.refusal(arguments);
-        assert!(parts.iter().all(|part| told.contains(part)), "{arguments:?}: {told}\n{parts:?}");
-    }
-}
-
-#[test]
 fn a_step_that_fails_leaves_the_rows_before_it() {
     let folder = Folder::new("failing");
     let text = "time [s],sliding_velocity [m/s],normal_load [N],ambient_temperature_offset [K]\n0,1,1,0\n1,1,1,0\n2,1,1,-400\n";

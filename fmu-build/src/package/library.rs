@@ -4,12 +4,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 
 use super::glibc;
 use super::platform::Platform;
 use super::toolchain::Toolchain;
-use crate::output::Heartbeat;
 use crate::project;
 use crate::python::{self, Tier};
 
@@ -116,13 +115,7 @@ fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path, prod
         .current_dir(project::root())
         .env_remove("RUSTFLAGS")
         .env("CARGO_ENCODED_RUSTFLAGS", flags(sysroot)?.join(SEPARATOR));
-    let beat = Heartbeat::start(&format!("Compiling the library {} for {target}", product.name));
-    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
-    drop(beat);
-    if !status.success() {
-        bail!("building the library for {target} failed ({status})");
-    }
-    Ok(())
+    project::compile(&mut command, &format!("the library {} for {target}", product.name))
 }
 
 /// Compiler flags that replace the paths of this machine, which panic messages would carry into the library, by the

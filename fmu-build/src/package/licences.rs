@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use super::Platform;
 use crate::project;
 use fmu_file::archive::Files;
 
@@ -37,18 +38,24 @@ pub(crate) fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> 
     Ok(())
 }
 
+/// Packages linked into the library on a platform: depth, package and licence of each.
+pub(crate) fn tree(root: &str, target: &str) -> Result<String> {
+    let linked = ["tree", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "depth"];
+    cargo(&[&linked[..], &["--target", target, "--format", "\t{p}\t{l}"]].concat())
+}
+
+fn cargo(arguments: &[&str]) -> Result<String> {
+    let mut cargo = project::cargo();
+    cargo.args(arguments).arg("--locked").current_dir(project::root());
+    project::printed(&mut cargo, "cargo", "listing the packages: ")
+}
+
 /// Packages compiled into the library: `name-version`, licence and source folder.
 fn dependencies(root: &str) -> Result<BTreeMap<String, (String, PathBuf)>> {
-    let run = |arguments: &[&str]| {
-        let mut cargo = project::cargo();
-        cargo.args(arguments).arg("--locked").current_dir(project::root());
-        project::printed(&mut cargo, "cargo", "listing the dependencies failed: ")
-    };
-    let target = "x86_64-unknown-linux-gnu";
-    let tree = ["tree", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "none"];
-    let listed = run(&[&tree[..], &["--target", target, "--format", "{p}\t{l}"]].concat())?;
-    let metadata: serde_json::Value =
-        serde_json::from_str(&run(&["metadata", "--format-version", "1", "--filter-platform", target])?)?;
+    let target = Platform::Linux64.target();
+    let listed = tree(root, target)?;
+    let metadata = cargo(&["metadata", "--format-version", "1", "--filter-platform", target])?;
+    let metadata: serde_json::Value = serde_json::from_str(&metadata)?;
     let mut folders = BTreeMap::new();
     for package in metadata["packages"].as_array().into_iter().flatten() {
         let text = |key: &str| package[key].as_str().unwrap_or_default().to_owned();
@@ -57,7 +64,8 @@ fn dependencies(root: &str) -> Result<BTreeMap<String, (String, PathBuf)>> {
     }
     let mut found = BTreeMap::new();
     for line in listed.lines() {
-        let Some((package, licence)) = line.split_once('\t') else { continue };
+        let mut parts = line.split('\t').skip(1);
+        let (Some(package), Some(licence)) = (parts.next(), parts.next()) else { continue };
         // A package listed before is marked with `(*)`; the workspace's own ones come with their path.
         let mut words = package.split(' ');
         let (Some(name), Some(version)) = (words.next(), words.next()) else { continue };

@@ -3,7 +3,7 @@
 mod glibc;
 mod imports;
 mod library;
-mod licences;
+pub(crate) mod licences;
 mod platform;
 mod toolchain;
 pub mod wheel;

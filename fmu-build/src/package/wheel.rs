@@ -5,9 +5,9 @@
 
 use super::library::{self, PYTHON};
 use super::{Platform, glibc, licences};
-use crate::output::{self, Heartbeat, print_line};
+use crate::output::{self, print_line};
 use crate::{project, scenes};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use fmu_file::archive::{self, Files};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -97,12 +97,7 @@ fn for_scripts() -> Result<PathBuf> {
         .args(["--release", "--locked", "--target-dir"])
         .arg(project::target())
         .current_dir(project::root());
-    let beat = Heartbeat::start("Compiling the library of the Python package");
-    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
-    drop(beat);
-    if !status.success() {
-        bail!("building the library of the Python package failed ({status})");
-    }
+    project::compile(&mut command, "the library of the Python package")?;
     let name = format!("{}sliding_contact_native{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(project::target().join("release").join(name))
 }

@@ -4,14 +4,14 @@
 //! every build of this program.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
 use crate::package::Platform;
+use crate::package::licences::tree;
 use crate::{project, python};
 
 const PROGRAM: &str = include_str!("../../python/sbom.py");
@@ -30,30 +30,13 @@ pub(crate) fn write(root: &str, platforms: &[Platform]) -> Result<String> {
         }
         Err(_) => SystemTime::now().duration_since(UNIX_EPOCH)?.as_secs(),
     };
-    let mut child = Command::new(&python)
-        .args(["-c", PROGRAM])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("starting {}", python.display()))?;
-    // Read to its end before anything is written.
-    child.stdin.take().context("no pipe to Python")?.write_all(packages.json(time)?.to_string().as_bytes())?;
-    let output = child.wait_with_output()?;
+    let mut command = Command::new(&python);
+    let input = packages.json(time)?.to_string();
+    let output = project::fed(command.args(["-c", PROGRAM]), &python.display().to_string(), input.as_bytes())?;
     if !output.status.success() {
         bail!("the bill of materials: {}", String::from_utf8_lossy(&output.stderr).trim());
     }
     Ok(String::from_utf8(output.stdout)?)
-}
-
-/// Packages linked into the library on a platform, with the depth of each.
-fn tree(root: &str, target: &str) -> Result<String> {
-    let mut cargo = project::cargo();
-    cargo
-        .args(["tree", "--locked", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "depth"])
-        .args(["--target", target, "--format", "\t{p}\t{l}"])
-        .current_dir(project::root());
-    project::printed(&mut cargo, "cargo", "listing the packages: ")
 }
 
 fn lock() -> Result<String> {

@@ -2,13 +2,12 @@
 
 use super::Example;
 use anyhow::{Context, Result, bail};
+use fmu_file::archive;
 use fmu_host::Description;
 use scene::slot::Packaged;
 use scene::variables;
 use scene_file::nominal::neighbours;
 use std::f64::consts::PI;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 const CLOSED: f64 = 2.0;
@@ -25,18 +24,11 @@ pub(crate) fn check_scene(example: Example, packaged: &Packaged) -> Result<()> {
 
 /// The same with the start values of an .fmu.
 pub(crate) fn check_fmu(example: Example, file: &Path) -> Result<()> {
-    let context = || format!("reading {}", file.display());
-    let mut text = String::new();
-    let opened = File::open(file).with_context(context)?;
-    zip::ZipArchive::new(opened)
-        .with_context(|| {
-            format!("--fmu {}: it is no .fmu, which is a zip archive with modelDescription.xml", file.display())
-        })?
-        .by_name("modelDescription.xml")
-        .with_context(context)?
-        .read_to_string(&mut text)
-        .with_context(context)?;
-    let description = Description::parse(&text).with_context(context)?;
+    let text = archive::entry(file, "modelDescription.xml").with_context(|| {
+        format!("--fmu {}: it is no .fmu, which is a zip archive with modelDescription.xml", file.display())
+    })?;
+    let description =
+        Description::parse(&String::from_utf8(text)?).with_context(|| format!("reading {}", file.display()))?;
     check(example, &description.model_name, &|name| description.find(name).ok()?.start.parse().ok())
 }
 

@@ -8,9 +8,9 @@ use crate::bench;
 use crate::package::{self, Platform};
 use crate::project;
 use anyhow::{Context, Result, bail, ensure};
+use fmu_file::archive;
 use scene::variables::{Kind, TABLE, find};
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -237,10 +237,7 @@ fn compile(compiler: &str, platform: Platform, folder: &Path) -> Result<String> 
 /// Takes the platform's library out of the FMU and returns its path as the host is given it.
 fn extract(fmu: &Path, platform: Platform, folder: &Path) -> Result<String> {
     let path = platform.library_path();
-    let context = || format!("reading {path} in {}", fmu.display());
-    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
-    let mut library = Vec::new();
-    archive.by_name(&path).with_context(context)?.read_to_end(&mut library)?;
+    let library = archive::entry(fmu, &path)?;
     let file = folder.join(&path);
     fs::create_dir_all(file.parent().context("a library in no folder")?)?;
     fs::write(&file, library)?;

@@ -54,6 +54,7 @@ pub(super) fn component(starts: &Values, changes: &[(&str, f64)]) -> Result<Comp
     Ok(component)
 }
 
+/// The name is kept until the program ends; there are few.
 pub(super) fn cost(quantity: String, value: f64, unit: &'static str, limit: f64, gated: bool) -> Cost {
     Cost { quantity: quantity.leak(), value, unit, peer: None, limit, gated }
 }

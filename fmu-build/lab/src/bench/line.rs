@@ -3,6 +3,7 @@
 //! The unit is one solution with the cached LU factors of an N x N matrix by faer, timed in turns with the steps. A step of
 //! the second-order scheme solves two contact problems of N cells.
 
+use super::level::cost;
 use super::{Cost, TURNS};
 use anyhow::{Result, anyhow};
 use verification::timed_steps::{CASES, CHUNK, DenseSolution, STEPS, TimedLine};
@@ -31,15 +32,8 @@ pub(crate) fn measure() -> Result<Vec<Cost>> {
                 best / unit,
                 1e6 * unit
             );
-            costs.push(Cost {
-                // Few, and shown until the program ends.
-                quantity: format!("N = {count}, {}", case.name).leak(),
-                value: best / unit,
-                unit: "1",
-                peer: None,
-                limit: case.limit.unwrap_or(25.0),
-                gated: case.limit.is_some(),
-            });
+            let limit = case.limit.unwrap_or(25.0);
+            costs.push(cost(format!("N = {count}, {}", case.name), best / unit, "1", limit, case.limit.is_some()));
         }
     }
     Ok(costs)

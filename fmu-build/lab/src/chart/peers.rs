@@ -12,8 +12,7 @@ use anyhow::{Context, Result, bail};
 use scene::STATIONS;
 use scene::variables::TABLE;
 use serde_json::{Value, json};
-use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use verification::drives::{DriveProblem, Errors, Sample};
 
 /// Rows of the inputs that a peer receives per communication step, linear between them.
@@ -76,17 +75,12 @@ fn run(peer: &Peer, problem: &DriveProblem) -> Result<String> {
         request["folder"] = json!(project::target().join("peers"));
     }
     let script = project::root().join("benches/peers").join(peer.script);
-    let mut child = Command::new(python::own(python::PEERS)?)
+    let mut command = Command::new(python::own(python::PEERS)?);
+    command
         .arg(&script)
         // One thread, as the component has.
-        .envs(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1")))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .with_context(|| format!("starting {}", script.display()))?;
-    child.stdin.take().context("standard input of the peer")?.write_all(request.to_string().as_bytes())?;
-    let output = child.wait_with_output()?;
+        .envs(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1")));
+    let output = project::fed(&mut command, &script.display().to_string(), request.to_string().as_bytes())?;
     if !output.status.success() {
         let words = String::from_utf8_lossy(&output.stderr);
         let last: Vec<&str> = words.lines().rev().take(6).collect();

@@ -1,5 +1,7 @@
 //! Random numbers of an execution: all of them follow from its seed.
 
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use scene::variables::Row;
 
 /// Values that break code more often than random ones do.
@@ -28,24 +30,19 @@ const SPECIAL: [f64; 22] = [
     f64::NAN,
 ];
 
-/// The generator splitmix64 (Steele, Lea, Flood 2014).
 #[derive(Clone)]
-pub(crate) struct Random(u64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     /// Generator number `stream` of an execution.
     pub(crate) fn new(seed: u64, stream: u64) -> Self {
-        let mut start = Self(seed ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03));
-        start.bits();
-        Self(start.bits() ^ seed)
+        let mut start = SplitMix64::seed_from_u64(seed ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03));
+        start.next_u64();
+        Self(SplitMix64::seed_from_u64(start.next_u64() ^ seed))
     }
 
     pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^ (bits >> 31)
+        self.0.next_u64()
     }
 
     /// A whole number below `limit`, which is above 0.

@@ -5,8 +5,9 @@
 //! the bits of a probe. Vectors wider than those of AVX2 are not used. The number of threads does not matter: nothing here
 //! uses more than one.
 
-use super::record::Hash;
+use super::record::hash;
 use nalgebra::DMatrix;
+use scene::fnv::Fnv;
 use std::hint::black_box;
 
 /// The present machine in one line.
@@ -38,33 +39,23 @@ fn vector_units() -> String {
 }
 
 /// Mathematical functions over arguments of many sizes.
-fn functions() -> Hash {
-    let mut hash = Hash::default();
-    for index in 0..4000_u32 {
+fn functions() -> Fnv {
+    hash((0..4000_u32).flat_map(|index| {
         let x = black_box(1e-6 * 1.007_f64.powi(index as i32 % 3000) + f64::from(index) * 1e-4);
-        for value in
-            [x.sin(), x.cos(), (-x).exp(), x.ln(), x.powf(0.8), x.tanh(), x.atan(), (-x).exp_m1(), x.ln_1p(), x.cbrt()]
-        {
-            hash.add(value);
-        }
-    }
-    hash
+        [x.sin(), x.cos(), (-x).exp(), x.ln(), x.powf(0.8), x.tanh(), x.atan(), (-x).exp_m1(), x.ln_1p(), x.cbrt()]
+    }))
 }
 
 /// Products of matrices of the sizes that contact lines have, by both libraries.
-fn products() -> Hash {
-    let mut hash = Hash::default();
+fn products() -> Fnv {
+    let mut values = Vec::new();
     for n in [9, 33, 129, 400] {
         let entry = |row: usize, column: usize| black_box(1.0 / (1.0 + row as f64 + 0.37 * column as f64));
         let (left, right) = (DMatrix::from_fn(n, n, entry), DMatrix::from_fn(n, n, |i, j| entry(j, i + 1)));
-        (&left * &right).iter().for_each(|&value| hash.add(value));
+        values.extend((&left * &right).iter());
         let (left, right) = (faer::Mat::from_fn(n, n, entry), faer::Mat::from_fn(n, n, |i, j| entry(j, i + 1)));
         let product = &left * &right;
-        for column in 0..n {
-            for row in 0..n {
-                hash.add(product[(row, column)]);
-            }
-        }
+        values.extend((0..n).flat_map(|column| (0..n).map(move |row| (row, column))).map(|place| product[place]));
     }
-    hash
+    hash(values)
 }

@@ -28,7 +28,6 @@ fn tolerance(given: &str) -> Result<f64, String> {
 /// Relative tolerance of all scenes on any machine; see tests/golden/README.md.
 const TOLERANCE: f64 = 1e-6;
 
-/// Record what the golden scenes compute, or compare it with the records to the bit.
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     #[command(subcommand)]

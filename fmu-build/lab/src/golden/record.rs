@@ -9,26 +9,9 @@ use std::fmt::Write;
 /// Stands for the number before it.
 const REPEATED: &str = "=";
 
-/// The 64-bit hash of Fowler, Noll and Vo (FNV-1a) of the bits of numbers.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Hash(pub u64);
-
-impl Default for Hash {
-    fn default() -> Self {
-        Self(Fnv::new().0)
-    }
-}
-
-impl Hash {
-    pub(crate) fn add(&mut self, value: f64) {
-        self.0 = value.to_le_bytes().into_iter().fold(Fnv(self.0), Fnv::with).0;
-    }
-
-    pub(crate) fn of(values: &[f64]) -> Self {
-        let mut hash = Self::default();
-        values.iter().for_each(|&value| hash.add(value));
-        hash
-    }
+/// Hash of the bits of numbers.
+pub(crate) fn hash(values: impl IntoIterator<Item = f64>) -> Fnv {
+    Fnv::of(values.into_iter().flat_map(f64::to_le_bytes))
 }
 
 /// Numbers that belong together: a variable over the kept communication points, a profile at one of them, an array of a
@@ -38,7 +21,7 @@ pub(crate) struct Series {
     /// Name of the variable; of a profile, with the index of the communication point behind `@`.
     pub name: String,
     /// Hash over all communication points; of what has none, over the values.
-    pub hash: Hash,
+    pub hash: Fnv,
     /// The values that are kept.
     pub values: Vec<f64>,
 }
@@ -115,7 +98,7 @@ impl Record {
                     _ => read_number(part)?,
                 });
             }
-            self.series.push(Series { name: name.to_owned(), hash: Hash(u64::from_str_radix(hash, 16)?), values });
+            self.series.push(Series { name: name.to_owned(), hash: Fnv(u64::from_str_radix(hash, 16)?), values });
         }
         Ok(())
     }
@@ -146,8 +129,8 @@ mod tests {
             kept: vec![(0, 0.0), (39, 0.1 + 0.2)],
             hashes: (0..40).collect(),
             series: vec![
-                Series { name: "profile.pressure@39".into(), hash: Hash::of(&values), values: values.to_vec() },
-                Series { name: "none".into(), hash: Hash::default(), values: Vec::new() },
+                Series { name: "profile.pressure@39".into(), hash: hash(values), values: values.to_vec() },
+                Series { name: "none".into(), hash: Fnv::new(), values: Vec::new() },
             ],
         };
         let read = Record::parse(&record.text()).unwrap();
@@ -160,8 +143,7 @@ mod tests {
 
     #[test]
     fn hashes_tell_neighbours_and_signs_of_zero_apart() {
-        let hash = |value: f64| Hash::of(&[value]);
-        assert_ne!(hash(0.0), hash(-0.0));
-        assert_ne!(hash(1.0), hash(1.0_f64.next_up()));
+        assert_ne!(hash([0.0]), hash([-0.0]));
+        assert_ne!(hash([1.0]), hash([1.0_f64.next_up()]));
     }
 }

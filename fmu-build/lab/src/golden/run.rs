@@ -1,9 +1,10 @@
 //! Drives a golden scene through the component as the FMU sees it, by the names of the variables.
 
-use super::record::{Hash, Record, Series};
+use super::record::{Record, Series, hash};
 use super::scenes::{GoldenScene, Replay, Segment};
 use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
+use scene::fnv::Fnv;
 use scene::variables::{COUNT, Causality, ValueReference, Variability, find, lookup};
 use sliding_contact::component::{Component, Snapshot};
 use std::collections::BTreeMap;
@@ -184,8 +185,7 @@ fn compress(layout: &[Calculated], points: &[Point], component: &Component) -> R
         ..Record::default()
     };
     record.hashes.extend(points.iter().map(|point| {
-        let mut hash = Hash::of(&point.outputs);
-        point.work.iter().for_each(|&value| hash.add(value));
+        let hash = hash(point.outputs.iter().chain(&point.work).copied());
         (hash.0 >> 32) as u32 ^ hash.0 as u32
     }));
     if points.is_empty() {
@@ -194,7 +194,7 @@ fn compress(layout: &[Calculated], points: &[Point], component: &Component) -> R
     let over = |name: &str, value: &dyn Fn(&Point) -> f64| {
         let all: Vec<f64> = points.iter().map(value).collect();
         let values = kept.iter().map(|&index| all[index]).collect();
-        Series { name: name.to_owned(), hash: Hash::of(&all), values }
+        Series { name: name.to_owned(), hash: hash(all), values }
     };
     for (index, (name, _)) in work(component).iter().enumerate() {
         record.series.push(over(name, &|point| point.work[index]));
@@ -208,8 +208,7 @@ fn compress(layout: &[Calculated], points: &[Point], component: &Component) -> R
             continue;
         }
         // Of a profile, one point in the middle and the last are kept; of one that is calculated once, the last.
-        let mut hash = Hash::default();
-        points.iter().for_each(|point| point.outputs[range.clone()].iter().for_each(|&value| hash.add(value)));
+        let hash = hash(points.iter().flat_map(|point| point.outputs[range.clone()].iter().copied()));
         let mut shown = vec![kept[kept.len() / 2], kept[kept.len() - 1]];
         let is_fixed = lookup(first).is_some_and(|(row, _)| row.variability == Variability::Fixed);
         shown.dedup_by(|last, earlier| is_fixed || last == earlier);
@@ -234,7 +233,7 @@ fn derivatives(layout: &[Calculated], component: &mut Component, record: &mut Re
         for (row, value) in scalars.iter().zip(result) {
             if value != 0.0 {
                 let name = format!("{DERIVATIVE}{input}.{}", row.0);
-                record.series.push(Series { name, hash: Hash::of(&[value]), values: vec![value] });
+                record.series.push(Series { name, hash: hash([value]), values: vec![value] });
             }
         }
     }
@@ -286,12 +285,12 @@ fn flatten(json: &str) -> Vec<Series> {
                 }
                 match series.last_mut().filter(|last| key.is_empty() && last.name == name) {
                     Some(last) => last.values.push(number),
-                    None => series.push(Series { name, hash: Hash::default(), values: vec![number] }),
+                    None => series.push(Series { name, hash: Fnv::new(), values: vec![number] }),
                 }
             }
         }
     }
-    series.iter_mut().for_each(|series| series.hash = Hash::of(&series.values));
+    series.iter_mut().for_each(|series| series.hash = hash(series.values.iter().copied()));
     series
 }
 
