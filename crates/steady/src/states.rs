@@ -10,8 +10,9 @@ use contact::wear::rocking::rocking_limit;
 use contact::{ContactError, ContactSolver, Normal, Tilt, pair_compliance};
 use elasticity::discretization::{load_weights, relative_radii};
 use elasticity::{Cells, Compliance};
+use model::line::profile::initial_gap;
 use nalgebra::{DMatrix, DVector};
-use scene::{Body, Constraint, Geometry, InitialShape, MechanicalBody, Path, STATIONS, Scene};
+use scene::{Body, Constraint, Geometry, MechanicalBody, Path, Scene};
 
 /// Sliding motion of the punch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,28 +158,6 @@ pub fn run_in_shape(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2])
         SteadyKind::RunIn => Ok(state.shape),
         SteadyKind::Groove | SteadyKind::Elastic => Err(SteadyError::OnlyStripWears),
     }
-}
-
-/// Gap of the unworn bodies of a scene: N cell means, in m; 0 for a scene that starts run in.
-pub(crate) fn initial_gap(scene: &Scene, cells: &Cells) -> Vec<f64> {
-    match &scene.initial_shape {
-        InitialShape::Flat | InitialShape::RunIn => vec![0.0; cells.count()],
-        InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x.powi(3) / (6.0 * radius)),
-        InitialShape::Tabulated(values) => {
-            let spacing = 2.0 * cells.half_width() / (STATIONS - 1) as f64;
-            let from_edge = |x: f64| (x + cells.half_width()) / spacing;
-            cells.means_from_primitive(|x| spacing * interpolant_integral(&values[..], from_edge(x)))
-        }
-    }
-}
-
-/// Integral from 0 to `t` of the linear interpolant of values at 0, 1, 2, ...
-fn interpolant_integral(values: &[f64], t: f64) -> f64 {
-    let last = values.len() - 2;
-    let interval = (t.max(0.0) as usize).min(last);
-    let before: f64 = (0..interval).map(|i| 0.5 * (values[i] + values[i + 1])).sum();
-    let inside = t - interval as f64;
-    before + inside * (values[interval] + 0.5 * inside * (values[interval + 1] - values[interval]))
 }
 
 /// Stroke without its pressure.
@@ -452,17 +431,19 @@ pub(crate) fn direction(velocity: f64) -> Direction {
     if velocity < 0.0 { Direction::Backward } else { Direction::Forward }
 }
 
-/// Wear depth rate of a body on the cells at a sliding velocity, in m/s.
+/// Wear depth rate of a body on the cells at a sliding velocity and the ambient temperature, in m/s.
 pub(crate) fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction: f64) -> CellRate {
     let law = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
-    let at = |radius: &f64| -> f64 {
-        let speed = velocity.abs() * radius;
-        scene.wear_acceleration * law.coefficient(speed, friction, scene.ambient_temperature)
-    };
-    let coefficient = radii.iter().map(at).collect::<Vec<f64>>().into();
-    let term = WearTerm { coefficient, law: law.pressure };
-    let terms = if law.active() { vec![term] } else { Vec::new() };
-    CellRate::of_bodies(terms)
+    let factors = radii.iter().map(|radius| {
+        scene.wear_acceleration * law.coefficient(velocity.abs() * radius, friction, scene.ambient_temperature)
+    });
+    of_law(&law, factors)
+}
+
+/// Wear depth rate by this law with these factors of its dependence on the pressure, by cell.
+pub(crate) fn of_law(law: &WearLaw, factors: impl Iterator<Item = f64>) -> CellRate {
+    let term = WearTerm { coefficient: factors.collect::<Vec<f64>>().into(), law: law.pressure };
+    CellRate::of_bodies(if law.active() { vec![term] } else { Vec::new() })
 }
 
 /// Wear depth of a body per sliding distance.

@@ -367,11 +367,7 @@ impl Line {
             self.mean.step(inputs, slopes, length)?;
             return Ok(true);
         }
-        let last = self.state.carried;
-        let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
-        rates.normal_load = (last - loaded.normal_load) / length;
-        let sloped = slopes.is_some() || loaded.normal_load != last;
-        self.mean.step(&loaded, sloped.then_some(&rates), length)?;
+        self.follow_carried(&loaded, slopes, length)?;
         Ok(!bends(&self.mean, self.mean.end_temperature() - heat.temperature[2]))
     }
 
@@ -382,29 +378,32 @@ impl Line {
         slopes: Option<&Inputs>,
         length: f64,
     ) -> Result<(), StepFailure> {
-        if self.mean.has_bristle() {
-            // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
-            let loaded = self.loaded(inputs);
-            let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
-            let heat = self.step_mean(&loaded, rates.as_ref(), length)?;
-            let path = InputTrajectory::new(self, inputs, slopes, loaded.normal_load, length, heat);
-            self.step_line(&path, length)?;
-            self.pass_friction_to_lumped();
-            return Ok(());
-        }
-        let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
         let loaded = self.loaded(inputs);
+        let has_bristle = self.mean.has_bristle();
+        let heat = if has_bristle {
+            // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
+            let rates = self.rates_of_carried(inputs, slopes, loaded.normal_load);
+            self.step_mean(&loaded, rates.as_ref(), length)?
+        } else {
+            LumpedTemperature::constant(self.mean.state().reference, 0.0)
+        };
         let path = InputTrajectory::new(self, inputs, slopes, loaded.normal_load, length, heat);
         self.step_line(&path, length)?;
         self.pass_friction_to_lumped();
-        if !self.operators.decides_load() {
-            return self.mean.step(inputs, slopes, length);
+        match (has_bristle, self.operators.decides_load()) {
+            (true, _) => Ok(()),
+            (false, true) => self.follow_carried(&loaded, slopes, length),
+            (false, false) => self.mean.step(inputs, slopes, length),
         }
+    }
+
+    /// Advances the lumped level from the inputs `loaded` to the load that the contact carries at the end of the piece.
+    fn follow_carried(&mut self, loaded: &Inputs, slopes: Option<&Inputs>, length: f64) -> Result<(), StepFailure> {
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or(Inputs::constant(0.0));
         rates.normal_load = (last - loaded.normal_load) / length;
         let sloped = slopes.is_some() || last != loaded.normal_load;
-        self.mean.step(&loaded, sloped.then_some(&rates), length)
+        self.mean.step(loaded, sloped.then_some(&rates), length)
     }
 
     /// Rates of the inputs of the lumped level where the contact carries `carried` (N): without a caliper it follows the load.

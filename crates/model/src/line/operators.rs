@@ -5,7 +5,7 @@
 use super::heat::bodies::{Bodies, is_resolved};
 use super::heat::edges::{Edges, Worn};
 use super::hottest::Hottest;
-use super::profile::{Profile, cell_means};
+use super::profile::{Profile, initial_gap};
 use crate::fastest_growth::FastestGrowth;
 use crate::growth::grows_otherwise;
 use crate::lumped;
@@ -202,11 +202,7 @@ impl LineOperators {
         let block = block.as_deref();
         let bodies = compliances_with(scene, &cells, block).map_err(|error| error.to_string())?;
         let [punch, strip] = &bodies;
-        let mut initial_gap = match &scene.initial_shape {
-            InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
-            InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x * x * x / (6.0 * radius)),
-            InitialShape::Tabulated(values) => cell_means(&cells, values),
-        };
+        let mut initial_gap = initial_gap(scene, &cells);
         if scene.initial_shape == InitialShape::RunIn {
             initial_gap = run_in(scene, heat, &cells, &bodies)
                 .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;

@@ -9,7 +9,7 @@
 //! Theory: docs/theory.md, section 8.4.
 
 use elasticity::Cells;
-use scene::STATIONS;
+use scene::{InitialShape, STATIONS, Scene};
 
 /// Stations and the boundaries of their intervals.
 #[derive(Clone, PartialEq, Debug)]
@@ -121,8 +121,17 @@ impl Profile {
     }
 }
 
+/// Gap of the unworn bodies of a scene, by cell, m; 0 for one that starts run in.
+pub fn initial_gap(scene: &Scene, cells: &Cells) -> Vec<f64> {
+    match &scene.initial_shape {
+        InitialShape::Flat | InitialShape::RunIn => vec![0.0; cells.count()],
+        InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x * x * x / (6.0 * radius)),
+        InitialShape::Tabulated(values) => cell_means(cells, values),
+    }
+}
+
 /// Cell means of a quantity given at the stations and linear between them.
-pub(crate) fn cell_means(cells: &Cells, values: &[f64; STATIONS]) -> Vec<f64> {
+fn cell_means(cells: &Cells, values: &[f64; STATIONS]) -> Vec<f64> {
     let half_width = cells.half_width();
     let spacing = 2.0 * half_width / (STATIONS - 1) as f64;
     // Integral from the -x edge; linear interpolation integrates to a quadratic within an interval.

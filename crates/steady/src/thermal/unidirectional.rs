@@ -10,20 +10,21 @@
 
 use super::partition::{ActivePartition, Heat, steady_bodies};
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
-use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
+use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, of_law, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
 use conduction::line::{
     BESIDE, Boundary, FACES, FAR, FaceInfluence, FrozenState, SingleStep, Stage, SurfaceInfluence, Surroundings,
 };
 use contact::friction::{FrictionLaw, OperatingPoint};
 use contact::wear::law::WearLaw;
-use contact::wear::line::{CellRate, WearTerm};
+use contact::wear::line::CellRate;
 use contact::{ContactSolver, Normal};
 use elasticity::discretization::relative_radii;
 use elasticity::{Cells, Compliance};
 use model::instability::CriticalSpeed;
 use model::line::heat::bodies::cooled_part;
 use model::line::hottest::Hottest;
+use model::line::profile::initial_gap;
 use model::lumped::air::Air;
 use nalgebra::{DMatrix, DVector};
 use numerics::acceleration::Anderson;
@@ -246,10 +247,7 @@ impl Problem<'_> {
         let at = |((t, kinetic_coefficient), radius): ((&f64, &f64), &f64)| -> f64 {
             factor * law.coefficient(speed * radius, *kinetic_coefficient, t + scene.ambient_temperature)
         };
-        let coefficient =
-            local_temperature.iter().zip(kinetic_coefficient).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
-        let term = WearTerm { coefficient, law: law.pressure };
-        CellRate::of_bodies(if law.active() { vec![term] } else { Vec::new() })
+        of_law(law, local_temperature.iter().zip(kinetic_coefficient).zip(&self.radii).map(at))
     }
 
     /// Pressure on the gap displaced by `undeformed` (m) by heat without friction, with the thermal compliance `thermal_compliance` (m/Pa).
