@@ -10,7 +10,8 @@ mod rates;
 mod reports;
 mod snapshot;
 
-pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
+pub use inputs::LARGEST_INPUT;
+pub(crate) use inputs::{LONGEST_STEP, SHORTEST_STEP};
 pub(crate) use messages::Messages;
 pub use snapshot::Snapshot;
 

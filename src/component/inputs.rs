@@ -12,11 +12,11 @@ pub const LARGEST_INPUT: f64 = 1e12;
 
 /// Shortest step above 0, s: far below the rounding errors of differences of simulation times, and far above where the reciprocal
 /// of a step overflows.
-pub const SHORTEST_STEP: f64 = 1e-24;
+pub(crate) const SHORTEST_STEP: f64 = 1e-24;
 
 /// Longest step, s: 32 years. The energy balance closes to rounding only as long as the heat that flows within a step is not far
 /// above the heat that is stored.
-pub const LONGEST_STEP: f64 = 1e9;
+pub(crate) const LONGEST_STEP: f64 = 1e9;
 
 /// First of the inputs that are checked at every change: the temperatures and the cooling velocity.
 const FIRST_TEMPERATURE: usize = reference("ambient_temperature_offset") as usize;

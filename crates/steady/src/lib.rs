@@ -20,7 +20,8 @@ pub use box_programme::{BoxProgramme, BoxSolution, ProgrammeError};
 pub use cycle::{Cycle, CycleProblem};
 pub use reciprocating::{Reciprocating, ReciprocatingProblem};
 pub use thermal::run_in;
-pub use unidirectional::{Unidirectional, groove, groove_operator, punch_run_in};
+pub(crate) use unidirectional::groove_operator;
+pub use unidirectional::{Unidirectional, groove, punch_run_in};
 
 use contact::ContactError;
 use contact::wear::line::StageError;

@@ -112,7 +112,7 @@ pub fn groove(
 }
 
 /// Cell means of the groove per worn depth per sliding distance: N x N, `integral_x^lead f dx'`, in m.
-pub fn groove_operator(cells: &Cells, direction: Direction) -> DMatrix<f64> {
+pub(crate) fn groove_operator(cells: &Cells, direction: Direction) -> DMatrix<f64> {
     let widths = cells.widths();
     let ahead = |i: usize, j: usize| if direction == Direction::Forward { j > i } else { j < i };
     DMatrix::from_fn(cells.count(), cells.count(), |i, j| match i == j {

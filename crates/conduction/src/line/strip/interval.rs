@@ -29,7 +29,7 @@ pub(crate) struct Interval<'a> {
 
 /// Workspace of stage responses: responses of the modes by distance and on the cells, of temperature and distortion.
 #[derive(Clone, Debug)]
-pub struct IntervalWorkspace {
+pub(crate) struct IntervalWorkspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
     /// Response of each mode: of temperature and distortion.

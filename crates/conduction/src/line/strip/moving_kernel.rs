@@ -150,7 +150,7 @@ fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
 /// A pair and its mirror image have the same distance, so every mean belongs to two pairs; the second antiderivative is
 /// evaluated once for all pairs of edges of the same distance, and without a shift for the opposite distance as well.
 #[derive(Clone, Debug)]
-pub struct MeanKernel {
+pub(crate) struct MeanKernel {
     count: usize,
     /// g at the difference of edges i - j, row by row.
     corners: Vec<f64>,

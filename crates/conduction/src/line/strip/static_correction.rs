@@ -97,7 +97,7 @@ impl Gains {
 
 /// Workspace of the sums.
 #[derive(Debug)]
-pub struct CorrectionWorkspace {
+pub(crate) struct CorrectionWorkspace {
     gains: Gains,
     nodes: Nodes,
     source: MeanKernel,
