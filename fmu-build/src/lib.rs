@@ -10,6 +10,7 @@ pub mod arguments;
 pub mod batch;
 pub mod bench;
 pub mod command_line;
+pub mod drawing;
 pub mod fit;
 pub mod native;
 pub mod output;

@@ -288,12 +288,8 @@ impl Run {
             Contact::Cold => "pads never off the disc",
             Contact::Heat => "brakes on and off",
         };
-        let mut figure = Figure::new(
-            format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),
-            vec![panel],
-        );
-        figure.panel_size = (760, 420);
-        figure.with_header(vec![
+        let title = format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells);
+        Figure { height: 2.8, ..Figure::new(title, vec![panel]) }.with_header(vec![
             format!(
                 "Front disc brake, UDDS at {} times its speed, {pads}, {} steps of 1 ms {how}",
                 self.case.speed,

@@ -19,6 +19,8 @@ from .results import Cycles, SteadyState
 def drawn(kind: str, content: dict[str, Any]) -> Figure:
     if kind == "simulation":
         return _figure.figure_of(content)
+    if kind == "panels":
+        return _figure.panels(content)
     record = content | {"table": ""}
     return _figure.steady(SteadyState(record)) if kind == "steady" else _figure.cycles(Cycles(record))
 

@@ -1,4 +1,4 @@
-"""Draws the figures of simulations, steady states and cycles, for the package and for `cargo fmu`.
+"""Draws the figures of simulations, steady states and cycles, for the package and for `cargo fmu`, and the charts of the latter.
 
 Of a simulation: panels over the time in two columns, panels over the contact in a row below. They come with their labels and curves from
 crates/analyses/src/simulation/figure.rs; nothing is computed here but the range of curves with hundreds of strokes.
@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
 
 from ._curve import monotone_cubic
 
@@ -43,6 +44,15 @@ WIDTH = 180 / 25.4  # inches: the width of a page of most journals
 ROW = 1.55
 PANEL = 2.8  # inches: width of the axes of a panel over the time, at least
 LEGEND = 7.0  # points
+MARKS: dict[str, dict[str, Any]] = {
+    "line": {},
+    "thin": {"linewidth": 0.6},
+    "dashes": {"linestyle": "--"},
+    "points": {"linestyle": "none", "marker": "o"},
+    "line_and_points": {"marker": "o"},
+    "dashes_and_squares": {"linestyle": "--", "marker": "s"},
+    "crosses": {"linestyle": "none", "marker": "x", "markersize": 4.0},
+}
 MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
 
 
@@ -149,14 +159,20 @@ def draw(axis: Axes, panel: dict[str, Any], over_time: bool = False) -> None:
         points.set_clip_on(bool(highest > axis.get_ylim()[1]))
 
 
-def legend(axis: Axes, handles: list[Any], labels: list[str], width: float) -> None:
-    """Above the axes, where no curve is, in as many columns as have room in their `width` (inches). A blank title keeps its height free; the
-    legend itself must not change the layout."""
-    if not handles:
-        return
-    columns = max(own for own in range(1, 1 + min(len(labels), 4)) if own == 1 or legend_width(labels, own) <= width)
-    axis.set_title("\n" * (-(-len(labels) // columns) - 1) + " ", fontsize=LEGEND, linespacing=1.55, pad=3.0)
-    axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns).set_in_layout(False)
+def legend(axis: Axes, handles: list[Any], labels: list[str], width: float, title: str = "") -> None:
+    """Above the axes, where no curve is, in as many columns as have room in their `width` (inches). A blank title keeps its height free, below
+    the axes' own `title`; the legend itself must not change the layout."""
+    columns = legend_columns(labels, width)
+    blank = "\n" * (-(-len(labels) // columns) - 1) + " " * bool(labels)
+    text = "\n".join(filter(None, (title, blank)))
+    if text:
+        axis.set_title(text, fontsize=LEGEND, fontweight="bold" if title else None, linespacing=1.55, pad=3.0)
+    if handles:
+        axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns).set_in_layout(False)
+
+
+def legend_columns(labels: list[str], width: float) -> int:
+    return max((own for own in range(2, 1 + min(len(labels), 4)) if legend_width(labels, own) <= width), default=1)
 
 
 def legend_width(labels: list[str], columns: int) -> float:
@@ -320,6 +336,68 @@ def cycles(course: Any) -> Figure:
         axis.set_xlabel("cycles")
     figure.suptitle(f"{course.scene} over its cycles", fontsize=9)
     return figure
+
+
+def panels(content: dict[str, Any]) -> Figure:
+    """A chart of `fmu-build/src/plot.rs`: title, texts, key, and panels with their legends."""
+    own, columns = content["panels"], content["columns"]
+    page = WIDTH * max(columns, 2) / 2
+    told = [line for text in content["header"] for line in textwrap.wrap(text, round(21 * page))]
+    key = [sample(series, index) for index, series in enumerate(content["key"])]
+    names = [textwrap.fill(series["name"], 66) for series in content["key"]]  # half of the page
+    width = page / columns - 0.7
+    legends = [[series["name"] for series in panel["series"] if series["name"]] for panel in own]
+    lines = [-(-len(names) // legend_columns(names, width)) for names in legends]
+    rows = [max(lines[first : first + columns]) for first in range(0, len(own), columns)]
+    height = (content["height"] + 0.7) * len(rows) + 0.15 * (sum(rows) + -(-len(key) // 2) + len(told)) + 0.3
+    figure = plt.figure(figsize=(page, height), layout="constrained")
+    spread(figure)
+    # A text and a key above panels have room each in a part of their own.
+    part: Any = figure.subfigures(1, 1)
+    if told:
+        part.suptitle("\n".join(told), fontsize=6.5)
+        part = part.subfigures(1, 1)
+    if key:
+        part.legend(key, names, loc="outside upper center", ncols=2)
+    axes = part.subplots(len(rows), columns, squeeze=False).flatten()
+    for axis, panel, labels in zip(axes, own, legends):
+        handles = []
+        for index, series in enumerate(panel["series"]):
+            line = axis.add_line(sample(series, index))
+            # A gap interrupts the line.
+            line.set_data(np.array(series["points"], dtype=float).reshape(-1, 2).T)
+            handles += [line] if series["name"] else []
+        axis.relim()
+        axis.margins(0.03, 0.06)
+        for name in "xy":
+            given = panel[name]
+            axis.set(**{f"{name}label": textwrap.fill(given["label"], 38 if name == "y" else 60)})
+            if given["logarithmic"]:
+                getattr(axis, f"set_{name}scale")("log", nonpositive="mask")
+            if given["range"]:
+                axis.set(**{f"{name}lim": given["range"]})
+        axis.autoscale_view()
+        for line in axis.lines:
+            # Points at the ends of a range are seen whole.
+            points, view = line.get_xydata(), axis.viewLim
+            line.set_clip_on(bool(((points < view.min) | (points > view.max)).any()))
+        for line, (low, high) in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
+            # Less than three powers of ten: 1, 2 and 5 times each.
+            if line.get_scale() == "log" and np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 2.0:
+                line.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                line.set_major_formatter("{x:g}")
+            line.set_minor_locator(NullLocator())
+        legend(axis, handles, labels, width, panel["title"])
+    for axis in axes[len(own):]:
+        axis.set_visible(False)
+    figure.suptitle(content["title"], fontsize=9)
+    return figure
+
+
+def sample(series: dict[str, Any], index: int) -> Line2D:
+    """A line without points in the look of a series, at this place of its panel or key."""
+    colour = COLOURS[(index if series["colour"] is None else series["colour"]) % len(COLOURS)]
+    return Line2D([], [], **{"color": colour, "markersize": 3.0, "label": series["name"]} | MARKS[series["mark"]])
 
 
 def save(figure: Figure, path: str, kind: str) -> None:

@@ -1,5 +1,7 @@
 """The axes of the figure of a simulation."""
 
+import re
+
 import pytest
 
 pytest.importorskip("matplotlib")
@@ -132,4 +134,31 @@ def test_measured_points_at_the_ends_of_a_run_are_drawn_whole():
     _figure.draw(axis, own, True)
     points = axis.lines[1]
     assert list(points.get_xdata()) == [0.0, 100.0] and not points.get_clip_on()
+    _figure.plt.close("all")
+
+
+def test_a_chart_draws_every_text_and_curve_and_interrupts_lines_at_gaps(tmp_path):
+    points = [[1.0, 1.0], [2.0, None], [3.0, 0.0], [4.0, 4.0], [5.0, 5.0], [6.0, 1e3]]
+    series = [{"name": name, "points": points, "mark": mark, "colour": None} for name, mark in (("computed", "line"), ("exact", "points"))]
+    axes = {"x": {"label": "cells", "logarithmic": False, "range": [0.0, 6.0]}, "y": {"label": "error", "logarithmic": True, "range": None}}
+    own = {"title": "Kernels", "header": ["nu = 0.3"], "columns": 2, "height": 1.5, "panels": [{"title": "Error", **axes, "series": series}] * 3}
+    own["key"] = [series[0] | {"name": "of all panels", "points": [], "mark": mark} for mark in _figure.MARKS]
+    paths = [tmp_path / name for name in ("chart.svg", "same.svg")]
+    for path in paths:
+        with _figure.plt.rc_context(_figure.STYLE):
+            figure = _figure.drawn("panels", own)
+            _figure.save(figure, str(path), "svg")
+    svg, same = (path.read_text() for path in paths)
+    assert svg == same
+    axis = figure.get_axes()[0]
+    assert (axis.get_xlim(), axis.get_xscale(), axis.get_yscale()) == ((0.0, 6.0), "linear", "log")
+    assert 1e3 < axis.get_ylim()[1] < 2e3 and 0.5 < axis.get_ylim()[0] < 1.0
+    for text, count in (("computed", 3), ("exact", 3), ("Error", 3), ("cells", 3), ("Kernels", 1), ("nu = 0.3", 1), ("of all panels", 7)):
+        assert svg.count(f">{text}</text>") == count, text
+    # Positive and finite are the points 1, 4, 5 and 6.
+    line = re.search(r'<g id="line2d_\d+">\s*<path d="([^"]*)" clip-path[^>]*#0072b2', svg)
+    assert [own.count("L") for own in line[1].split("M")[1:]] in ([0, 2], [2])
+    boxes = [axis.get_window_extent() for axis in figure.get_axes()]
+    legends = [axis.get_legend().get_window_extent() for axis in figure.get_axes() if axis.get_legend()]
+    assert len(legends) == 3 and not any(box.overlaps(other) for box in legends for other in boxes)
     _figure.plt.close("all")

@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
     /// Folder to write to; by default `accuracy` in cargo's target folder.
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Leave the peers out: no Python environment is made.
+    /// Leave the peers out: no Python environment is made for them.
     #[arg(long)]
     no_peers: bool,
     /// Recompute the reference solutions of the scenes, without a limit of time, and keep them in docs/accuracy/truth: for

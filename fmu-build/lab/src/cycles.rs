@@ -1,8 +1,7 @@
 //! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
-use crate::figure::{self, Drawn};
 use crate::output::{self, Interrupted, print_line, print_text};
-use crate::{arguments, ctrl_c, scenes};
+use crate::{arguments, ctrl_c, drawing, scenes};
 use analyses::cycles::{CycleHistory, Options, advance};
 use anyhow::{Result, bail};
 use fmu_build::progress::Progress;
@@ -42,7 +41,7 @@ pub(crate) struct Arguments {
 pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
         output::check_file("--output", path)?;
-        figure::format("--output", path)?;
+        drawing::format("--output", path)?;
     }
     let history = history(arguments)?;
     if arguments.json {
@@ -51,7 +50,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", history.table());
     }
     if let Some(path) = &arguments.output {
-        figure::write(&Drawn::Cycles(history.record()), "--output", path)?;
+        drawing::write("cycles", &history.record(), "--output", path)?;
         if !arguments.json {
             print_line!("drawn in {}", path.display());
         }

@@ -9,7 +9,6 @@ mod bench;
 mod chart;
 mod ctrl_c;
 mod cycles;
-mod figure;
 mod fuzz;
 mod golden;
 mod man;
@@ -23,7 +22,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use fmu_build::{arguments, columns, native, output, package, parquet, plot, project, python, scenes};
+use fmu_build::{arguments, columns, drawing, native, output, package, parquet, plot, project, python, scenes};
 
 /// Commands of `cargo fmu` that compute natively.
 #[derive(Parser, Debug)]

@@ -5,7 +5,7 @@ mod write;
 use crate::arguments;
 use crate::columns::{self, Column, Table};
 use crate::ctrl_c;
-use crate::figure::{self, Drawn};
+use crate::drawing;
 use crate::output::{self, Interrupted, print_line, print_text};
 use crate::scenes;
 use analyses::simulation::quantity::rounded;
@@ -68,7 +68,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     let table =
         arguments.output.as_ref().map(|path| if parquet.is_some() { path.with_extension("csv") } else { path.clone() });
     if let Some(plot) = &arguments.plot {
-        figure::format("--plot", plot)?;
+        drawing::format("--plot", plot)?;
     }
     let profiles = table.as_deref().map(write::beside);
     let written =
@@ -127,7 +127,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
     };
     if let Some(path) = &arguments.plot {
         let figure = Figure::new(&packaged.name, &recording, &deviations);
-        figure::write(&Drawn::Simulation(&figure), "--plot", path)?;
+        drawing::write("simulation", &figure, "--plot", path)?;
         files.push(path.display().to_string());
     }
     let summary = Summary {

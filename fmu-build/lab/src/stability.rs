@@ -46,8 +46,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         let map = compute(&definition, grid)?;
         let (svg, csv) =
             (folder.join(format!("{}.svg", definition.name)), folder.join(format!("{}.csv", definition.name)));
-        figure(&map).write(&svg)?;
         fs::write(&csv, table(&map)).with_context(|| format!("writing {}", csv.display()))?;
+        figure(&map).write(&svg)?;
         if arguments.json {
             records.push(record(definition.name, &map));
         } else {
@@ -87,12 +87,12 @@ fn compute(definition: &Definition, grid: Grid) -> Result<Map> {
 }
 
 /// Colour of a verdict in the order of the plot's palette: right green, inexact light blue, rings amber, hides growth purple,
-/// grows vermilion, refused grey.
+/// grows vermilion, refused black.
 fn colour(verdict: Verdict) -> usize {
     match verdict {
         Verdict::Right => 2,
-        Verdict::Inexact => 4,
-        Verdict::Rings => 5,
+        Verdict::Inexact => 5,
+        Verdict::Rings => 4,
         Verdict::Hides => 3,
         Verdict::Grows => 1,
         Verdict::Refused => 6,
@@ -121,7 +121,7 @@ fn figure(map: &Map) -> Figure {
             }
             computed += 1;
             // Over judged points, in a colour that no verdict has.
-            let colours = if panel.points.is_empty() { [1, 2, 5] } else { [0, 0, 0] };
+            let colours = if panel.points.is_empty() { [1, 2, 4] } else { [0, 0, 0] };
             // No line between runs where the theory tells more.
             let finer = panel.curves.iter().any(|other| other.theory && other.points.len() > curve.points.len());
             let mark = if finer { Mark::Points } else { Mark::LineAndPoints };
@@ -132,24 +132,8 @@ fn figure(map: &Map) -> Figure {
         let series: Vec<Series> = judged.chain(runs).chain(theory).collect();
         Panel::new(panel.title.clone(), axis(&panel.x), axis(&panel.y), series)
     });
-    let header = wrapped(&map.problem, 74 * map.columns);
     let columns = map.columns;
-    Figure { columns, ..Figure::new(map.title, panels.collect()).with_header(header) }
-}
-
-/// Lines of at most `width` characters, cut between words.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
+    Figure { columns, ..Figure::new(map.title, panels.collect()).with_header(vec![map.problem.clone()]) }
 }
 
 /// One row per run and per point of a curve.

@@ -9,9 +9,8 @@ use anyhow::{Result, bail};
 use scene::Scene;
 use scene_file::SceneFile;
 
-use crate::figure::{self, Drawn};
 use crate::output::{self, print_line, print_text};
-use crate::{arguments, scenes};
+use crate::{arguments, drawing, scenes};
 
 /// Default number of cells for the law, which computes many states.
 const LAW_CELLS: usize = 33;
@@ -54,7 +53,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         output::check_ending(arguments.output.as_deref(), &["svg"])?;
     } else if let Some(path) = &arguments.output {
         output::check_file("--output", path)?;
-        figure::format("--output", path)?;
+        drawing::format("--output", path)?;
     }
     if let (Some(path), Some(scene)) = (&arguments.output, &arguments.scene)
         && output::would_replace(path, Path::new(scene))
@@ -71,7 +70,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", solved.table());
     }
     if let Some(path) = &arguments.output {
-        figure::write(&Drawn::Steady(solved.record()), "--output", path)?;
+        drawing::write("steady", &solved.record(), "--output", path)?;
         if !arguments.json {
             print_line!("drawn in {}", path.display());
         }

@@ -136,7 +136,7 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     let trace = Panel {
         title: "brake disc at 10 m/s, step 0.1 s".to_owned(),
         x: axis("steps from rest", false, (0.0, count + 1.0)),
-        y: axis("error over the temperature", true, (1e-6, 1.0)),
+        y: axis("error over the temperature", true, (1e-7, 1.0)),
         points: Vec::new(),
         curves: std::iter::once(bound).chain(curves).collect(),
     };

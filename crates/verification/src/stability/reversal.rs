@@ -147,7 +147,7 @@ fn trace() -> Fallible<[Vec<(f64, f64)>; 3]> {
 }
 
 fn assemble([other, default]: [Vec<Point>; 2], [known, ringing, followed]: [Vec<(f64, f64)>; 3]) -> Map {
-    let step = || axis("step over the thermal time, kd h/l²", true, (7e-4, 2e3));
+    let step = || axis("step over the thermal time, kd h/l²", true, (7e-4, 2e4));
     let peclet = || axis("Peclet number V l/(2 kd)", true, (7e-3, 1.4e3));
     let titles = ["Crank-Nicolson", "default"];
     let judged: Vec<Panel> = (titles.into_iter().zip([other, default]))

@@ -323,9 +323,9 @@ fn assemble(
         Panel {
             title: format!("error from the tenth step on, N = {count}"),
             x: axis("wear step over the explicit limit", Some((0.01, 100.0))),
-            y: axis("error over the deviation at the start", Some((1e-7, 10.0))),
+            y: axis("error over the deviation at the start", Some((1e-8, 10.0))),
             points: Vec::new(),
-            curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-7), (1.0, 1e3)], true)]).collect(),
+            curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-8), (1.0, 1e3)], true)]).collect(),
         }
     };
     let bounds = Panel {

@@ -20,14 +20,14 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
         "lumped" => (0, Mark::LineAndPoints),
         "lumped, inputs held" => (0, Mark::DashesAndSquares),
         "line, tolerance" => (2, Mark::LineAndPoints),
-        "line, cells" => (4, Mark::LineAndPoints),
-        "line, cells, 1e-3" => (4, Mark::DashesAndSquares),
-        "line, cells, 1e-2" => (4, Mark::Points),
+        "line, cells" => (5, Mark::LineAndPoints),
+        "line, cells, 1e-3" => (5, Mark::DashesAndSquares),
+        "line, cells, 1e-2" => (5, Mark::Points),
         "line, inputs held" => (2, Mark::DashesAndSquares),
         "line, isothermal" => (6, Mark::DashesAndSquares),
         // Recorded charts only.
-        "explicit" => (5, Mark::LineAndPoints),
-        "staggered" => (5, Mark::DashesAndSquares),
+        "explicit" => (4, Mark::LineAndPoints),
+        "staggered" => (4, Mark::DashesAndSquares),
         "field" => (3, Mark::LineAndPoints),
         _ if peer && (name.contains("this FMU") || name.contains("Euler")) => (3, Mark::DashesAndSquares),
         _ => (1, Mark::DashesAndSquares),
@@ -60,13 +60,7 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
         key.push(Series::line("did not come to its end, in its colour", Vec::new()).with(Mark::Crosses).coloured(6));
     }
     key.push(Series::line("1 % error", Vec::new()).with(Mark::Thin).coloured(6));
-    let header = table::header(chart);
-    Figure {
-        columns: 2,
-        key,
-        panel_size: (560, 300),
-        ..Figure::new(chart.problem.title, panels).with_header(header.iter().flat_map(|line| wrapped(line)).collect())
-    }
+    Figure { key, height: 1.4, ..Figure::new(chart.problem.title, panels).with_header(table::header(chart)) }
 }
 
 fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
@@ -97,22 +91,4 @@ fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
         Axis::logarithmic(format!("error / {}", quantity.relative_to())).over(0.6 * least, HIGHEST),
         series,
     )
-}
-
-/// A line in lines that fit the picture.
-fn wrapped(text: &str) -> Vec<String> {
-    const LONGEST_LINE: usize = 155;
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let last = lines.last_mut().expect("there is a first line");
-        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > LONGEST_LINE {
-            lines.push(format!("    {word}"));
-        } else {
-            if !last.is_empty() {
-                last.push(' ');
-            }
-            last.push_str(word);
-        }
-    }
-    lines
 }

@@ -211,13 +211,12 @@ impl Scaling {
         let mut header = self.header.clone();
         header.extend(self.omissions.iter().map(|text| format!("Left out: {text}")));
         let panels: Vec<Panel> = panels.collect();
-        Figure { columns: 2, ..Figure::new("Cost of a step against its size", panels).with_header(header) }
+        Figure::new("Cost of a step against its size", panels).with_header(header)
     }
 
     /// Writes picture and table.
     pub(crate) fn write(&self, folder: &Path) -> Result<[PathBuf; 2]> {
         let (svg, csv) = (folder.join("cost_per_step.svg"), folder.join(TABLE));
-        self.figure().write(&svg)?;
         let mut text: String = self.header.iter().map(|line| format!("# {line}\n")).collect();
         text.extend(self.omissions.iter().map(|line| format!("# left out: {line}\n")));
         text += "group,law,size,seconds_per_step\n";
@@ -229,6 +228,7 @@ impl Scaling {
             }
         }
         fs::write(&csv, text).with_context(|| format!("writing {}", csv.display()))?;
+        self.figure().write(&svg)?;
         Ok([svg, csv])
     }
 

@@ -85,7 +85,7 @@ pub(crate) fn draw(chart: &Chart) -> Figure {
     key.push(Series::line("1 % error", Vec::new()).with(Mark::Thin).coloured(6));
     // The part before the colon names the scene.
     let title = chart.problem.title.split(':').next().unwrap_or_default();
-    Figure { columns: 2, key, panel_size: (480, 380), ..Figure::new(title, panels) }
+    Figure { key, height: 2.2, ..Figure::new(title, panels) }
 }
 
 #[cfg(test)]

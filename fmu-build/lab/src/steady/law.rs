@@ -1,5 +1,6 @@
 //! `cargo fmu steady --law`: influence of heat on the steady pressures against cycle length.
 
+use crate::output;
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use anyhow::{Context, Result};
 use elasticity::discretization::{cells_for, compliances};
@@ -132,8 +133,9 @@ impl Law {
 
     /// Writes the figure, and the numbers beside it.
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
-        self.figure().write(path)?;
         let csv = path.with_extension("csv");
-        fs::write(&csv, self.csv()).with_context(|| format!("writing {}", csv.display()))
+        output::make_above(&csv)?;
+        fs::write(&csv, self.csv()).with_context(|| format!("writing {}", csv.display()))?;
+        self.figure().write(path)
     }
 }
