@@ -147,7 +147,7 @@ impl Call {
 static OUTPUTS: LazyLock<Vec<u32>> = LazyLock::new(real_outputs);
 
 /// The first output that is not finite, or an `estimated_error` that is none.
-pub fn nonsense(importer: &Importer) -> Option<String> {
+pub(crate) fn nonsense(importer: &Importer) -> Option<String> {
     let values = match importer.get_reals(&OUTPUTS) {
         Ok(values) => values,
         Err(status) => return Some(format!("fmi2GetReal returns {status:?}")),

@@ -146,7 +146,7 @@ def test_a_chart_draws_every_text_and_curve_and_interrupts_lines_at_gaps(tmp_pat
     paths = [tmp_path / name for name in ("chart.svg", "same.svg")]
     for path in paths:
         with _figure.plt.rc_context(_figure.STYLE):
-            figure = _figure.drawn("panels", own)
+            figure = _figure.panels(own)
             _figure.save(figure, str(path), "svg")
     svg, same = (path.read_text() for path in paths)
     assert svg == same
