@@ -15,7 +15,6 @@ pub mod units;
 
 use crate::message;
 pub use rows::TABLE;
-use std::collections::HashMap;
 use std::sync::LazyLock;
 use types::RealType;
 use units::Unit;
@@ -297,7 +296,7 @@ pub fn find(name: &str) -> Option<ValueReference> {
         Some((base, index)) => (base, Some(index.parse::<u32>().ok()?)),
         None => (name, None),
     };
-    let (first, elements) = *ROWS.get(base)?;
+    let (_, first, elements) = ROWS[ROWS.binary_search_by_key(&base, |row| row.0).ok()?];
     match (elements, element) {
         (0, None) => Some(first),
         (count, Some(index)) if (1..=count).contains(&index) => Some(first + index - 1),
@@ -305,10 +304,17 @@ pub fn find(name: &str) -> Option<ValueReference> {
     }
 }
 
-/// Value reference of the first element and number of elements of every row, by name.
-static ROWS: LazyLock<HashMap<&str, (ValueReference, u32)>> = LazyLock::new(|| {
-    let firsts = TABLE.iter().scan(0, |next, row| Some(std::mem::replace(next, *next + row.count())));
-    TABLE.iter().zip(firsts).map(|(row, first)| (row.name, (first, row.elements))).collect()
+/// Name, value reference of the first element and number of elements of every row, by name. Not on the heap: an importer that unloads the
+/// library would not get that back.
+static ROWS: LazyLock<[(&str, ValueReference, u32); TABLE.len()]> = LazyLock::new(|| {
+    let mut next = 0;
+    let mut rows = std::array::from_fn(|row| {
+        let (row, first) = (&TABLE[row], next);
+        next += row.count();
+        (row.name, first, row.elements)
+    });
+    rows.sort_unstable_by_key(|row| row.0);
+    rows
 });
 
 /// Reason for refusing a value; `Display` names the variable, the value and the limit.
